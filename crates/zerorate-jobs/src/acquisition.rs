@@ -1,4 +1,4 @@
-//! Samples of a device as the commands take them: one after the other, all of them, counted and judged.
+//! Reads all samples of a device in order, counts them and flags faulty readings.
 
 use crate::judged::JudgedAxis;
 use crate::warning::JobWarning;
@@ -24,7 +24,7 @@ pub struct Acquisition {
     everything: LosslessReader,
     pace: Pace,
     on_warning: WarningSink,
-    /// `None` before the first sample was requested.
+    /// `None` before the first batch was requested.
     batch: Option<Arc<Batch>>,
     taken: usize,
     marks_ns: Vec<u64>,
@@ -38,8 +38,8 @@ pub struct Acquisition {
 }
 
 impl Acquisition {
-    /// Opens the device. It is read until its end, or until `stop` is asked. `on_warning` receives the warnings of
-    /// the device.
+    /// Opens the device. It is read until its data end, or until `stop` is requested. `on_warning` receives the
+    /// device's warnings.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -66,7 +66,7 @@ impl Acquisition {
         })
     }
 
-    /// Whether a recording is read, which has no wires to check.
+    /// Whether a recording is read. A recording has no bus to test.
     pub fn is_recording(&self) -> bool {
         self.is_recording
     }
@@ -76,10 +76,11 @@ impl Acquisition {
         self.hub.facts()
     }
 
-    /// The description of the capture. A given note replaces that of the recording; a serial number must be the same.
+    /// The description of the capture. `notes` replace those of the recording. A given serial number must equal the
+    /// recorded one.
     ///
     /// # Errors
-    /// Returns an error if the recording belongs to another part.
+    /// Returns an error if the recording states another serial number.
     pub fn info(&self, serial: Option<&str>, notes: &Notes) -> Result<CaptureInfo> {
         self.check_serial(serial)?;
         let mut info = self.facts().info.clone();
@@ -88,10 +89,10 @@ impl Acquisition {
         Ok(info)
     }
 
-    /// Refuses a recording that states another serial number than the one that is given.
+    /// Refuses a recording whose serial number differs from `serial`.
     ///
     /// # Errors
-    /// Returns an error if the recording belongs to another part.
+    /// Returns an error if both serial numbers are known and differ.
     pub fn check_serial(&self, serial: Option<&str>) -> Result<()> {
         match (serial, self.facts().info.serial.as_deref()) {
             (Some(given), Some(recorded)) if given != recorded => {
@@ -111,19 +112,20 @@ impl Acquisition {
         Ok(self.hub.with(|source| source.try_bus())?)
     }
 
-    /// Measures the change of the rate under self-test (F-11). Call it before the first sample. Errors call
-    /// settings by `names`.
+    /// Measures the change of the rate under self-test (F-11). Call it before the first sample. Error messages use
+    /// `names` for the settings.
     pub fn self_test(&self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let gpio = gpio.to_owned();
         Ok(self.hub.with(move |source| source.self_test(&gpio, names))?)
     }
 
-    /// Asks for the twin's truth at the first sample this time after the very first, ns.
+    /// Requests the twin's true state at the first sample that is at least `after_ns` after the first of all, ns.
     pub fn mark(&mut self, after_ns: u64) {
         self.marks_ns.push(after_ns);
     }
 
-    /// The twin's truth at the sample that was taken last, of each axis, if it was marked.
+    /// The twin's true state of each axis at the last returned sample. Empty unless that sample was requested by
+    /// `mark`.
     pub fn truths(&self) -> Vec<Truth> {
         let last = self.batch.as_ref().filter(|batch| batch.rows.len() == self.taken);
         last.map_or_else(Vec::new, |batch| batch.truths.clone())
@@ -134,7 +136,7 @@ impl Acquisition {
         &self.tally
     }
 
-    /// The next sample; `None` at the end of a recording or where the reading was stopped.
+    /// Returns the next sample, or `None` at the end of a recording or after a stop.
     #[inline]
     pub fn next_row(&mut self) -> Result<Option<Row>> {
         if self.is_stopped() {
@@ -167,8 +169,8 @@ impl Acquisition {
         Ok(true)
     }
 
-    /// Gives the next reading of each axis with its faults, two samples late, and the rest at the end. Empty behind
-    /// the last.
+    /// Puts the next reading of each axis, with its fault flags, into `judged`. It runs two samples behind. Returns
+    /// false after the last reading.
     #[inline]
     pub fn next_judged(&mut self, judged: &mut Vec<Judged>) -> Result<bool> {
         judged.clear();
@@ -187,7 +189,7 @@ impl Acquisition {
         Ok(judged.len() == self.axes.len())
     }
 
-    /// Judges a sample that goes on as it is; `keep`: what becomes of it will be taken.
+    /// Checks the reading of each axis. With `keep`, the checked readings are queued for `next_judged`.
     #[inline]
     fn judge(&mut self, row: &Row, keep: bool) {
         for (index, axis) in self.axes.iter_mut().enumerate() {
@@ -196,18 +198,18 @@ impl Acquisition {
         }
     }
 
-    /// Judges a sample that goes on as it is.
+    /// Checks a sample without queuing it for `next_judged`. The caller uses the sample itself.
     #[inline]
     pub fn look_at(&mut self, row: &Row) {
         self.judge(row, false);
     }
 
-    /// The part that is read, as it was set.
+    /// The part that is read, with its current settings.
     pub fn part(&self) -> &Part {
         &self.facts().part
     }
 
-    /// The checks of each axis.
+    /// The reading checks of each axis.
     pub fn healths(&self) -> impl Iterator<Item = &Health> {
         self.axes.iter().map(|axis| &axis.health)
     }
@@ -222,12 +224,12 @@ impl Acquisition {
         self.healths().find_map(Health::frozen)
     }
 
-    /// Time of the first sample.
+    /// Time of the first sample, ns; 0 before it.
     pub fn start_ns(&self) -> u64 {
         self.start_ns.unwrap_or_default()
     }
 
-    /// The warnings about the samples. This judges the rest of them.
+    /// The warnings about all samples. Finishes the checks of the last ones first.
     pub fn warnings(&mut self) -> Vec<JobWarning> {
         for axis in &mut self.axes {
             while axis.health.finish().is_some() {}
@@ -252,7 +254,7 @@ impl Acquisition {
         resonance::warning(&first.axis, rate_hz, edges, average_s)
     }
 
-    /// Whether progress is to be shown with this sample: with every 4096th, 1.4 times a second of part time.
+    /// Whether to show progress at this sample: every 4096th, which is 1.4 times a second of the part's time.
     #[inline]
     pub fn is_time_to_show(&self) -> bool {
         self.tally.samples.is_multiple_of(4096)
@@ -269,7 +271,7 @@ impl Acquisition {
     }
 }
 
-/// Means over this are what a recording is good for at least, s.
+/// The shortest averaging time for which a recording should be valid, s.
 const SHORTEST_AVERAGE_S: f64 = 1.0;
 
 /// F-56: samples alias when they come below twice the bandwidth.
@@ -278,7 +280,7 @@ pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
     (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })
 }
 
-/// The warnings about samples that were read, but lost before they came here.
+/// The warnings about samples that were read from the device but lost before they arrived here.
 pub fn lost_on_the_way(losses: Losses) -> impl Iterator<Item = JobWarning> {
     let Losses { overflowed, damaged } = losses;
     let overflow = (overflowed > 0).then_some(JobWarning::Overflowed(overflowed));

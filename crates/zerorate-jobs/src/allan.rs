@@ -1,4 +1,4 @@
-//! The noise of columns of logs.
+//! Noise analysis of columns of logs.
 
 use crate::temperature;
 use anyhow::Result;
@@ -11,25 +11,25 @@ use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 pub struct AllanOptions {
     /// The columns of each log.
     pub columns: Columns,
-    /// Facts that the logs do not state.
+    /// Settings for reading: facts that the logs do not state.
     pub log: ColumnOptions,
-    /// The column with the temperature; none: one by the usual names.
+    /// The temperature column; `None` looks for a column with a usual name.
     pub temperature: Option<String>,
-    /// The options of the analysis of each.
+    /// The analysis options, the same for each column.
     pub analysis: AnalysisOptions,
 }
 
-/// Columns of a log.
+/// Selects columns of a log.
 pub enum Columns {
-    /// The one that its options name, or the only one.
+    /// The column that [`AllanOptions::log`] names, or the only one.
     Single,
     /// The columns with these names.
     Listed(Vec<String>),
-    /// All columns of numbers.
+    /// All numeric columns.
     All,
 }
 
-/// Analyses columns of each of these logs, one pass over each.
+/// Analyses the selected columns of each log, in one pass over each log.
 ///
 /// # Errors
 /// Returns an error if a log cannot be read, or a column cannot be analysed.
@@ -52,19 +52,19 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     Ok(records)
 }
 
-/// Analyses columns of a log that were read, with its temperature.
+/// Analyses columns that were already read from a log, together with the log's temperature.
 pub(crate) fn analysed(
     log: &Path,
     columns: Vec<Column>,
     temperature: Option<Column>,
     options: &AnalysisOptions,
 ) -> Result<Vec<Record>> {
-    // the integral of a rate does not follow it
+    // An angle (an integrated rate) does not follow the temperature; only the rate does.
     let temperature = temperature.as_ref().filter(|_| !options.is_phase);
     columns.into_iter().map(|column| Record::of(column, log, options, temperature).map_err(failed)).collect()
 }
 
-/// Sorts failures into the kinds that front ends tell apart.
+/// Unwraps errors of logs, so that front ends can tell them from errors of the analysis.
 fn failed(error: RecordError) -> anyhow::Error {
     match error {
         RecordError::Log(error) => error.into(),

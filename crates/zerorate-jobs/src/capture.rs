@@ -7,30 +7,30 @@ use zerorate::{Scale, Tally};
 use zerorate_host::files;
 use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, valid};
 
-/// The samples of a capture as columns, one row per sample, with how they were taken.
+/// The samples of a capture as columns, one row per sample, with the description of the capture.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
     /// Time of the data-ready edge, ns.
     pub t_ns: Vec<u64>,
-    /// Number of the edge.
+    /// Running number of the edge.
     pub edge_seq: Vec<u32>,
-    /// The part.
+    /// The name of the part.
     pub part: String,
     /// The axes.
     pub axes: Vec<RecordedAxis>,
-    /// Status register (of an ADIS16130: of the channel, F-35); −1 where it was not read.
+    /// Status register (of an ADIS16130: of the channel, F-35); −1 if it was not read.
     pub status: Vec<i64>,
-    /// Temperature code; none where it was not read.
+    /// Temperature code; `None` if it was not read.
     pub temp_code: Vec<Option<i64>>,
-    /// The meaning of the temperature codes.
+    /// The scale of the temperature codes.
     pub temp: Option<Scale>,
     /// Samples lost right before this one.
     pub lost: Vec<u32>,
     /// The description in the file (docs/formats/capture.md).
     pub metadata: Vec<(String, String)>,
-    /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
+    /// The id of the applied calibration, if the capture is a corrected one. Its raw columns are unchanged.
     pub calibration_id: Option<String>,
-    /// The warnings about the file: a torn tail, rows without checks, readings that cannot be trusted.
+    /// The warnings about the file: a torn tail, rows without checksums, readings that cannot be trusted.
     pub notes: Vec<CaptureWarning>,
 }
 
@@ -39,9 +39,9 @@ pub struct Recording {
 pub struct RecordedAxis {
     /// The name of the axis in the part.
     pub name: String,
-    /// Rate code.
+    /// Rate codes.
     pub codes: Vec<i64>,
-    /// The meaning of the codes, in °/s.
+    /// The scale of the codes, in °/s.
     pub scale: Scale,
     /// The faults of the reading, 0 for none: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible
     /// temperature.
@@ -49,10 +49,11 @@ pub struct RecordedAxis {
     health: Health,
 }
 
-/// Reads a capture, in any of its forms.
+/// Reads a capture in any supported format.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or if its content is not valid. The error names the place.
+/// Returns an error if the file cannot be read, or if its content is not valid. The error states the place in the
+/// file.
 pub fn read_capture(path: &Path) -> Result<Recording> {
     let mut reader = files::capture(path)?;
     let info = reader.info().clone();

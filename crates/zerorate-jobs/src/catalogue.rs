@@ -1,4 +1,4 @@
-//! The parts that the program knows by name: the files of `parts/`.
+//! The catalogue of parts that the program knows by name: the files of `parts/`.
 
 use crate::InvalidOptions;
 use crate::output::{OutputError, Outputs};
@@ -19,7 +19,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "mpu6050" "mpu9250" "mti1" "scha634d03" "vn100"
 };
 
-/// The text of a part's file: of the catalogue, or from the path.
+/// The text of a part file, from the catalogue or from a path.
 ///
 /// # Errors
 /// Returns the errors of [`Outputs::reads`].
@@ -30,7 +30,7 @@ pub fn text(named: &Path, outputs: &mut Outputs) -> Result<io::Result<String>, O
     }
 }
 
-/// The text of a part's file, and the full scale in °/s that `named` states: `icm20948:500`.
+/// The text of a part file, and the full scale in °/s if `named` states one, as in `icm20948:500`.
 ///
 /// # Errors
 /// Returns [`InvalidOptions`] if there is no such part, or the errors of [`Outputs::reads`].
@@ -51,14 +51,14 @@ fn split(named: &Path) -> (PathBuf, Option<f64>) {
     named.to_str().and_then(of_text).unwrap_or_else(|| (named.to_owned(), None))
 }
 
-/// The file of the part with this name. Only letters and digits count, of either case.
+/// Finds the part file of this name. Only letters and digits are compared, without case.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static str> {
     let wanted = key(name);
     FILES.iter().find(|(known, _)| *known == wanted).map(|(_, text)| *text)
 }
 
-/// What to do about a name that is neither in the catalogue nor a file.
+/// The error for a name that is neither in the catalogue nor a file. It suggests similar names.
 #[must_use]
 pub fn unknown(name: &str) -> InvalidOptions {
     let wanted = key(name);

@@ -1,4 +1,4 @@
-//! The scales of an IMU's integer codes, from the file of its part or from its full scale.
+//! The scales of an IMU's integer codes, from its part file or from its full scale.
 
 use crate::{InvalidOptions, catalogue};
 use serde::Deserialize;
@@ -6,7 +6,7 @@ use zerorate_allan::entry::{Document, EntryError};
 use zerorate_imu::{Codes, ImuOptions, Kind, KindOptions};
 use zerorate_logs::{Column, LogWarning, Names, Setting, Unit};
 
-/// What the user says about the integer codes of an IMU.
+/// The user's settings about the integer codes of an IMU.
 #[derive(Debug, Default)]
 pub struct CodeOptions {
     /// The scales of the part.
@@ -17,7 +17,7 @@ pub struct CodeOptions {
     pub accel_range_g: Option<f64>,
 }
 
-/// The scales of the codes of a part, from its file (`docs/formats/part.md`).
+/// The scales of a part's codes, from its part file (`docs/formats/part.md`).
 #[derive(Debug)]
 pub struct CodeScales {
     name: String,
@@ -25,20 +25,20 @@ pub struct CodeScales {
     accel: Vec<FullScale>,
 }
 
-/// The scale of codes at a full scale of a sensor.
+/// The scale of the codes at one full scale.
 #[derive(Clone, Copy, Debug)]
 struct FullScale {
-    /// In °/s or g; `None` if it is not known.
+    /// The full scale, °/s or g; `None` if it is not known.
     range: Option<f64>,
     codes_per_unit: f64,
     width_bits: u8,
 }
 
 impl CodeScales {
-    /// Reads the scales in the file of a part. The first full scale is the one after power-up.
+    /// Reads the scales from a part file. The first full scale is the one after power-up.
     ///
     /// # Errors
-    /// Returns an error if the text is not the file of a part.
+    /// Returns an error if the text is not a part file.
     pub fn parse(text: &str) -> Result<Self, EntryError> {
         let File { name, rate, accelerometer, axis } = Document::parse(text)?.fields()?;
         let is_common = axis.iter().all(|axis| axis.rate.is_none());
@@ -53,7 +53,7 @@ impl CodeScales {
         }
     }
 
-    /// The scale at this full scale, or after power-up.
+    /// The scale at the full scale `range`, or at the one after power-up if `range` is `None`.
     fn at(&self, kind: Kind, range: Option<f64>, names: Names) -> Result<Option<FullScale>, InvalidOptions> {
         let (name, all) = (&self.name, self.of(kind));
         let Some(range) = range else { return Ok(all.first().copied()) };
@@ -69,14 +69,15 @@ impl CodeScales {
     }
 }
 
-/// A warning about the scale of a kind of axis.
+/// A warning about the scale of one kind of axis.
 type OfKind = (Kind, LogWarning);
 
 impl CodeOptions {
-    /// Gives each kind of axis its scale, unless it has a unit, and returns the warnings about what was assumed.
+    /// Sets the scale of each kind of axis that has no unit yet. Returns warnings about assumed scales.
     ///
     /// # Errors
-    /// Returns an error if the part has no codes, or not this full scale, or if a full scale is given beside a unit.
+    /// Returns an error if the part states no scale or not this full scale, or if a full scale is given beside a
+    /// unit.
     pub fn apply(&self, axes: &mut ImuOptions) -> Result<Vec<OfKind>, InvalidOptions> {
         let names = axes.log.names;
         let mut assumed = Vec::new();
@@ -111,7 +112,7 @@ impl CodeOptions {
         }
     }
 
-    /// What is assumed about the scale of a kind, if it may be another one.
+    /// Describes the assumption about a kind's scale; `None` if the scale is certain.
     fn assumed(&self, kind: Kind, range: Option<f64>, scale: FullScale, names: Names) -> Option<String> {
         let (setting, unit) = (names.of(range_setting(kind)), unit_name(kind));
         match (&self.part, range) {
@@ -134,13 +135,13 @@ impl CodeOptions {
     }
 }
 
-/// The error for a unit beside a full scale, which states it.
+/// The error for a unit that is given beside a full scale, which already states the unit.
 fn twice(kind: Kind, names: Names) -> InvalidOptions {
     let (range, kind) = (names.of(range_setting(kind)), kind.name());
     InvalidOptions(format!("{range} states unit and scale of the {kind}; leave out the others"))
 }
 
-/// The parts of the catalogue with another scale at this full scale.
+/// The catalogue parts that have another scale at this full scale.
 fn others(kind: Kind, scale: FullScale) -> Vec<&'static str> {
     let differs = |one: &FullScale| {
         let is_near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.05;
@@ -151,7 +152,8 @@ fn others(kind: Kind, scale: FullScale) -> Vec<&'static str> {
     catalogue::FILES.iter().filter(|(_, text)| has(text)).map(|(name, _)| *name).collect()
 }
 
-/// Whether a warning about a scale concerns these axes. Gravity shows whether that of three accelerometers is right.
+/// Whether a scale warning concerns these axes. It does not with three accelerometers, because gravity verifies
+/// their scale.
 #[must_use]
 pub fn concerns(kind: Kind, axes: &[Column]) -> bool {
     let count = axes.iter().filter(|axis| axis.quantity == Some(kind.quantity())).count();
@@ -185,7 +187,7 @@ fn unit_name(kind: Kind) -> &'static str {
     }
 }
 
-/// The fields of the file of a part that tell the scales of its codes.
+/// The fields of a part file that state the scales of its codes.
 #[derive(Deserialize)]
 struct File {
     name: String,
@@ -197,7 +199,7 @@ struct File {
 
 #[derive(Deserialize)]
 struct Axis {
-    /// An axis with a scale of its own.
+    /// The scale of this axis, if it differs from the part's common scale.
     rate: Option<Sensitivity>,
 }
 
@@ -223,7 +225,7 @@ struct OtherScale {
     codes_per_unit: Number,
 }
 
-/// A number, alone or with its source.
+/// A number, alone or in a table with its source.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(untagged)]
 enum Number {
@@ -240,7 +242,7 @@ impl Number {
 }
 
 impl Sensitivity {
-    /// The full scales, the one after power-up first. None where codes have their zero in the middle of their range.
+    /// The full scales, the one after power-up first. Empty for offset-binary codes, whose zero is at mid-range.
     fn full_scales(self) -> Vec<FullScale> {
         let width_bits = self.width_bits.unwrap_or(16);
         let of = |range: Option<Number>, per_unit: Number| FullScale {

@@ -14,27 +14,28 @@ pub struct Group {
     pub codes: Vec<Explanation>,
 }
 
-/// The meaning of a code, for any numbers of the case.
+/// The explanation of a code, which holds for any values in the message.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Explanation {
-    /// The code that a warning begins with, and that a refusal names.
+    /// The code at the start of a warning, or in a refusal.
     pub code: &'static str,
-    /// The severity: `warning`, `refusal` or `remark`, or two of them as in `warning or refusal`.
+    /// The severity as the page states it: `warning`, `refusal` or `remark`, or two of them as in `warning or
+    /// refusal`.
     pub says: String,
     /// The commands of `zerorate` that print it.
     pub by: Vec<String>,
-    /// The observation.
+    /// What was observed.
     pub seen: String,
-    /// The reason why it matters.
+    /// Why it matters.
     pub matters: String,
-    /// The remedy.
+    /// What to do about it.
     pub remedy: String,
-    /// An example of a command that helps or looks further; empty where there is none.
+    /// An example command that helps or investigates further; empty if there is none.
     #[serde(skip_serializing_if = "str::is_empty")]
     pub command: &'static str,
 }
 
-/// All sections of the page, below their headings.
+/// Parses the page into its groups.
 #[must_use]
 pub fn groups() -> Vec<Group> {
     let groups = PAGE.split("\n## ").skip(1).filter_map(|group| group.split_once('\n'));
@@ -47,7 +48,7 @@ pub fn all() -> impl Iterator<Item = Explanation> {
     groups().into_iter().flat_map(|group| group.codes)
 }
 
-/// The explanation of `code`. A whole line that begins with the code does as well: `aliased: 228 samples/s …`.
+/// Explains a code. Also accepts a whole message that begins with the code: `aliased: 228 samples/s …`.
 #[must_use]
 pub fn explain(code: &str) -> Option<Explanation> {
     let line = code.trim();
@@ -56,7 +57,7 @@ pub fn explain(code: &str) -> Option<Explanation> {
     all().find(|one| one.code == word)
 }
 
-/// The codes that are most like `word`, the nearest first; none where nothing is near.
+/// Returns up to three codes that resemble `word`, the most similar first.
 #[must_use]
 pub fn nearest(word: &str) -> Vec<&'static str> {
     let word = word.trim().to_lowercase().replace('_', "-");
@@ -67,8 +68,8 @@ pub fn nearest(word: &str) -> Vec<&'static str> {
 }
 
 impl Explanation {
-    /// Reads a section: the code; `*A warning of `a`, `b`.*` with the observation; why it matters; the remedy; and
-    /// in most sections a block with a command.
+    /// Parses a section of the page: the code; `*A warning of `a`, `b`.*` with the observation; why it matters; the
+    /// remedy; and in most sections a command block.
     fn parse(section: &'static str) -> Option<Self> {
         let mut paragraphs = section.trim_end().split("\n\n");
         let code = paragraphs.next()?;
@@ -95,7 +96,7 @@ fn one_line(paragraph: &str) -> String {
     paragraph.replace('\n', " ")
 }
 
-/// Letters to insert, to drop and to exchange, until one word is the other.
+/// The edit distance (Levenshtein) of two words, in bytes.
 fn distance(one: &str, other: &str) -> usize {
     let mut row: Vec<usize> = (0..=other.len()).collect();
     for (i, a) in one.bytes().enumerate() {

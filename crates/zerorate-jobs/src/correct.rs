@@ -1,4 +1,4 @@
-//! A capture, corrected, with its raw columns as they were.
+//! Corrects a capture and keeps its raw columns unchanged.
 
 use crate::judged::JudgedAxis;
 use crate::output::StagedOutput;
@@ -16,7 +16,7 @@ use zerorate_host::Stop;
 use zerorate_record::columns::Rows;
 use zerorate_record::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, checked_schema, table, valid};
 
-/// Corrects a capture that was not corrected before.
+/// The correction of a capture that was not corrected before.
 pub struct Job<'a> {
     capture: &'a Path,
     reader: CaptureReader,
@@ -25,7 +25,7 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Prepares the correction of a capture. `reader` reads it, and `capture` is its path.
+    /// Prepares the correction. `reader` reads the capture at the path `capture`.
     ///
     /// # Errors
     /// Returns an error if the capture is already corrected.
@@ -51,8 +51,8 @@ impl<'a> Job<'a> {
         self.reader.info()
     }
 
-    /// Writes the corrected capture in this form, and returns its number of rows. `warn` receives warnings, and `stop`
-    /// ends it. Messages call settings by `names`.
+    /// Writes the corrected capture in `format` and returns its number of rows. `warn` receives warnings, and `stop`
+    /// can end the job. Messages use `names` for the settings.
     ///
     /// # Errors
     /// Returns an error if the capture is damaged, if it holds no temperature, or if the file cannot be written.
@@ -111,12 +111,12 @@ fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
     checked_schema([info.layout.raw_fields(), info.layout.derived_fields()].concat(), metadata)
 }
 
-/// Applies a correction row by row, two rows late: so long it takes to judge one.
+/// Applies the correction row by row. It runs two rows behind, because the reading checks need two more samples.
 struct Correcting {
     layout: Layout,
     axes: Vec<JudgedAxis>,
     corrector: Corrector<Vec<Correction>>,
-    /// Batches that are not judged to their end yet.
+    /// Batches whose rows are not all checked yet.
     waiting: VecDeque<Rows>,
     rows: u64,
     without_temp: u64,
@@ -138,7 +138,7 @@ impl Correcting {
         })
     }
 
-    /// Takes a batch. Returns newly judged batches.
+    /// Takes a batch of rows. Returns the batches whose rows are now all checked.
     fn take(&mut self, rows: Rows, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
         for row in rows.iter() {
             self.start_ns.get_or_insert(row.t_ns);
@@ -154,7 +154,7 @@ impl Correcting {
         self.complete(schema)
     }
 
-    /// The batches that are left.
+    /// Returns the remaining batches at the end.
     fn finish(&mut self, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
         for axis in &mut self.axes {
             while let Some(last) = axis.health.finish() {
@@ -203,7 +203,7 @@ impl Correcting {
     }
 }
 
-/// The rates as they were measured.
+/// The uncorrected rates, °/s.
 fn rates_dps(axis: &Axis, judged: &[Judged]) -> ArrayRef {
     let rates_dps = judged.iter().map(|judged| axis.rate.value(judged.reading.rate.into()));
     Arc::new(Float64Array::from_iter_values(rates_dps))

@@ -1,4 +1,4 @@
-//! The course of a calibration: the samples of its capture as means over time.
+//! Condenses the capture of a calibration to means over time, for plots.
 
 use anyhow::{Context, Result, ensure};
 use std::path::Path;
@@ -7,16 +7,16 @@ use zerorate_host::Stop;
 use zerorate_record::{CaptureReader, Layout, Row, SampleHash};
 use zerorate_view::report::{Course, Moment};
 
-/// Length of a mean, ns.
+/// Averaging time of a mean, ns.
 const LENGTH_NS: u64 = 5_000_000_000;
-/// The last temperature of a procedure lies within so many rows behind its last sample.
+/// The last temperature of a procedure is within this many rows after its last sample.
 const ROWS_BEHIND: u64 = 64;
 
-/// Reads what a calibration was made from: a capture, or its beginning if it goes on. `stop` ends it.
+/// Reads the part of a capture that the calibration used: all of it, or its beginning. `stop` can end the reading.
 ///
 /// # Errors
-/// Returns an error if the capture is damaged, or if the calibration was made from another, or does not state from
-/// which.
+/// Returns an error if the capture is damaged, if the calibration was made from another capture, or if the
+/// calibration does not state its capture.
 pub fn course(
     capture: &Path,
     mut reader: CaptureReader,
@@ -54,7 +54,7 @@ pub fn course(
     Ok(Course { axes: part.axes.iter().map(|axis| axis.name.to_string()).collect(), moments })
 }
 
-/// The samples of a stretch of time.
+/// The sums over one averaging time.
 #[derive(Default)]
 struct Sums {
     stretch: u64,
@@ -93,7 +93,7 @@ impl Sum {
         self.count += 1;
     }
 
-    /// The mean; NaN of nothing.
+    /// The mean; NaN without values.
     fn mean(&self) -> f64 {
         self.total / self.count as f64
     }

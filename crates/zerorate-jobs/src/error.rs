@@ -1,6 +1,6 @@
-//! The errors that end a job without a result, beside errors of the layers below.
+//! Errors of the jobs themselves. Errors of lower layers pass through.
 
-/// The measurement was refused: the numbers exist, but they must not become a calibration.
+/// The measurement was refused: there are results, but they must not become a calibration.
 #[derive(Debug, thiserror::Error)]
 #[error("{why}")]
 pub struct CodedRefusal {
@@ -16,7 +16,7 @@ impl CodedRefusal {
     }
 }
 
-/// The options contradict each other, or do not fit what is measured.
+/// The options contradict each other, or do not fit the device or the data.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct InvalidOptions(pub String);

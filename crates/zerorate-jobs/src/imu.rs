@@ -1,4 +1,4 @@
-//! The noise of an IMU.
+//! Noise analysis of an IMU.
 
 use crate::code_scales::{CodeOptions, concerns};
 use crate::{InvalidOptions, allan, temperature};
@@ -9,17 +9,17 @@ use zerorate_imu::{AnalysisOptions, Record};
 use zerorate_imu::{Axes, Format, ImuOptions, ImuWarning, Kind, NoNoiseFile};
 use zerorate_logs::{LogWarning, Setting};
 
-/// The wanted results from the log of an IMU.
+/// The settings of the noise analysis of an IMU's log.
 pub struct ImuNoiseOptions {
-    /// The columns that are axes, and facts that the log does not state.
+    /// The columns of the axes, and facts that the log does not state.
     pub axes: ImuOptions,
     /// The scales of integer codes, for axes whose unit is not given.
     pub codes: CodeOptions,
-    /// The column with the temperature; none: one by the usual names.
+    /// The temperature column; `None` looks for a column with a usual name.
     pub temperature: Option<String>,
     /// The options of the analysis of each axis.
     pub analysis: AnalysisOptions,
-    /// The consumer of the noise file; `None` for no file.
+    /// The program that will read the noise file; `None` for no file.
     pub format: Option<Format>,
 }
 
@@ -27,11 +27,11 @@ pub struct ImuNoiseOptions {
 pub struct ImuNoise {
     /// The record of each axis, gyroscopes first.
     pub axes: Vec<Record>,
-    /// The topic of a bag.
+    /// The topic of the IMU, if the log is a bag.
     pub topic: Option<String>,
     /// The warnings about the log.
     pub notes: Vec<LogWarning>,
-    /// The kinds of axis that are not there.
+    /// Warnings about missing kinds of axis, gyroscopes or accelerometers.
     pub absent: Vec<ImuWarning>,
 }
 

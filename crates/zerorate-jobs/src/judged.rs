@@ -1,23 +1,23 @@
-//! An axis whose readings are judged before they are used.
+//! Checks the readings of an axis before they are used.
 
 use std::collections::VecDeque;
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, NamedAxis};
 
-/// An axis, and its readings that are judged and not taken yet.
+/// An axis, and the queue of its checked readings.
 pub struct JudgedAxis {
-    /// The name of the axis in the part.
+    /// The name of the axis in its part.
     pub name: String,
     /// The known facts about the axis.
     pub axis: Axis,
     /// The checks of its readings.
     pub health: Health,
-    /// Readings that are judged and not taken yet.
+    /// Checked readings that were not fetched yet.
     pub judged: VecDeque<Judged>,
 }
 
 impl JudgedAxis {
-    /// Before the first reading.
+    /// Starts the checks, before the first reading.
     pub fn new(named: &NamedAxis) -> Self {
         let (name, axis) = (named.name.to_string(), named.axis);
         Self { name, axis, health: Health::new(&axis), judged: VecDeque::new() }

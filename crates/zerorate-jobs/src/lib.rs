@@ -1,21 +1,21 @@
 //! The jobs of zerorate as functions: typed options in, events and typed results out.
 //!
-//! No argument parser, no printing, no exit code: the command line and the Python package word what is said here.
+//! There is no argument parser, no printing and no exit code here. The command line and the Python package add them.
 //!
-//! * [`calibrate`]: the procedure of AN-1042 (F-51), or a method that takes the whole recording, on a part or on its
+//! * [`calibrate`]: the procedure of AN-1042 (F-51), or a method that uses the whole recording, on a part or on its
 //!   recording.
-//! * [`allan`]: the noise of columns of logs. [`pool`]: one model of several records.
+//! * [`allan`]: the noise of columns of logs. [`pool`]: one noise model for several records.
 //! * [`imu`]: the noise of all axes of an IMU.
 //! * [`tempcal`]: the bias over temperature of all axes in logs.
 //! * [`chamber`]: a calibration over the temperatures of a chamber.
 //! * [`correct`]: a capture, corrected.
 //! * [`course`]: the capture of a calibration as means over time.
-//! * [`probe`]: is there a part, and is it wired right?
+//! * [`probe`]: checks that a part responds and is wired correctly.
 //! * [`record`]: raw codes into a file.
 //! * [`stream`]: the corrected rate, row by row as it comes.
-//! * [`Acquisition`]: the samples of a device, one after the other, counted and judged.
+//! * [`Acquisition`]: the samples of a device in order, counted and checked.
 //! * [`codes`]: what each warning and refusal means.
-//! * [`Outputs`](output::Outputs): the files of a run, none of which is overwritten by accident.
+//! * [`Outputs`](output::Outputs): the files of a run, which never overwrite a file by accident.
 
 pub mod acquisition;
 pub mod allan;

@@ -1,19 +1,19 @@
-//! Several records of one type as one.
+//! Fits one noise model to several records of the same part type.
 
 use serde::Serialize;
 use zerorate_allan::{self as allan, Differs, FitError, PoolError, PoolRecord, Spread, fit_pool};
 use zerorate_imu::Record;
 use zerorate_logs::LogWarning;
 
-/// The model that several records have in common.
+/// The common noise model of several records.
 pub struct Pool {
-    /// The model, as a record of its own.
+    /// The model, in the form of a record.
     pub record: Record,
-    /// The distance of the records beyond their own intervals.
+    /// How much each term differs between the records, beyond their own intervals.
     pub spread: Vec<Spread>,
-    /// The records that do not fit.
+    /// The records that do not fit the common model.
     pub outliers: Vec<Outlier>,
-    /// The records that the model describes, by name.
+    /// The names of the records that the model describes.
     pub used: Vec<String>,
 }
 
@@ -22,9 +22,9 @@ pub struct Pool {
 pub struct Outlier {
     /// The name of the record.
     pub record: String,
-    /// The difference.
+    /// How the record differs.
     pub why: String,
-    /// Whether it is missing from the common model.
+    /// Whether the record is excluded from the common model.
     #[serde(rename = "left_out")]
     pub is_left_out: bool,
 }
@@ -32,25 +32,25 @@ pub struct Outlier {
 /// The reasons why records have no common model.
 #[derive(Debug, thiserror::Error)]
 pub enum NoPool {
-    /// A record is among them more than once.
+    /// A record was given more than once.
     #[error("{0} is given twice, which would count its noise twice; give each record once")]
     Twice(String),
-    /// Two records are of different quantities.
+    /// Two records have different quantities.
     #[error("{0} and {1} are of different quantities; pool records of one kind")]
     Mixed(String, String),
-    /// The records are too few, or were sampled differently.
+    /// There are too few records, or their sampling rates differ.
     #[error("{0}")]
     Unfit(PoolError),
-    /// A record has no model of its own.
+    /// A record has no noise model of its own.
     #[error("{0}: {1}")]
     NoModel(String, FitError),
-    /// The records are not alike, or cannot be fitted.
+    /// The records are too different, or no common model can be fitted.
     #[error("no common model: {0}")]
     NoCommonModel(PoolError),
 }
 
 impl NoPool {
-    /// The code of the refusal. `None` if the user has to give other records.
+    /// The code of the refusal. `None` for invalid input, where the user has to give other records.
     #[must_use]
     pub const fn code(&self) -> Option<&'static str> {
         match self {
@@ -61,7 +61,7 @@ impl NoPool {
     }
 }
 
-/// Fits one model to all of these records, whose rates were kept.
+/// Fits one model to all of these records. Their rates must have been kept.
 ///
 /// # Errors
 /// Returns [`NoPool`] if the records have no common model.

@@ -15,19 +15,19 @@ use zerorate_view::Seconds;
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct Findings {
     pub device: String,
-    /// The register; a replay has none.
+    /// The revision register; `None` for a replay.
     pub revision: Option<u8>,
-    /// Framing of the bytes by CS (F-22): byte or command; none where this program does not decide it.
+    /// How CS frames the bytes (F-22): per byte or per command. `None` if this program does not control CS.
     pub framing: Option<&'static str>,
     pub self_test: Option<SelfTestResult>,
-    /// On an SPI bus.
+    /// The SPI clock, Hz; `None` without an SPI bus.
     pub sclk_hz: Option<u32>,
-    /// The fastest of the clocks tried at which the configuration reads back right.
+    /// The highest of the tested clocks at which the configuration reads back correctly, Hz.
     pub fastest_clean_sclk_hz: Option<u32>,
     pub read_us: Option<f64>,
-    /// Share of the samples that the host took.
+    /// Share of the part's samples that the host read.
     pub taken: f64,
-    /// Options that would lose fewer.
+    /// Settings that would lose fewer samples.
     pub proposal: Option<String>,
     pub rdy_hz: f64,
     pub rate_hz: f64,
@@ -35,7 +35,7 @@ pub struct Findings {
     pub lost_samples: u64,
     pub longest_gap_ms: f64,
     pub duration_s: f64,
-    /// The axis of a part with one axis; otherwise see `axes`.
+    /// The findings of a part with one axis; `None` for several axes, which are in `axes`.
     #[serde(flatten)]
     pub only: Option<AxisFindings>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -61,22 +61,22 @@ pub struct AxisFindings {
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct SelfTestResult {
     pub shift_dps: f32,
-    /// Standard uncertainty.
+    /// Standard uncertainty of the change, °/s.
     pub u_dps: f32,
-    /// Samples with the self-test, and as many without.
+    /// Number of samples with the self-test on, and the same number with it off.
     pub samples: u32,
 }
 
-/// The findings before the first sample.
+/// The findings from before the first sample.
 struct Before {
-    /// The register.
+    /// The revision register.
     revision: Option<u8>,
     bus: Option<Bus>,
     self_test: Option<SelfTest>,
 }
 
-/// Resets the part, initialises it and reads samples for `duration`. With `gpio` it tries the self-test on that line.
-/// Calls `see` with the seconds read, every 4096 samples. Messages call settings by `names`.
+/// Resets the part, initialises it and reads samples for `duration`. With `gpio`, it runs the self-test on that
+/// line. Calls `see` with the seconds read, every 4096 samples. Messages use `names` for the settings.
 ///
 /// # Errors
 /// Returns an error if the part cannot be read, or if the probe is interrupted.

@@ -1,20 +1,20 @@
-//! Can this host take all samples, and if not, what should it leave out?
+//! Proposes settings with which the host loses fewer samples.
 
 use adis16130::Config;
 use zerorate::{Setting, SettingNames};
 
-/// Reads for a sample: status, rate, temperature.
+/// SPI reads per sample: status, rate, temperature.
 const READS: f64 = 3.0;
-/// Readings of temperature per second that see every 0.02 °C at 1 °C/s (F-55).
+/// Temperature readings per second that resolve 0.02 °C at 1 °C/s (F-55).
 const TEMPS_HZ: f64 = 100.0;
-/// The share of the time that reading may take, so that a delay can be made up for.
+/// The largest share of the time that reading may take. The rest is reserve for catching up after a delay.
 const BUSY: f64 = 0.8;
-/// Losses below this share need no other reading.
+/// Share of lost samples below which no other settings are proposed.
 const BEARABLE: f64 = 0.001;
 
-/// Proposes settings that lose fewer samples, if `taken` is the share that was taken, `read_s` the time of a read, and
-/// `mclk_hz` the clock of the part; it calls settings by `names`. First F-55: temperature less often; if that does not
-/// suffice, F-56: a divider.
+/// Proposes settings that lose fewer samples. `taken` is the share of samples that were read, `read_s` the time of
+/// one read, and `mclk_hz` the clock of the part. Messages use `names` for the settings. It first tries to read the
+/// temperature less often (F-55), then a divider (F-56).
 pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: SettingNames) -> Option<String> {
     if taken >= 1.0 - BEARABLE {
         return None;
@@ -25,7 +25,7 @@ pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: SettingNames) -> O
     if every > 1.0 && (READS - 1.0 + 1.0 / every) * read_s <= BUSY * pair_s {
         return Some(format!("{} {every} (F-55)", names(Setting::EveryTemp)));
     }
-    // both on every N-th edge: N + 1 conversions from one reading to the next
+    // both channels on every N-th edge: N + 1 conversions from one reading to the next
     let conversions = (READS * read_s / (BUSY * pair_s / 2.0)).ceil();
     let divider = (conversions - 1.0).max(2.0);
     let rate_hz = 2.0 / (pair_s * (divider + 1.0));

@@ -1,4 +1,4 @@
-//! Recording of the raw codes of a device: [`record`].
+//! Records the raw codes of a device: [`record`].
 
 use crate::acquisition::Acquisition;
 use crate::error::CodedRefusal;
@@ -13,14 +13,14 @@ use zerorate::calibration::Notes;
 use zerorate::health::{FaultCounts, Health};
 use zerorate_record::{Format, Row, valid};
 
-/// What to record, and where.
+/// The settings of a recording.
 #[derive(Clone, Debug)]
 pub struct RecordOptions {
-    /// The file.
+    /// The file to record into.
     pub output: PathBuf,
-    /// Its form.
+    /// The format of the file.
     pub format: Format,
-    /// When the recording ends.
+    /// The length at which the recording ends.
     pub length: Length,
     /// Serial number of the part.
     pub serial: Option<String>,
@@ -31,23 +31,23 @@ pub struct RecordOptions {
 /// The length of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// Part time, ns.
+    /// Duration in the part's time, ns.
     Time(u64),
     /// Number of samples.
     Samples(u64),
 }
 
-/// The state of a recording.
+/// The progress of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordProgress {
-    /// Seconds of part time, or samples, as the [`Length`] counts.
+    /// Seconds of the part's time, or samples, as in [`Length`].
     pub done: f64,
     /// The samples so far.
     pub samples: u64,
 }
 
 impl Length {
-    /// The end of the recording, in the unit of [`RecordProgress::done`].
+    /// The whole length, in the unit of [`RecordProgress::done`].
     #[must_use]
     pub fn total(self) -> f64 {
         match self {
@@ -76,11 +76,11 @@ impl Length {
 /// The result of a recording.
 #[derive(Debug, Serialize)]
 pub struct RecordReport {
-    /// The file.
+    /// The path of the file.
     pub file: String,
-    /// Samples in it.
+    /// Number of samples in the file.
     pub samples: u64,
-    /// Samples lost.
+    /// Number of lost samples.
     pub lost_samples: u64,
     /// Samples per second.
     pub rate_hz: f64,
@@ -88,17 +88,17 @@ pub struct RecordReport {
     pub rdy_hz: f64,
     /// From the first sample to the last, s.
     pub duration_s: f64,
-    /// Whether it was stopped before its end.
+    /// Whether the recording was stopped before its requested length.
     pub interrupted: bool,
-    /// Readings that the part cannot have made: bit errors.
+    /// Number of readings that the part cannot produce: bit errors.
     pub impossible_readings: u64,
-    /// Temperatures that the part cannot have measured.
+    /// Number of temperatures that the part cannot measure.
     pub impossible_temps: u64,
-    /// Readings out of range.
+    /// Number of readings out of range.
     pub out_of_range: u64,
-    /// Readings too far apart to be judged.
+    /// Number of readings that are too far apart in time to be checked.
     pub unjudged: u64,
-    /// Whether the part had stopped at the end.
+    /// Whether the readings were frozen at the end: the part had stopped measuring.
     pub frozen: bool,
     /// The warnings about the samples.
     pub warnings: Vec<CodedWarning>,
@@ -107,10 +107,10 @@ pub struct RecordReport {
 }
 
 impl RecordReport {
-    /// Refuses a recording whose end is not a measurement. The file is complete and stays.
+    /// Refuses a recording whose last readings are frozen. The file is complete and stays.
     ///
     /// # Errors
-    /// Returns [`CodedRefusal`] if the part had stopped at the end.
+    /// Returns [`CodedRefusal`] if the readings were frozen at the end.
     pub fn refuse_frozen(&self) -> Result<(), CodedRefusal> {
         match &self.why_frozen {
             None => Ok(()),
@@ -122,11 +122,11 @@ impl RecordReport {
     }
 }
 
-/// Initialises the part, and records its samples until the length is reached, the recording that is replayed ends, or
-/// a stop is asked. `show` receives the progress every 4096 samples. Warnings call settings by `names`.
+/// Initialises the part and records its samples until the length is reached, the replayed recording ends, or a stop
+/// is requested. `show` receives the progress every 4096 samples. Warnings use `names` for the settings.
 ///
 /// # Errors
-/// Returns an error if the device or the file fails. The file then has the samples up to there.
+/// Returns an error if the device or the file fails. The file then holds the samples up to that point.
 pub fn record(
     acquisition: &mut Acquisition,
     outputs: &mut Outputs,

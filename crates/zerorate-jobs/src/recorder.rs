@@ -1,11 +1,11 @@
-//! Recordings on disk.
+//! Writes a capture to disk while it is recorded.
 
 use crate::output::Recording;
 use std::io;
 use zerorate_record::{CaptureError, CaptureInfo, CaptureSummary, CaptureWriter, Format, Row};
 
-/// Records samples into a file, and puts it onto the disk. Dropping it closes the file as well, but only
-/// [`Recorder::finish`] tells whether that worked.
+/// Records samples into a file and syncs it to the disk. Dropping it also closes the file, but only
+/// [`Recorder::finish`] reports errors.
 pub struct Recorder {
     writer: CaptureWriter,
     file: Recording,
@@ -19,15 +19,15 @@ impl Recorder {
         Ok(Self { writer, file })
     }
 
-    /// Records a sample. Whole batches go to the system at once. It fails within a second after the file was removed
-    /// or cut.
+    /// Records a sample. Complete batches are written at once. Fails within a second after the file was removed or
+    /// cut short.
     #[inline]
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         self.file.check().map_err(|error| CaptureError::io("record into", self.file.path(), error))?;
         self.writer.push(row)
     }
 
-    /// Writes the rest and puts the file onto the disk.
+    /// Writes the remaining samples and syncs the file to the disk.
     pub fn finish(self) -> Result<CaptureSummary, CaptureError> {
         let path = self.file.path().to_owned();
         let put = |error: io::Error| CaptureError::io("record into", &path, error);

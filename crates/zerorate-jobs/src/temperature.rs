@@ -1,4 +1,4 @@
-//! The temperature of a log: which of its columns it is.
+//! Finds the temperature column of a log.
 
 use crate::InvalidOptions;
 use std::path::Path;
@@ -6,7 +6,7 @@ use zerorate_host::files;
 use zerorate_imu::Detrending;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, Setting, TEMPERATURE_NAMES};
 
-/// The temperature of the log at `path`: the column `name`, or a column with a usual name; none where the log has
+/// The temperature of the log at `path`: the column `name`, or a column with a usual name. `None` if the log has
 /// neither. The unit and scale in `options` are for other columns and do not apply to it.
 #[must_use]
 pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Option<Column> {
@@ -17,11 +17,10 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
     })
 }
 
-/// The same temperature, which may have been `found` by its usual name. An error where `detrending` needs it and the
-/// log has none.
+/// Like [`of_log`], but uses a temperature that was already `found`, and checks that there is one if it is needed.
 ///
 /// # Errors
-/// Returns an error if the log has no temperature, but one was named or a polynomial over it is to be taken out.
+/// Returns an error if the log has no temperature, but a column was named or `detrending` fits a polynomial over it.
 pub fn required(
     path: &Path,
     name: Option<&str>,

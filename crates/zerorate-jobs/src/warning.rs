@@ -9,66 +9,67 @@ use zerorate_host::SourceWarning;
 use zerorate_record::CaptureWarning;
 use zerorate_view::{Seconds, SessionWarning};
 
-/// A warning of a job: a code for scripts, and a text that may name settings.
+/// A warning of a job. It has a code for scripts, and its text may mention settings.
 #[derive(Clone, Debug)]
 pub enum JobWarning {
-    /// A warning about the measurement.
+    /// About the measurement.
     Measured(Warning),
-    /// A warning about one of several axes.
+    /// About one of several axes, which is named.
     OfAxis(String, Warning),
-    /// A warning about the device, or about a calibration that is applied to it.
+    /// About the device, or about a calibration that is applied to it.
     Session(SessionWarning),
-    /// A warning about a file or a device. The text names it where there may be several.
+    /// About a file or a device. The text names it if there may be several.
     Source(SourceWarning),
-    /// A warning about readings that are not trusted.
+    /// About readings that are not trusted.
     Readings(CaptureWarning),
-    /// Number of samples that were read, but lost in the queue.
+    /// Samples were read, but lost because the queue was full. The number counts them.
     Overflowed(u64),
-    /// The log failed, and the measurement went on.
+    /// The log could not be written, and the measurement went on without it.
     LogFailed {
         /// Time since the start, s.
         after_s: f64,
         /// The error.
         why: String,
     },
-    /// Number of rows of a capture before its first temperature.
+    /// A capture has rows before its first temperature. The number counts them.
     BeforeTemperature(u64),
-    /// Readings with these flags are left out of a stream.
+    /// Readings with these fault flags were left out of a stream.
     LeftOut(Flags),
-    /// The age of the state of a tracked bias is unknown.
+    /// The time since a tracked bias was saved is unknown.
     StateAgeUnknown,
-    /// The state of a tracked bias cannot be written.
+    /// The state of a tracked bias cannot be saved.
     StateNotKept {
         /// The error.
         why: String,
         /// Time between attempts, s.
         again_s: u64,
     },
-    /// The finished steps of a chamber's plan cannot be kept. The text is the error.
+    /// The finished steps of a chamber's plan cannot be saved. The text is the error.
     StepsNotKept(String),
-    /// The part does not state at which temperatures it may operate.
+    /// The part file does not state the part's operating temperatures.
     LimitsUnknown,
-    /// The chamber was left in this state, and may go on heating or cooling.
+    /// The chamber may still be heating or cooling. The text is the state in which it was left.
     ChamberLeft(String),
-    /// A measurement in a chamber was interrupted.
+    /// The measurement in a chamber was interrupted and then continued.
     Resumed,
-    /// An axis was quiet at a level that a slow turn explains better.
+    /// An axis was quiet, but its level is better explained by a slow rotation than by a bias.
     SlowTurn {
-        /// The axis.
+        /// The name of the axis.
         axis: String,
-        /// Duration, s.
+        /// Total duration of this state, s.
         doubtful_s: u32,
     },
 }
 
 impl JobWarning {
-    /// The warning as scripts read it, `code: text`, with these names for settings.
+    /// The warning with the front end's names for settings. It is shown as `code: text`.
     #[must_use]
     pub fn coded(self, names: SettingNames) -> CodedWarning {
         CodedWarning { axis: None, warning: self, names }
     }
 
-    /// Separates what every measurement by the same plan says from the warnings about this measurement.
+    /// Separates standing remarks, which every measurement by the same plan has, from warnings about this
+    /// measurement. Returns the remarks first.
     pub(crate) fn remarks_apart(
         warnings: impl IntoIterator<Item = Warning>,
         names: SettingNames,
@@ -149,7 +150,7 @@ impl From<Warning> for JobWarning {
     }
 }
 
-/// A warning with the names of settings: `code: text` where it is shown.
+/// A warning with the front end's names for settings. It is shown as `code: text`.
 #[derive(Clone, Debug)]
 pub struct CodedWarning {
     axis: Option<String>,
@@ -158,7 +159,7 @@ pub struct CodedWarning {
 }
 
 impl CodedWarning {
-    /// Puts the name of an axis before the warning.
+    /// Prefixes the warning with the name of an axis.
     #[must_use]
     pub fn of_axis(self, name: &str) -> Self {
         Self { axis: Some(name.to_owned()), ..self }
@@ -170,7 +171,7 @@ impl CodedWarning {
         self.warning.code()
     }
 
-    /// The text without code and axis.
+    /// The text without the code and the axis.
     #[must_use]
     pub fn text(&self) -> String {
         self.warning.with(self.names).to_string()

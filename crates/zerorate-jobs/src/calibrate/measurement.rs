@@ -1,4 +1,4 @@
-//! The procedure, being fed with the samples of a device.
+//! Feeds the samples of a device to the calibration procedure.
 
 use super::target::Target;
 use crate::acquisition::Acquisition;
@@ -16,10 +16,12 @@ use zerorate_view::Seconds;
 
 /// Receives the events of a calibration.
 pub trait Watch {
-    /// Receives the progress, every 4096 samples (1.4 times a second of part time). Returns false to end it.
+    /// Receives the progress, every 4096 samples (1.4 times a second of the part's time). Returns false to end the
+    /// measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Receives the uncertainties that the recording would state if it ended now, if there is a target for them.
+    /// Receives the uncertainties that the calibration would have if the recording ended now. Called only with a
+    /// target.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.
@@ -36,7 +38,7 @@ pub struct Measurement<'a> {
     log: Option<Recorder>,
     log_failed: Option<anyhow::Error>,
     hash: SampleHash,
-    /// The twin's truth of each axis, at the end of step 8 or of the recording.
+    /// The twin's true state of each axis, at the end of step 8 or of the recording.
     truths: Vec<Truth>,
     target: Target,
     watch: &'a mut dyn Watch,
@@ -49,7 +51,7 @@ pub struct MeasurementResult {
     pub outcomes: Vec<Outcome>,
     pub capture_sha256: String,
     pub truths: Vec<Truth>,
-    /// F-07: whether the resonance looks like a bias at the rate that was measured.
+    /// F-07: a warning if the resonance aliases to a frequency at which it looks like a bias.
     pub resonance: Option<Warning>,
     pub log_failed: Option<anyhow::Error>,
 }
@@ -78,7 +80,7 @@ impl<'a> Measurement<'a> {
 
     pub fn run(mut self) -> Result<MeasurementResult> {
         let fed = self.feed();
-        // the log stays whole, even after a failure
+        // closes the log properly, even after a failure
         if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
             self.lose_log(error.into());
         }
@@ -108,7 +110,8 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// The procedure's time starts with the first row, so that a recording of the rows is all there is to know.
+    /// Initialises the part. The procedure's time starts with the first row, so the recorded rows suffice to repeat
+    /// it.
     fn initialise(&mut self) -> Result<()> {
         self.acquisition.initialise()?;
         let Some(first) = self.acquisition.next_row()? else { return Err(self.ended_early()) };
@@ -116,7 +119,7 @@ impl<'a> Measurement<'a> {
         self.take(&first)
     }
 
-    /// There are no more samples: a recording of any length will do where the method takes no steps.
+    /// Handles the end of the samples. A method without steps accepts a recording of any length.
     fn end(&mut self) -> Result<()> {
         let words = self.words();
         let whole = !self.acquisition.is_stopped()
@@ -141,7 +144,7 @@ impl<'a> Measurement<'a> {
         Ok(())
     }
 
-    /// Keeps the twin's truth where it was asked for. With a target, checks whether it is reached.
+    /// Stores the twin's true state where it was requested. With a target, checks whether it is reached.
     #[inline]
     fn mark(&mut self) -> Result<()> {
         let truths = self.acquisition.truths();
@@ -169,7 +172,7 @@ impl<'a> Measurement<'a> {
         Words { names: self.watch.names(), is_recording: self.acquisition.is_recording() }
     }
 
-    /// A log that fails is a failure, but no reason to throw away the measurement.
+    /// Warns that the log failed and drops the log. The measurement goes on.
     #[cold]
     fn lose_log(&mut self, error: anyhow::Error) {
         let after_s = self.procedure.progress().elapsed_s;
@@ -207,7 +210,7 @@ impl<'a> Measurement<'a> {
 #[derive(Clone, Copy)]
 struct Words {
     names: SettingNames,
-    /// A recording is read, which has no wires to check.
+    /// Whether a recording is read, which has no bus to test.
     is_recording: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The procedure of F-51, on a part or on its recording: [`prepare`], [`Job::run`].
+//! The calibration procedure of F-51, on a part or on its recording: [`prepare`], then [`Job::run`].
 
 mod measurement;
 mod report;
@@ -21,12 +21,13 @@ use zerorate::calibration::Notes;
 use zerorate::{Calibration, Method, Part, PartProcedure, Plan, SettingNames, Wording};
 use zerorate_record::{CaptureInfo, Format};
 
-/// Where the result goes, and what is stated with it.
+/// Output files, and the facts that are written into them.
 #[derive(Clone, Debug, Default)]
 pub struct OutputOptions {
     /// The file of the calibration.
     pub output: Option<PathBuf>,
-    /// Without an `output`, the calibration of a real part goes to `calibration-<id>.toml` in the current folder.
+    /// Whether the calibration of a real part without an `output` goes to `calibration-<id>.toml` in the current
+    /// folder.
     pub saves: bool,
     /// The file that records every sample.
     pub log: Option<PathBuf>,
@@ -36,17 +37,17 @@ pub struct OutputOptions {
     pub notes: Notes,
 }
 
-/// A recording of a method without steps takes no longer than this, s.
+/// The longest recording that a method without steps uses, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// The default of [`Plan::settle_s`], s. For a recorded capture and a method without steps it is a day, so that the
+/// The default of [`Plan::settle_s`], s. With a recorded capture and a method without steps it is a day, so that the
 /// whole capture is used.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
 }
 
-/// The files that were asked for, claimed before an hour is spent on their content.
+/// The requested output files. They are claimed before an hour is spent on their content.
 #[derive(Debug)]
 pub struct Files {
     pub(crate) outputs: Outputs,
@@ -69,7 +70,7 @@ impl Files {
         Ok(Self { outputs, calibration, options })
     }
 
-    /// Starts the log, once there is something to record.
+    /// Starts the log, if one was requested.
     pub(crate) fn log(&mut self, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: &PathBuf| {
             let format = Format::choose(None, path)?;
@@ -78,7 +79,7 @@ impl Files {
         self.options.log.as_ref().map(start).transpose()
     }
 
-    /// Writes the calibration, where a file is to hold it.
+    /// Writes the calibration, if a file was requested for it.
     pub(crate) fn fill(mut self, calibration: &Calibration) -> Result<()> {
         let file = match (self.calibration, &self.options.output) {
             (None, Some(path)) => Some(self.outputs.derived(path)?),
@@ -87,21 +88,21 @@ impl Files {
         Ok(file.map_or(Ok(()), |file| file.fill(calibration.to_toml().as_bytes()))?)
     }
 
-    /// The wanted names of the files, the calibration first.
+    /// The requested file names, the calibration first.
     fn wanted(&self) -> Vec<PathBuf> {
         self.options.output.iter().chain(&self.options.log).cloned().collect()
     }
 }
 
-/// A measurement that can begin.
+/// A measurement that is ready to run.
 pub struct Job {
     acquisition: Acquisition,
     procedure: PartProcedure,
     files: Files,
 }
 
-/// Makes a measurement ready. Messages call settings by `names`. Where the plan does not state the Earth's rotation, a
-/// recording may.
+/// Prepares a measurement. Messages use `names` for the settings. If the plan states no Earth rotation, that of the
+/// recording is used.
 ///
 /// # Errors
 /// Returns [`InvalidOptions`] if the plan does not fit the part.
@@ -132,7 +133,7 @@ impl Job {
         options.output.is_none() && options.saves && !self.acquisition.facts().info.is_simulated()
     }
 
-    /// Measures. `watch` receives the events, and may end it.
+    /// Runs the measurement. `watch` receives the events and may end it.
     ///
     /// # Errors
     /// Returns [`CodedRefusal`](crate::CodedRefusal) if the samples must not become a calibration. Returns another
@@ -177,7 +178,7 @@ pub struct RunResult {
     pub delivery: Result<(), DeliveryFailure>,
 }
 
-/// The name of a calibration without a given name.
+/// The file name of a calibration for which no name was given.
 const UNNAMED: &str = "calibration.toml";
 
 /// A calibration whose files could not all be written where they were requested.
@@ -185,12 +186,12 @@ const UNNAMED: &str = "calibration.toml";
 pub struct DeliveryFailure {
     /// The failure.
     pub why: anyhow::Error,
-    /// The file that holds the calibration instead; none if no folder took it.
+    /// The file that holds the calibration instead; `None` if no folder could be written.
     pub rescued: Option<PathBuf>,
 }
 
 impl DeliveryFailure {
-    /// Puts the calibration beside what was `wanted`, or where it can.
+    /// Saves the calibration beside one of the `wanted` files, or in the folder for temporary files.
     #[must_use]
     pub fn rescue(why: anyhow::Error, wanted: &[PathBuf], calibration: &Calibration) -> Self {
         let wanted: Vec<&Path> = wanted.iter().map(PathBuf::as_path).collect();
@@ -199,7 +200,8 @@ impl DeliveryFailure {
         Self { why, rescued: rescue(name, &wanted, calibration.to_toml().as_bytes()) }
     }
 
-    /// The error with the failure and the place of the calibration. `also` follows the place.
+    /// The error text with the failure and the file that holds the calibration. `also` is appended to the file's
+    /// name.
     #[must_use]
     pub fn error(self, also: &str) -> anyhow::Error {
         let place = match self.rescued {

@@ -12,7 +12,7 @@ use zerorate::{Calibration, Outcome, SettingNames, Uncertainty, Warning};
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct CalibrationReport {
-    /// The axis of a part with one axis; otherwise see `axes`.
+    /// The results of a part with one axis; `None` for several axes, which are in `axes`.
     #[serde(flatten)]
     pub only: Option<AxisNumbers>,
     pub coverage: f64,
@@ -28,21 +28,21 @@ pub struct CalibrationReport {
     pub part: String,
     pub serial: Option<String>,
     pub device: Option<String>,
-    /// When the samples were recorded, RFC 3339; `SIMULATED` if they were not measured.
+    /// Time of recording, RFC 3339, or `SIMULATED` for a simulated part.
     pub created: Option<String>,
     pub calibration_id: String,
-    /// Whether the part was the software twin.
+    /// Whether the part was the twin, the simulated sensor.
     pub simulated: bool,
-    /// The file that holds the calibration; null where none was asked for.
+    /// The file that holds the calibration; null if none was requested.
     pub file: Option<PathBuf>,
     pub capture_sha256: Option<String>,
     /// Warnings about all axes.
     pub warnings: Vec<CodedWarning>,
-    /// What the plan implies for all axes, whatever was measured.
+    /// Standing remarks about all axes: consequences of the plan alone, independent of the samples.
     pub remarks: Vec<CodedWarning>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub axes: Vec<AxisReport>,
-    /// The calibration itself, where a file that was asked for could not be written.
+    /// The calibration, if a requested file could not be written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rescued: Option<RescuedCalibration>,
 }
@@ -54,9 +54,9 @@ pub struct AxisReport {
     pub name: String,
     #[serde(flatten)]
     pub numbers: AxisNumbers,
-    /// Warnings about this axis alone.
+    /// Warnings about this axis only.
     pub warnings: Vec<CodedWarning>,
-    /// What the plan implies for this axis alone.
+    /// Standing remarks about this axis only.
     pub remarks: Vec<CodedWarning>,
 }
 
@@ -64,7 +64,7 @@ pub struct AxisReport {
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct AxisNumbers {
-    /// Steps 4 and 6 of AN-1042; null by another method.
+    /// The averages of steps 4 and 6 of AN-1042; null with another method.
     pub b1_dps: Option<f64>,
     pub t1_c: Option<f64>,
     pub b2_dps: Option<f64>,
@@ -72,24 +72,24 @@ pub struct AxisNumbers {
     pub btc_dps_per_c: f64,
     pub pbc_dps: f64,
     pub t3_c: f64,
-    /// The terms of a curve.
+    /// The terms above first order; null unless a curve was fitted.
     #[serde(flatten)]
     pub higher: Option<CurveTerms>,
     pub u_pbc_dps: f64,
     pub u_btc_dps_per_c: f64,
     pub u_t3_c: f64,
     pub cov_pbc_btc_dps2_per_c: f64,
-    /// The contributions to the uncertainties.
+    /// The uncertainty budget: each contribution to the uncertainties.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub budget: Vec<Contribution>,
     pub impossible_readings: u64,
-    /// The correction at the end of the recording, evenly over the temperatures seen.
+    /// The final correction at evenly spaced temperatures over the measured span.
     pub curve: Vec<CurvePoint>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<TruthReport>,
 }
 
-/// The terms of a curve beside PBC and BTC.
+/// The terms of a fitted curve beyond PBC and BTC.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct CurveTerms {
@@ -106,7 +106,7 @@ pub struct CurveTerms {
     pub sway_probability: f64,
 }
 
-/// A step of the level that was taken out.
+/// A step of the bias level that was removed from the data.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct StepReport {
@@ -115,7 +115,7 @@ pub struct StepReport {
     pub u_dps: f64,
 }
 
-/// The correction of a rate at a temperature.
+/// The correction at one temperature.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct CurvePoint {
@@ -134,18 +134,18 @@ pub struct TruthReport {
     pub curve: Vec<CurvePoint>,
 }
 
-/// Points of a curve.
+/// Number of points of a reported curve.
 pub const POINTS: u8 = 9;
 
 impl CurvePoint {
-    /// The temperatures of the corrections: evenly from one temperature to another.
+    /// Evenly spaced temperatures from `low_c` to `high_c`, both included.
     pub fn temps_c(low_c: f64, high_c: f64) -> impl Iterator<Item = f64> {
         (0..POINTS).map(move |k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1))
     }
 }
 
 impl TruthReport {
-    /// At this T3, and evenly over these temperatures.
+    /// The true values at `t3_c`, and the true curve from `low_c` to `high_c`.
     pub fn new(truth: &Truth, t3_c: f64, (low_c, high_c): (f64, f64)) -> Self {
         let point = |temp_c| CurvePoint { temp_c, correction_dps: truth.pbc_dps(temp_c), u_dps: None };
         Self {
@@ -156,12 +156,12 @@ impl TruthReport {
     }
 }
 
-/// The place of a calibration that could not be written where it was wanted.
+/// A calibration that could not be written to its requested file.
 #[derive(Clone, Debug, Serialize)]
 pub struct RescuedCalibration {
-    /// The file that has it.
+    /// The file that holds it instead; null if no folder could be written.
     pub file: Option<PathBuf>,
-    /// The calibration itself.
+    /// The text of the calibration file.
     pub calibration: String,
 }
 
@@ -214,8 +214,8 @@ impl CurveTerms {
 }
 
 impl CalibrationReport {
-    /// The report about all axes of the calibration, in its order. `truths` are the twins' states at the end of step
-    /// 8; empty where the part is not a twin.
+    /// Reports all axes of the calibration, in its order. `truths` are the twin's true states at the end of step 8,
+    /// or empty if the part is not a twin.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: SettingNames) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
         let coded = |warnings: &mut dyn Iterator<Item = &Warning>| JobWarning::remarks_apart(warnings.copied(), names);

@@ -1,11 +1,11 @@
-//! `--target-dph`: when a recording has told enough, and how long that still takes.
+//! `--target-dph`: checks whether a recording has reached the target uncertainty.
 
 use zerorate::{Method, PartProcedure, Plan, Reached};
 
-/// The target is checked after multiples of this time of the recording, s.
+/// The target is checked at multiples of this time, s.
 const EVERY_S: f64 = 60.0;
 
-/// When the twin is asked for its truth, ns after the first sample: where the correction may hold from.
+/// Times after the first sample at which the twin reports its true state, ns: the possible ends of the measurement.
 pub fn marks_ns(plan: &Plan) -> impl Iterator<Item = u64> + use<> {
     let total_ns = (plan.total_s() * 1e9).round() as u64;
     let end_ns = if plan.method == Method::An1042 { plan.offset_ends_ns() } else { total_ns };
@@ -14,7 +14,7 @@ pub fn marks_ns(plan: &Plan) -> impl Iterator<Item = u64> + use<> {
     (1..=minutes).map(move |minute| minute * every_ns).chain([end_ns])
 }
 
-/// Looks at a recording at whole minutes, more seldom as it gets longer.
+/// Checks a recording against its target at whole minutes, less often as the recording gets longer.
 #[derive(Debug, Default)]
 pub struct Target {
     looked_s: f64,
@@ -23,13 +23,13 @@ pub struct Target {
 }
 
 impl Target {
-    /// Whether the next check is due: at a whole minute, at which the twin states its truth.
+    /// Whether the next check is due. Checks are at whole minutes, where the twin reports its true state.
     #[inline]
     pub fn is_due(&self, procedure: &PartProcedure) -> bool {
         procedure.progress().elapsed_s >= whole_minutes(Reached::next_look_s(self.looked_s))
     }
 
-    /// Looks: whether the target is reached, and the temperature settled.
+    /// Checks whether the target is reached and the temperature has settled.
     pub fn is_reached(&mut self, procedure: &PartProcedure) -> bool {
         self.looked_s = whole_minutes(procedure.progress().elapsed_s);
         self.target_dps = procedure.plan().target_dps.unwrap_or(0.0);
@@ -37,13 +37,13 @@ impl Target {
         self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
     }
 
-    /// The state of the target at the last check.
+    /// The uncertainties at the last check; `None` before the first.
     pub fn reached(&self) -> Option<Reached> {
         self.reached
     }
 }
 
-/// The last whole minute, s.
+/// The time rounded down to whole minutes, s.
 fn whole_minutes(time_s: f64) -> f64 {
     (time_s / EVERY_S).floor() * EVERY_S
 }

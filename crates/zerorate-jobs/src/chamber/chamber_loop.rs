@@ -14,15 +14,16 @@ use zerorate_host::{Cause, Chamber, DeviceError, ProfileWriter, SimulatedChamber
 use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::duration::Seconds;
 
-/// Period at which the chamber is set and read, in time of the samples, ns.
+/// Period at which the chamber is set and read, ns of sample time.
 pub const TICK_NS: u64 = 1_000_000_000;
-/// A set point is sent again when it has moved by this, °C: the resolution of chambers.
+/// A set point is sent again after it has moved by this much, °C: the resolution of chambers.
 const SET_STEP_C: f64 = 0.1;
 
-/// A running measurement. The writer of the profile is dropped before everything that waits for the profile.
+/// A running measurement. `writer` is the first field, so it is dropped before everything that waits for the
+/// profile.
 pub struct ChamberLoop<'a> {
     writer: Option<ProfileWriter>,
-    /// The chamber of a simulated sensor whose chamber is set by hand.
+    /// A simulated chamber that follows the steps, if the sensor is simulated and the plan is set by hand.
     obeying: Option<SimulatedChamber>,
     control: SetPointControl,
     acquisition: Acquisition,
@@ -43,7 +44,7 @@ pub struct LoopResult {
     pub procedure: ChamberProcedure,
     pub acquisition: Acquisition,
     pub capture_sha256: String,
-    /// The twin's truth at the end, of each axis.
+    /// The twin's true state of each axis at the end.
     pub truths: Vec<Truth>,
     pub log_failed: Option<anyhow::Error>,
 }
@@ -78,7 +79,8 @@ impl<'a> ChamberLoop<'a> {
         }
     }
 
-    /// Runs to the end. However that comes, the chamber is set to its safe temperature, and the log stays whole.
+    /// Runs the measurement. However it ends, the chamber is set to its safe temperature and the log is closed
+    /// properly.
     pub fn run(mut self) -> Result<(LoopResult, FinishedSteps)> {
         let ended = self.feed().map_err(|error| if is_stopped(&error) { self.ended_early() } else { error });
         self.control.leave();
@@ -143,7 +145,7 @@ impl<'a> ChamberLoop<'a> {
         Ok(())
     }
 
-    /// A second of part time is over.
+    /// Handles the end of each second of sample time.
     fn tick(&mut self, now_ns: u64) -> Result<()> {
         self.next_tick_ns += TICK_NS;
         let truths = self.acquisition.truths();

@@ -1,4 +1,4 @@
-//! The results of finished steps, in a file beside the output: an interrupted measurement goes on from there.
+//! Keeps the results of finished steps in a file beside the output, so that an interrupted measurement can continue.
 
 use super::UnusableSteps;
 use crate::error::InvalidOptions;
@@ -12,31 +12,32 @@ use zerorate::chamber::{ChamberProcedure, Saved};
 use zerorate_host::clock;
 use zerorate_input::limits::Bytes;
 
-/// Ends the name of the file: `unit.toml.chamber`.
+/// The ending of the file's name, as in `unit.toml.chamber`.
 const ENDING: &str = ".chamber";
-/// A week of seconds of eight axes in text.
+/// The largest file that is read: a week of one-second means of eight axes as text.
 const LARGEST: Bytes = Bytes(256 << 20);
 
-/// The file of finished steps, if there is one, and the measurement that they belong to.
+/// The file of finished steps, if there is one, and the identity of the measurement that they belong to.
 pub struct FinishedSteps {
     pub slot: Option<Slot>,
     pub plan_text: String,
     pub part: Part,
     pub device: String,
     pub serial: String,
-    /// Whether the time is the time of the wall clock.
+    /// Whether the samples come in real time, so that the wall clock gives the time between two runs.
     pub is_real: bool,
 }
 
 impl FinishedSteps {
-    /// Beside the output.
+    /// The path of the file for this output.
     pub fn beside(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
         name.push(ENDING);
         name.into()
     }
 
-    /// The steps in the file, and the time since their end, s.
+    /// Returns the saved steps and the time since their end, s (0 if it is not known). `None` without a file or with
+    /// `restart`.
     pub fn found(&self, restart: bool) -> Result<Option<(Saved, f64)>> {
         let Some(slot) = self.slot.as_ref().filter(|_| !restart) else { return Ok(None) };
         let shown = slot.path().display();
@@ -55,7 +56,7 @@ impl FinishedSteps {
         Ok(Some((saved, gap_s)))
     }
 
-    /// Saves the finished steps, whole or not at all. A failure is a warning, because the measurement can go on.
+    /// Saves the finished steps, atomically. A failure is a warning, because the measurement can go on.
     pub fn keep(&mut self, procedure: &ChamberProcedure) -> Option<JobWarning> {
         let slot = self.slot.as_mut()?;
         let (record, steps) = procedure.finished_steps();
@@ -68,7 +69,7 @@ impl FinishedSteps {
         slot.put(text.as_bytes()).err().map(failed)
     }
 
-    /// Advice on an interruption after this number of steps.
+    /// The advice to print after an interruption with this many finished steps; empty if none is kept.
     pub fn hint(&self, steps: usize) -> String {
         match (&self.slot, steps) {
             (Some(slot), 1..) => format!(
@@ -80,7 +81,7 @@ impl FinishedSteps {
         }
     }
 
-    /// The measurement is whole.
+    /// Removes the file after the measurement is complete.
     pub fn forget(&mut self) {
         self.slot.iter_mut().for_each(Slot::clear);
     }

@@ -1,4 +1,4 @@
-//! A calibration over the temperatures of a chamber: [`SetPointControl::new`], [`prepare`], [`Job::run`].
+//! Calibration over the temperature range of a chamber: [`SetPointControl::new`], [`prepare`], then [`Job::run`].
 
 mod chamber_loop;
 mod finished_steps;
@@ -32,16 +32,16 @@ pub trait Watch {
     /// Receives the progress, every 4096 samples.
     fn see(&mut self, progress: &ChamberProgress);
 
-    /// The measurement continues after `steps` of `all` steps, which ended `gap_s` before.
+    /// A resumed measurement continues after `steps` of `all` steps. The saved steps ended `gap_s` before.
     fn resume(&mut self, steps: usize, all: usize, gap_s: f64);
 
-    /// A person has to set this step by hand.
+    /// A person has to set the chamber for this step.
     fn step(&mut self, progress: &ChamberProgress, step: &Step);
 
     /// Receives a warning while the measurement goes on.
     fn warn(&mut self, warning: JobWarning);
 
-    /// Writes the requested page.
+    /// Writes the requested HTML page.
     ///
     /// # Errors
     /// Returns an error if the page cannot be made or written.
@@ -51,32 +51,32 @@ pub trait Watch {
     fn names(&self) -> SettingNames;
 }
 
-/// The options that judge the measurement.
+/// Settings that decide what is refused and how the samples are evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct ChamberOptions {
-    /// Largest share of lost samples.
+    /// Largest allowed share of lost samples.
     pub max_lost: f64,
-    /// The Earth's rotation on the axis, to be subtracted.
+    /// The Earth's rotation on the axis, which is subtracted, °/s.
     pub earth_dps: Option<f64>,
-    /// Highest order of the bias over temperature.
+    /// Highest polynomial order of the bias over temperature.
     pub max_order: usize,
-    /// Begin anew, even if steps are finished.
+    /// Whether to start anew although finished steps were saved.
     pub restart: bool,
-    /// Something moves the air, and has to spare the part.
+    /// Whether the program or a person changes the air temperature, which then must stay within the part's limits.
     pub moves_air: bool,
 }
 
-/// The saved steps belong to another measurement.
+/// The error for saved steps that belong to another measurement.
 #[derive(Debug, thiserror::Error)]
 #[error("{} does not go on with this measurement: {why}", path.display())]
 pub struct UnusableSteps {
     /// The file of the finished steps.
     pub path: PathBuf,
-    /// The difference.
+    /// The difference between the measurements.
     pub why: String,
 }
 
-/// The files that were asked for, claimed before hours are spent on their content.
+/// The requested output files. They are claimed before hours are spent on their content.
 #[derive(Debug)]
 pub struct Files {
     of_calibration: calibrate::Files,
@@ -86,12 +86,12 @@ pub struct Files {
 }
 
 impl Files {
-    /// Claims the files, with a `page` beside them. Finished steps of a recording are not kept.
+    /// Claims the files and, if requested, a `page`. Finished steps of a replayed recording are not kept.
     ///
     /// # Errors
     /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written.
     pub fn claim(outputs: Outputs, options: OutputOptions, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
-        // a device has no room for files beside it
+        // a device file has no folder for files beside it
         let output = options.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
         let mut of_calibration = calibrate::Files::claim(outputs, options)?;
         let outputs = &mut of_calibration.outputs;
@@ -101,7 +101,8 @@ impl Files {
     }
 }
 
-/// A measurement that can begin. The writer of the profile is dropped before everything that waits for the profile.
+/// A measurement that is ready to run. `writer` is the first field, so it is dropped before everything that waits
+/// for the profile.
 pub struct Job {
     writer: Option<ProfileWriter>,
     control: SetPointControl,
@@ -115,11 +116,11 @@ pub struct Job {
     resumed: Option<(usize, f64)>,
 }
 
-/// Makes a measurement ready; the writer sets the temperature around a simulated sensor.
+/// Prepares a measurement. The writer sets the ambient temperature of a simulated sensor.
 ///
 /// # Errors
-/// Returns [`InvalidOptions`] if the plan does not fit the part, [`UnusableSteps`], or an error if a file cannot be
-/// read.
+/// Returns [`InvalidOptions`] if the plan does not fit the part, [`UnusableSteps`] if saved steps belong to another
+/// measurement, or an error if a file cannot be read.
 pub fn prepare(
     acquisition: Acquisition,
     (control, writer): (SetPointControl, Option<ProfileWriter>),
@@ -160,13 +161,13 @@ impl Job {
         self.acquisition.part()
     }
 
-    /// The least duration, s.
+    /// The minimum remaining duration, s.
     #[must_use]
     pub fn left_s(&self) -> f64 {
         self.procedure.progress().left_s
     }
 
-    /// Measures. `watch` receives the events.
+    /// Runs the measurement. `watch` receives the events.
     ///
     /// # Errors
     /// Returns [`CodedRefusal`] if the samples must not become a calibration, or another error if the part, the
@@ -203,7 +204,8 @@ impl Job {
     }
 }
 
-/// Batches of a simulated part end where its chamber has moved the air: for as long as the plan can take at most.
+/// Requests a batch boundary of the simulated part at each second, where its chamber changes the air, for the
+/// longest duration that the plan can take.
 fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
     /// Two weeks: no simulated measurement takes longer.
     const MOST_S: f64 = 14.0 * 86_400.0;
@@ -252,7 +254,7 @@ impl ChamberResults {
         let of_device = aliased.into_iter().chain(info.twin_at_rest(earth_dps));
         let warnings: Vec<Warning> = record.warnings(earth_dps).chain(of_device).collect();
         let run = ChamberRun { tally: &tally, max_lost, earth_dps, warnings: &warnings };
-        // what was measured before an interruption is in no recording of this run
+        // samples before the interruption are not in this run's recording
         let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };
         let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, info.origin(capture_sha256));
         let (remarks, mut warnings) = JobWarning::remarks_apart(warnings, names);
@@ -263,7 +265,7 @@ impl ChamberResults {
     }
 }
 
-/// The warnings of the axes, which are named where there are several.
+/// The warnings of the axes, with the axis named if there are several.
 fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: SettingNames) -> impl Iterator<Item = CodedWarning> {
     let several = part.axes.len() > 1;
     let axes = || outcomes.iter().zip(part.axes.iter());

@@ -1,4 +1,4 @@
-//! The plan that was named: one that comes with the program, a file, or what a chamber did.
+//! The plan of a measurement: shipped with the program, read from a file, or derived from a chamber's log.
 
 use crate::error::InvalidOptions;
 use crate::output::Outputs;
@@ -9,22 +9,23 @@ use zerorate::chamber::{ChamberPlan, SHIPPED};
 use zerorate::{Setting, SettingNames};
 use zerorate_input::limits::Bytes;
 
-/// A plan of 1000 steps, or a week of a chamber's log.
+/// The largest file that is read: a plan of 1000 steps, or a week of a chamber's log.
 const LARGEST: Bytes = Bytes(64 << 20);
 
-/// A plan and its text, which tells whether a measurement that goes on is of the same.
+/// A plan and its text. The text shows whether an interrupted measurement used the same plan.
 #[derive(Debug)]
 pub struct PlanFile {
     /// The plan.
     pub plan: ChamberPlan,
     /// The text of the file.
     pub text: String,
-    /// The given name of the plan.
+    /// The name of the plan as the user gave it.
     pub name: String,
 }
 
 impl PlanFile {
-    /// Reads a plan. A CSV of what a chamber did is a plan of a recording only. Errors call settings by `names`.
+    /// Reads a plan. A CSV log of a chamber's temperature is accepted for a recording only. Errors use `names` for
+    /// the settings.
     ///
     /// # Errors
     /// Returns [`InvalidOptions`] if the file is not a plan, or an error if it cannot be read.
@@ -68,7 +69,7 @@ fn read(name: &Path, outputs: &mut Outputs) -> Result<String> {
     })
 }
 
-/// Columns of a CSV of what a chamber did.
+/// The required columns of a chamber's CSV log.
 const COLUMNS: [&str; 2] = ["t_s", "temp_c"];
 
 fn course(text: &str) -> Result<ChamberPlan, String> {

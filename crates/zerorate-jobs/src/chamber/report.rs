@@ -11,7 +11,7 @@ use zerorate::{Calibration, Correction, Uncertainty};
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct ChamberReport {
-    /// The axis of a part with one axis; otherwise see `axes`.
+    /// The results of a part with one axis; `None` for several axes, which are in `axes`.
     #[serde(flatten)]
     pub only: Option<AxisReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -27,14 +27,14 @@ pub struct ChamberReport {
     pub duration_s: f64,
     pub temp_min_c: f64,
     pub temp_max_c: f64,
-    /// Share of the time in which the part was not at rest, and which is in no result.
+    /// Share of the time in which the part was not at rest. That time is excluded from the results.
     pub restless: f64,
     pub calibration_id: String,
-    /// Whether the part was the software twin.
+    /// Whether the part was the twin, the simulated sensor.
     pub simulated: bool,
     pub capture_sha256: Option<String>,
     pub warnings: Vec<CodedWarning>,
-    /// What the options imply for all axes, whatever was measured.
+    /// Standing remarks: consequences of the options alone, independent of the samples.
     pub remarks: Vec<CodedWarning>,
 }
 
@@ -67,7 +67,7 @@ pub struct AxisReport {
     pub truth: Option<TruthReport>,
 }
 
-/// A soak point.
+/// The measurement at one soak temperature.
 #[derive(Clone, Debug, Serialize)]
 pub struct Point {
     pub step: usize,
@@ -81,7 +81,7 @@ pub struct Point {
     pub settled: bool,
 }
 
-/// The distance between warming and cooling.
+/// Hysteresis: the difference between warming and cooling.
 #[derive(Clone, Debug, Serialize)]
 pub struct Loop {
     pub half_width_dps: f64,

@@ -1,22 +1,23 @@
-//! Control of the set point. After any end of a measurement the chamber is set to its safe temperature, and the user
+//! Controls the set point. However a measurement ends, the chamber is set to its safe temperature, and the user
 //! learns whether the chamber confirmed that.
 
 use anyhow::Result;
 use zerorate_host::{Chamber, ChamberSpec, ChamberThread, SafeEnd, Stop};
 
-/// Receives the events of the air in the chamber.
+/// Receives the state in which the chamber is or will be left.
 pub trait AirListener {
-    /// Receives the state of the air in which the chamber would be left if the program ended now.
+    /// Receives the state that the chamber would be left in if the program ended now.
     fn set_pending(&self, air: &AirState);
 
     /// A stop was requested, and the chamber is being set to its safe temperature.
     fn leaving(&self, air: &AirState);
 
-    /// Receives the end of a chamber; a chamber that is set by hand has none. `None` if there is nothing to say.
+    /// Receives the final state of the chamber and how the safe temperature was set. The second is `None` if the
+    /// chamber is set by hand. The argument is `None` if there is nothing to tell the user.
     fn settle(&self, air: Option<(&AirState, Option<&SafeEnd>)>);
 }
 
-/// The state of the air as far as it is known.
+/// The air temperature, as far as it is known.
 #[derive(Clone, Debug)]
 pub struct AirState {
     /// Whether a person sets the chamber by hand.
@@ -27,20 +28,20 @@ pub struct AirState {
     pub set_c: Option<f64>,
 }
 
-/// The means of setting the temperature.
+/// Who sets the temperature.
 pub(super) enum Control {
-    /// A recording has decided that already.
+    /// Nobody: a recording is replayed.
     Recording,
-    /// A person sets the temperature, and is told each step.
+    /// A person, who is told each step.
     Hand,
-    /// A chamber.
+    /// A chamber, by commands or simulated.
     Chamber(Box<dyn Chamber>),
 }
 
-/// Controls the set point, and sets the safe temperature at the end, at the latest when this is dropped.
+/// Controls the set point. Sets the safe temperature once at the end, at the latest when it is dropped.
 pub struct SetPointControl {
     pub(super) by: Control,
-    /// The user has to know how the chamber ends. A simulated chamber needs no word.
+    /// Whether the user must be told how the chamber was left. False for a simulated chamber.
     has_word: bool,
     state: AirState,
     is_left: bool,
@@ -63,7 +64,8 @@ impl SetPointControl {
         let by = match spec.map(|spec| spec.chamber(stop)) {
             None => Control::Recording,
             Some(None) => Control::Hand,
-            // a real sensor is read while the chamber is waited for; a simulated sensor waits
+            // a real sensor must be read while the chamber responds, so its chamber has a thread; a simulated sensor
+            // waits
             Some(Some(chamber)) if is_simulated => Control::Chamber(chamber),
             Some(Some(chamber)) => Control::Chamber(Box::new(ChamberThread::new(chamber)?)),
         };
@@ -94,7 +96,7 @@ impl SetPointControl {
     /// Sets the temperature of a chamber, °C.
     pub(super) fn set(&mut self, temp_c: f64) -> Result<()> {
         let Control::Chamber(chamber) = &mut self.by else { return Ok(()) };
-        // a command that fails may still be obeyed
+        // a command that fails may still take effect
         if self.has_word {
             self.listener.set_pending(&self.state);
         }
@@ -106,7 +108,7 @@ impl SetPointControl {
         Ok(())
     }
 
-    /// Sets the safe temperature once, and decides the last message to the user.
+    /// Sets the safe temperature once, and sends the final message to the listener.
     pub(super) fn leave(&mut self) {
         if std::mem::replace(&mut self.is_left, true) {
             return;

@@ -1,4 +1,4 @@
-//! Onto the disk, and turns among processes.
+//! File locks, unfinished files and syncing: lets several processes write to one folder safely.
 
 use super::OutputError;
 use super::temporary::Temporary;
@@ -8,22 +8,23 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::time::Duration;
 
-/// The ending of the name of every unfinished file. Nothing else makes such names, so the files of a killed run are
-/// known by it.
+/// The ending of every unfinished file's name. No other files have it, so it identifies files that a killed run
+/// left.
 const ENDING: &str = ".zerorate.part";
 
-/// Characters between the name of the file and the ending, which differ from one unfinished file to the next.
+/// Number of random characters between the file's name and the ending.
 const RANDOM: usize = 6;
 
-/// The longest part of a name that an unfinished file repeats, so that a long name does not become too long.
+/// The longest part of a name that is repeated in an unfinished file's name, in characters, so that the whole stays
+/// legal.
 const LONGEST_STEM: usize = 100;
 
-/// A wait for another process that claims a file in the same folder; it takes microseconds.
+/// Attempts to lock a folder that another process has locked. A process holds the lock for microseconds.
 const TURN_TRIES: u32 = 200;
 const TURN_PAUSE: Duration = Duration::from_millis(5);
 
-/// Makes an unfinished file beside `name`, under a name that nothing has. One process at a time has one for the same
-/// name. Files that killed processes left in the folder are removed.
+/// Creates an unfinished file for `name`, under a new name. Only one process at a time can claim a name. Files that
+/// killed processes left in the folder are removed.
 pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, OutputError> {
     let _turn = turn_in(folder);
     let stem = stem(name);
@@ -33,7 +34,7 @@ pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, Outp
         let is_rival = start.strip_prefix(&stem).is_some_and(|random| random.len() == RANDOM);
         match owner(&entry.path()) {
             Owner::Alive if is_rival => return Err(OutputError::Busy { path: path.to_owned() }),
-            // a user who may not remove the file leaves it
+            // a file that this user may not remove stays
             Owner::Dead => drop(fs::remove_file(entry.path())),
             Owner::Alive | Owner::Unknown => {}
         }
@@ -41,7 +42,7 @@ pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, Outp
     create(folder, &stem).map_err(|error| OutputError::io("write", path, error))
 }
 
-/// Makes another unfinished file, for a name that is claimed already.
+/// Creates another unfinished file for a name that this run has claimed already.
 pub fn unfinished(folder: &Path, name: &OsStr) -> io::Result<Temporary> {
     create(folder, &stem(name))
 }
@@ -50,7 +51,7 @@ fn stem(name: &OsStr) -> String {
     format!("{}.", name.to_string_lossy().chars().take(LONGEST_STEM).collect::<String>())
 }
 
-/// A new file, locked. Before it is, another process may take it for one that was left, and remove it.
+/// Creates a file and locks it. Tries again if another process took the unlocked file for a leftover and removed it.
 fn create(folder: &Path, stem: &str) -> io::Result<Temporary> {
     let mut tries = TURN_TRIES;
     loop {
@@ -70,11 +71,11 @@ fn create(folder: &Path, stem: &str) -> io::Result<Temporary> {
 enum Owner {
     Alive,
     Dead,
-    /// The file system has no locks, or it is not a file.
+    /// Unknown: the file system has no locks, or the path is not a regular file.
     Unknown,
 }
 
-/// The kernel holds the lock of a file for as long as its process lives.
+/// Finds out whether the process that made the file still runs: the kernel releases its lock when it ends.
 #[cfg(unix)]
 fn owner(path: &Path) -> Owner {
     use rustix::fs::{FlockOperation, flock};
@@ -94,7 +95,7 @@ fn owner(_: &Path) -> Owner {
     Owner::Unknown
 }
 
-/// Puts the names in a folder onto the disk. Not every file system has a way to ask for it.
+/// Syncs the names in a folder to the disk, if the file system supports that.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     if cfg!(not(unix)) {
         return Ok(());
@@ -105,8 +106,8 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// The lock of a folder, for as long as it takes to look for other writers and to become one. Where it cannot be had,
-/// exclusive names remain.
+/// Locks a folder, for as long as it takes to check for other writers and to claim a name. `None` if it cannot be
+/// locked; then only the exclusive creation of names protects the files.
 fn turn_in(folder: &Path) -> Option<File> {
     let folder = File::open(folder).ok()?;
     for _ in 0..TURN_TRIES {
@@ -118,7 +119,7 @@ fn turn_in(folder: &Path) -> Option<File> {
     None
 }
 
-/// Marks an open file as being written, until it is closed. `WouldBlock`: another process has.
+/// Locks an open file until it is closed. Returns `WouldBlock` if another process has locked it.
 #[cfg(unix)]
 pub fn lock(file: &File) -> io::Result<()> {
     use rustix::fs::{FlockOperation, flock};
@@ -129,13 +130,13 @@ pub fn lock(file: &File) -> io::Result<()> {
     }
 }
 
-/// Does nothing on other systems, where a lock would keep readers out too.
+/// Does nothing on other systems, where a lock would also block readers.
 #[cfg(not(unix))]
 pub fn lock(_: &File) -> io::Result<()> {
     Ok(())
 }
 
-/// Opens a file without following a link or waiting for a pipe.
+/// Opens a file without following a link or blocking on a pipe.
 #[cfg(unix)]
 pub fn open_to_lock(path: &Path) -> io::Result<File> {
     use rustix::fs::{Mode, OFlags, open};

@@ -3,19 +3,19 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The reasons why an output is refused or fails.
+/// The reasons why an output is refused or cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum OutputError {
-    /// There is a file of that name.
+    /// A file of that name exists.
     #[error("{} exists, and is not overwritten by accident: choose another name", path.display())]
     Exists {
         path: PathBuf,
-        /// Whether the user could have asked for the file to be replaced.
+        /// Whether the command has an option to replace the file.
         has_force: bool,
     },
 
-    /// The run reads that file.
+    /// The run reads that file as an input.
     #[error("{} would be overwritten while it is read, since it is the same file as the input {}: choose \
              another name", path.display(), input.display())]
     IsInput { path: PathBuf, input: PathBuf },
@@ -25,7 +25,7 @@ pub enum OutputError {
              name", path.display())]
     Twice { path: PathBuf, other: String },
 
-    /// There is a recording of that name, and the new file would not be one.
+    /// A recording of that name exists, and the new file would not be a recording.
     #[error("{} is a capture, which cannot be had again, and no option replaces it by a computed file: choose \
              another name, or remove it yourself", path.display())]
     IsCapture { path: PathBuf },
@@ -38,33 +38,34 @@ pub enum OutputError {
     #[error("{} was written by something else meanwhile, and is left as it is", path.display())]
     TakenMeanwhile { path: PathBuf },
 
-    /// A link to nothing: its maker may have wanted the file elsewhere than the user thinks.
+    /// The path is a link to nothing. Whoever made it may have wanted the file elsewhere than the user thinks.
     #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a \
              link: name the file itself, or remove the link", path.display(), target.display())]
     Dangling { path: PathBuf, target: PathBuf },
 
-    /// A link that somebody else made, in a folder that is not theirs.
+    /// The path is a link that another user made, in a folder that is not that user's.
     #[error("{} is a symbolic link that another user (uid {uid}) made, to {}: it is not followed; name the \
              file itself", path.display(), target.display())]
     ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
 
-    /// `-` was given as the output. Other programs write to stdout then; this one prints results for people there.
+    /// `-` was given as the output. Other programs then write to stdout, but this one prints results for people
+    /// there.
     #[error("`-` is not a file, and stdout is for what the command prints; give the file a name")]
     Dash,
 
-    /// The output is a PDF, which the program does not write.
+    /// The output ends in `.pdf`, a format that the program does not write.
     #[error("{}: zerorate writes no PDF; name a page .html, and print it from a browser", path.display())]
     Pdf { path: PathBuf },
 
-    /// A file that must be read again later needs a place that can be read.
+    /// The output is a pipe or a device, but the file must be read again later.
     #[error("{} is not a file: name a file, or one that does not exist yet", path.display())]
     NotAFile { path: PathBuf },
 
-    /// No file can have that name.
+    /// The path cannot name a file, for example because it is a folder.
     #[error("cannot write {}: it is a folder", path.display())]
     Folder { path: PathBuf },
 
-    /// A file cannot be put into a folder that does not exist.
+    /// The folder of the output does not exist.
     #[error(
         "cannot write {}: the folder {} does not exist; make it, or choose another",
         path.display(),
@@ -72,19 +73,19 @@ pub enum OutputError {
     )]
     NoFolder { path: PathBuf, folder: PathBuf },
 
-    /// The file system said no.
+    /// The file system reported an error.
     #[error("cannot {action} {}", path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
 }
 
 impl OutputError {
-    /// Whether another name, or leave to replace the file, is all that it takes.
+    /// Whether another name or permission to overwrite would solve the problem.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::NoFolder { .. } | Self::TakenMeanwhile { .. })
     }
 
-    /// An I/O error, with what was being done to which file.
+    /// Makes an I/O error that names the action and the file.
     pub(super) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         Self::Io { action, path: path.to_owned(), source }
     }

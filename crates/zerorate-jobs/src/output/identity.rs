@@ -1,37 +1,37 @@
-//! The identity of a file, under any name.
+//! Identifies a file under any of its names.
 
 use std::ffi::OsString;
 use std::fs::{self, File, Metadata};
 use std::path::{Path, PathBuf};
 
-/// A file that exists, or a name in a folder.
+/// The identity of an existing file, or of a name that is still free.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Identity {
-    /// Device and inode: the same through hard links.
+    /// Device and inode, which all hard links share.
     #[cfg(unix)]
     Inode(u64, u64),
-    /// The path stands in where nothing better tells files apart.
+    /// The canonical path, on systems without inodes.
     #[cfg(not(unix))]
     Path(PathBuf),
-    /// No file yet.
+    /// The folder and name of a file that does not exist yet.
     Name(PathBuf, OsString),
 }
 
 impl Identity {
-    /// The regular file that is found there; none if there is nothing, or what has no content to lose.
+    /// The regular file at `path`. `None` if there is nothing, or something that has no content to lose.
     pub fn of_file(path: &Path) -> Option<Self> {
         let metadata = fs::metadata(path).ok().filter(Metadata::is_file)?;
         Self::of(&metadata, path)
     }
 
-    /// The identity of anything at that path, a pipe as well.
+    /// The identity of what is at that path, also of a pipe.
     #[cfg(unix)]
     pub fn of(metadata: &Metadata, _: &Path) -> Option<Self> {
         use std::os::unix::fs::MetadataExt;
         Some(Self::Inode(metadata.dev(), metadata.ino()))
     }
 
-    /// The identity of anything at that path.
+    /// The identity of what is at that path.
     #[cfg(not(unix))]
     pub fn of(_: &Metadata, path: &Path) -> Option<Self> {
         path.canonicalize().ok().map(Self::Path)

@@ -1,9 +1,10 @@
-//! Destinations of results: never an input, never an existing file, never half a file under its final name.
+//! Output files. They never overwrite an input or an existing file, and never appear half-written under their final
+//! name.
 //!
-//! [`Outputs`] knows all files of a run. A command opens a file by it and by nothing else, so that it knows every
-//! input. It refuses an output that is an input or another output of the same run, under any name (hard links,
-//! symbolic links, `./x`, `/dev/stdout`). It refuses an output that exists, unless `--force`. Even with `--force`,
-//! results that can be computed again never replace a capture. docs/reference/files.md states the rules for users.
+//! [`Outputs`] knows all files of a run. A command opens every file through it, so that it knows every input. It
+//! refuses an output that is an input or another output of the same run, under any name (hard links, symbolic links,
+//! `./x`, `/dev/stdout`). It refuses an output that exists, unless `--force` is given. Even with `--force`, results
+//! that can be computed again never replace a capture. docs/reference/files.md states the rules for users.
 
 mod disk;
 mod error;
@@ -38,32 +39,32 @@ use zerorate_record::CaptureReader;
 /// The files of one run of a command.
 #[derive(Debug)]
 pub struct Outputs {
-    /// `None` if the command has no such option.
+    /// Whether `--force` was given. `None` if the command has no such option.
     force: Option<bool>,
     inputs: Vec<(Identity, PathBuf)>,
-    /// Outputs so far, and the standard streams.
+    /// Outputs claimed so far, and the standard streams.
     claimed: Vec<(Identity, String)>,
 }
 
 impl Outputs {
-    /// A run that may overwrite files if `force`.
+    /// The files of a run that may overwrite existing files if `force` is true.
     pub fn new(force: bool) -> Self {
         let streams = streams::files().into_iter().map(|(identity, name)| (identity, name.to_owned()));
         Self { force: Some(force), inputs: Vec::new(), claimed: streams.collect() }
     }
 
-    /// A run of a command that overwrites no file, and has no option to do so.
+    /// The files of a run whose command has no `--force` option and overwrites nothing.
     pub fn without_force() -> Self {
         Self { force: None, ..Self::new(false) }
     }
 
-    /// The run prints data as well, so that no file may be where stdout goes, be it a pipe.
+    /// Declares that the run also prints data. No output may then go where stdout goes, not even into the same pipe.
     pub fn printing(mut self) -> Self {
         self.claimed.extend(streams::stdout_pipe().map(|identity| (identity, streams::STDOUT.to_owned())));
         self
     }
 
-    /// Notes that the run reads these logs. A log that does not exist fails later, with a better message.
+    /// Registers these logs as inputs. A log that does not exist fails later, with a better message.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::reads`].
@@ -72,7 +73,7 @@ impl Outputs {
         Ok(self)
     }
 
-    /// Notes that the run reads this file, the files of this folder or, for `-`, its standard input.
+    /// Registers an input: a file, all files of a folder, or standard input for `-`.
     ///
     /// # Errors
     /// Returns [`OutputError::IsInput`] if an output, stdout or stderr goes into one of these files.
@@ -83,7 +84,7 @@ impl Outputs {
         self.claimed.iter().try_for_each(|(output, name)| self.refuse_input(output, Path::new(name)))
     }
 
-    /// Reads a file of text whole, which has no more than `most` bytes.
+    /// Reads a whole text file of at most `most` bytes.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::reads`], or an error if the file cannot be read.
@@ -91,7 +92,7 @@ impl Outputs {
         self.try_text(path, most)?.with_context(|| format!("cannot read {}", path.display()))
     }
 
-    /// Reads a text, for a caller that has its own words for what goes wrong with the file.
+    /// Reads a text file like `text`, but returns the I/O error for callers that have their own messages.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::reads`].
@@ -109,7 +110,7 @@ impl Outputs {
         Ok(files::capture(path)?)
     }
 
-    /// Claims a file for what can be computed again: it takes its name when it is complete.
+    /// Claims a file for a result that can be computed again. The file takes its name when it is complete.
     ///
     /// # Errors
     /// Returns an error if the file is refused ([`OutputError::is_refusal`]) or cannot be written.
@@ -124,8 +125,7 @@ impl Outputs {
         StagedOutput::new(path, place)
     }
 
-    /// Claims a file to record into, under its final name from the start, so that what was recorded survives a power
-    /// cut.
+    /// Claims a file to record into. It has its final name from the start, so that the samples survive a power cut.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::derived`].
@@ -134,8 +134,8 @@ impl Outputs {
         Recording::new(path, place)
     }
 
-    /// Claims a file that the run writes again and again. The file may exist: the run continues from the content of an
-    /// earlier run.
+    /// Claims a file that the run rewrites repeatedly. It may exist already: the run continues from an earlier run's
+    /// content.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::derived`].
@@ -178,35 +178,36 @@ impl Outputs {
     }
 }
 
-/// Whether the error is about a file that exists and stays as it is: another name, or force, is all that it takes.
+/// Whether the error is an output refusal that another name, or permission to overwrite, would solve.
 #[must_use]
 pub fn is_refusal(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
 }
 
-/// Whether the file would have been replaced had the user asked for it. Each front end says how to ask.
+/// Whether the `--force` option would have replaced the file. Each front end tells the user how.
 #[must_use]
 pub fn could_be_forced(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| matches!(cause.downcast_ref(), Some(OutputError::Exists { has_force: true, .. })))
 }
 
-/// A capture cannot be had again. One that carries a calibration's id can: from the capture that it was made from.
+/// Refuses to replace a capture, which cannot be recorded again. A corrected capture may be replaced: it can be
+/// computed again from its source.
 fn refuse_capture(path: &Path) -> Result<(), OutputError> {
     let failed = |source| OutputError::io("look at", path, source);
     let is_capture = match files::capture(path) {
         Ok(reader) => reader.calibration_id().is_none(),
         Err(CaptureError::NotACapture { .. }) => was_capture(path).map_err(failed)?,
         Err(CaptureError::Input(InputError::Io { source, .. })) => return Err(failed(source)),
-        // damaged, or of a later version
+        // a damaged capture, or one of a later version
         Err(_) => true,
     };
     if is_capture { Err(OutputError::IsCapture { path: path.to_owned() }) } else { Ok(()) }
 }
 
-/// Bytes at the start of a file, in which every form of a capture names itself.
+/// Length of the start of a file that is searched, bytes. Every capture format has its name in it.
 const HEAD: u64 = 1 << 16;
 
-/// Whether a file that cannot be read as a capture starts like one all the same.
+/// Whether a file that cannot be read as a capture still starts like one.
 fn was_capture(path: &Path) -> io::Result<bool> {
     let mut head = Vec::new();
     File::open(path)?.take(HEAD).read_to_end(&mut head)?;
@@ -215,7 +216,7 @@ fn was_capture(path: &Path) -> io::Result<bool> {
     Ok(starts_like_one && head.windows(NAME.len()).any(|window| window == NAME))
 }
 
-/// Start of the keys of a capture's description.
+/// The start of every key in a capture's description.
 const NAME: &[u8] = b"zerorate.";
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The place that an output's name leads to.
+//! Finds where an output path leads.
 
 use super::OutputError;
 use super::identity::Identity;
@@ -7,25 +7,25 @@ use std::fs::{self, Metadata};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// Links in a row that are followed, as many as Linux follows.
+/// The most links in a row that are followed, as in Linux.
 const MOST_LINKS: usize = 40;
 
-/// The place of an output.
+/// The destination of an output.
 #[derive(Clone, Debug)]
 pub enum Place {
-    /// A name in a folder, with or without a file. Links to it have been followed.
+    /// A name in a folder, with or without an existing file. Links have been followed.
     Name {
         folder: PathBuf,
         name: OsString,
         /// The regular file that is there now.
         replaces: Option<Identity>,
     },
-    /// A pipe, a terminal, a device: nothing there can be lost, and nothing can be renamed onto it.
+    /// A pipe, terminal or device. It has no content to lose, and no file can be renamed onto it.
     Stream { path: PathBuf, identity: Option<Identity> },
 }
 
 impl Place {
-    /// Follows the links of `path`, where that can be trusted.
+    /// Follows the links of `path`. Refuses links that cannot be trusted.
     pub fn of(path: &Path) -> Result<Self, OutputError> {
         let mut at = path.to_owned();
         for _ in 0..MOST_LINKS {
@@ -55,12 +55,12 @@ impl Place {
         Ok(Self::Name { folder, name: name.to_owned(), replaces })
     }
 
-    /// Whether a file would be overwritten.
+    /// Whether a regular file exists there and would be overwritten.
     pub fn exists(&self) -> bool {
         matches!(self, Self::Name { replaces: Some(_), .. })
     }
 
-    /// The identity of the file; none for a device, which any number of outputs may share.
+    /// The identity of the destination; `None` for a device, which several outputs may share.
     pub fn identity(&self) -> Option<Identity> {
         match self {
             Self::Name { replaces: Some(file), .. } => Some(file.clone()),
@@ -70,12 +70,12 @@ impl Place {
     }
 }
 
-/// The folder that holds `path`.
+/// The folder that contains `path`.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != OsStr::new("")).unwrap_or(Path::new("."))
 }
 
-/// Two outputs in one pipe are mixed, in one device they are not of interest.
+/// The identity of a pipe or socket, where two outputs would be mixed; `None` for a device, which may be shared.
 pub fn pipe(metadata: &Metadata, path: &Path) -> Option<Identity> {
     #[cfg(unix)]
     {
@@ -95,7 +95,7 @@ enum LinkTarget {
     To(PathBuf),
 }
 
-/// One step along a link that `path` has led to.
+/// Follows one link on the way of `path`.
 fn follow(path: &Path, link: &Path, metadata: &Metadata) -> Result<LinkTarget, OutputError> {
     let target = fs::read_link(link).map_err(|error| OutputError::io("write", path, error))?;
     refuse_foreign(path, link, metadata, &target)?;
@@ -109,14 +109,14 @@ fn follow(path: &Path, link: &Path, metadata: &Metadata) -> Result<LinkTarget, O
     }
 }
 
-/// The rule of Linux (`fs.protected_symlinks`), in every folder: a link is its follower's, the administrator's, or of
-/// the folder's owner.
+/// Refuses a link by the rule of Linux (`fs.protected_symlinks`), in every folder: the link must belong to the user,
+/// to root or to the folder's owner.
 #[cfg(unix)]
 fn refuse_foreign(path: &Path, link: &Path, metadata: &Metadata, target: &Path) -> Result<(), OutputError> {
     use std::os::unix::fs::MetadataExt;
     let uid = metadata.uid();
     let owns_folder = || fs::metadata(folder_of(link)).is_ok_and(|folder| folder.uid() == uid);
-    // whose files are mine is best known from one
+    // a new file shows the user id under which this process creates files
     let is_mine = || tempfile::tempfile().and_then(|file| file.metadata()).is_ok_and(|mine| mine.uid() == uid);
     if uid == 0 || owns_folder() || is_mine() {
         return Ok(());

@@ -1,5 +1,5 @@
-//! A file that is recorded into: under its final name from the start, onto the disk once a second, by one writer. A
-//! thread checks that it still exists.
+//! An output that is recorded into. It has its final name from the start and only one writer. A thread syncs it once
+//! a second and checks that it still exists.
 
 use super::OutputError;
 use super::disk::{claim, lock, open_to_lock, sync_folder};
@@ -15,22 +15,22 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Time between two checks of the file.
+/// Period of the checks of the file.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 
-/// Checks between two requests to put the file onto the disk: one request a second.
+/// Number of checks per sync of the file: one sync a second.
 const LOOKS_PER_SYNC: u32 = 4;
 
-/// A file to record into. It is locked until it and its clones are closed, so that no other run records into it.
+/// A file to record into. It is locked until it and its clones are closed, so that no other run can record into it.
 #[derive(Debug)]
 pub struct Recording {
     path: PathBuf,
     file: File,
     /// Bytes written so far.
     written: Arc<AtomicU64>,
-    /// `None` for a pipe or a device, which has no name to lose.
+    /// `None` for a pipe or a device, which cannot be removed or replaced.
     recorded: Option<Arc<RecordedFile>>,
-    /// `None` for a pipe or a device, and once it has failed.
+    /// The checking thread. `None` for a pipe or a device, and after the thread has failed.
     watch: Option<Watch>,
 }
 
@@ -60,7 +60,7 @@ impl Recording {
         Ok(Self { path: path.to_owned(), file, written, recorded, watch })
     }
 
-    /// The name that was asked for.
+    /// The path that the user gave.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -73,10 +73,10 @@ impl Recording {
         Ok(CountingWriter { file: self.file.try_clone()?, written: Arc::clone(&self.written) })
     }
 
-    /// Checks that the file is intact so far.
+    /// Checks that the file is still intact.
     ///
     /// # Errors
-    /// Returns an error if the file was removed, replaced or cut short, or if data did not reach the disk.
+    /// Returns an error if the file was removed, replaced or cut short, or if a sync failed.
     #[inline]
     pub fn check(&mut self) -> io::Result<()> {
         match self.watch.take_if(|watch| watch.thread.is_finished()) {
@@ -85,10 +85,10 @@ impl Recording {
         }
     }
 
-    /// Puts the complete file onto the disk.
+    /// Syncs the complete file to the disk.
     ///
     /// # Errors
-    /// Returns the errors of [`Recording::check`], now or before.
+    /// Returns any earlier or current error of [`Recording::check`].
     pub fn finish(self) -> io::Result<()> {
         let Some(recorded) = self.recorded else { return Ok(()) };
         self.watch.map_or(Ok(()), Watch::finish)?;
@@ -97,7 +97,7 @@ impl Recording {
     }
 }
 
-/// The open file, and a count of what goes into it.
+/// The open file with a count of the bytes written.
 struct CountingWriter {
     file: File,
     written: Arc<AtomicU64>,
@@ -115,11 +115,11 @@ impl Write for CountingWriter {
     }
 }
 
-/// A file that is checked while it is recorded into. It is open for appending: once cut short, it stays shorter than
-/// what was written.
+/// A recording file and its checks. It is open for appending, so a file that was cut short stays shorter than the
+/// count.
 #[derive(Debug)]
 struct RecordedFile {
-    /// The name that the file has.
+    /// The final path of the file.
     target: PathBuf,
     file: File,
     written: Arc<AtomicU64>,
@@ -132,7 +132,7 @@ impl RecordedFile {
         let there = Identity::of_open(&self.file, &self.target);
         match fs::metadata(&self.target) {
             Err(error) if error.kind() == ErrorKind::NotFound => return lost("removed or moved"),
-            // a network that is away says nothing about the file
+            // an unreachable network file system does not mean that the file is gone
             Err(_) => {}
             Ok(named) if Identity::of(&named, &self.target) != there => return lost("replaced by another file"),
             Ok(_) => {}
@@ -151,8 +151,8 @@ fn create(path: &Path, target: &Path) -> Result<File, OutputError> {
     Ok(file)
 }
 
-/// A new file in place of the old one, which hard links may still name. The old one's lock keeps two runs from doing
-/// so at once.
+/// Creates a new file in place of the old one, to which other hard links may exist. The lock on the old file keeps
+/// two runs from replacing it at once.
 fn replace(path: &Path, folder: &Path, name: &OsStr, old: &Identity) -> Result<File, OutputError> {
     let failed = |error| OutputError::io("write", path, error);
     let target = folder.join(name);
@@ -168,8 +168,8 @@ fn busy(path: &Path) -> OutputError {
     OutputError::Busy { path: path.to_owned() }
 }
 
-/// Looks at the file, and asks for `fdatasync` once a second, in a thread of its own: a slow disk must not keep the
-/// part waiting. The thread ends early where something is wrong.
+/// Checks the file and calls `fdatasync` once a second, in a separate thread, so that a slow disk does not delay
+/// reading the part. The thread ends early on an error.
 #[derive(Debug)]
 struct Watch {
     stop: Sender<()>,

@@ -1,4 +1,4 @@
-//! A last place for a result that cannot be written where it should be.
+//! Saves a result that cannot be written to its requested file.
 
 use super::disk::sync_folder;
 use super::place::folder_of;
@@ -7,13 +7,13 @@ use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Random characters that make the name unique.
+/// Number of random characters that make the name unique.
 const RANDOM: usize = 6;
 
-/// Writes `content` beside the first of `wanted` where that is possible, or else to the folder for temporary files,
-/// under a free name like `name`. Returns where it is; none if no place takes it.
+/// Writes `content` beside the first of `wanted` where that works, or else to the folder for temporary files, under
+/// a free name like `name`. Returns its path, or `None` if no folder could be written.
 pub fn rescue(name: &Path, wanted: &[&Path], content: &[u8]) -> Option<PathBuf> {
-    // a device has no room for files beside it
+    // a device file has no folder for files beside it
     let beside = wanted.iter().filter(|path| !path.exists() || path.is_file()).map(|path| folder_of(path).to_owned());
     beside.chain([std::env::temp_dir()]).find_map(|folder| write(&folder, name, content).ok())
 }
@@ -28,6 +28,6 @@ fn write(folder: &Path, name: &Path, content: &[u8]) -> io::Result<PathBuf> {
     open.sync_all()?;
     let path = file.keep()?;
     sync_folder(folder)?;
-    // without a `.` in its middle, which a name without a folder leaves
+    // drops the `.` component that joining `.` and a name leaves
     Ok(path.components().collect())
 }

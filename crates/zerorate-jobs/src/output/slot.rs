@@ -1,4 +1,4 @@
-//! A file that a run writes again and again, each time whole, and that no other run writes meanwhile.
+//! An output that a run rewrites repeatedly, each time atomically, while no other run can write to it.
 
 use super::OutputError;
 use super::disk::{claim, sync_folder, unfinished};
@@ -12,21 +12,21 @@ use std::path::{Path, PathBuf};
 use zerorate_host::files;
 use zerorate_input::limits::Bytes;
 
-/// A claimed file. The claim ends when this is dropped; what was written stays.
+/// A claimed file. The claim ends on drop; the written content stays.
 #[derive(Debug)]
 pub struct Slot {
-    /// The path as it was asked for.
+    /// The path that the user gave.
     path: PathBuf,
     folder: PathBuf,
     name: OsString,
-    /// The file that is there now.
+    /// The identity of the existing file; `None` if there is none.
     holds: Option<Identity>,
-    /// Beside it, empty and locked: the claim, which other runs see.
+    /// An empty locked file beside it, by which other runs see the claim.
     _claim: Temporary,
 }
 
 impl Slot {
-    /// Claims `place`, which `path` has led to.
+    /// Claims `place`, the destination of `path`.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
         let Place::Name { folder, name, replaces } = place else {
             return Err(OutputError::NotAFile { path: path.to_owned() });
@@ -35,12 +35,12 @@ impl Slot {
         Ok(Self { path: path.to_owned(), folder, name, holds: replaces, _claim: claim })
     }
 
-    /// The name that was asked for.
+    /// The path that the user gave.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The content, with at most `most` bytes; none where the file does not exist.
+    /// The content, if it has at most `most` bytes. `None` if the file does not exist.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
@@ -51,10 +51,10 @@ impl Slot {
         }
     }
 
-    /// Replaces the content. Where that fails, the older content stays, and the caller can try again.
+    /// Replaces the content atomically. If that fails, the old content stays and the caller can try again.
     ///
     /// # Errors
-    /// Returns the error of the file system, or an error if another program has written there since.
+    /// Returns the error of the file system, or an error if another program has written to the file since.
     pub fn put(&mut self, content: &[u8]) -> Result<(), OutputError> {
         let target = self.target();
         let found = Identity::of_file(&target);
@@ -77,7 +77,7 @@ impl Slot {
         Ok(())
     }
 
-    /// Removes the file, which is not wanted any more.
+    /// Removes the file when it is no longer needed.
     pub fn clear(&mut self) {
         if self.holds.take() == Identity::of_file(&self.target()) {
             let _ = fs::remove_file(self.target());

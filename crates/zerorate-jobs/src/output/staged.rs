@@ -1,4 +1,4 @@
-//! A file that takes its name only when it is complete and on the disk.
+//! An output that gets its final name only when it is complete and synced to the disk.
 
 use super::OutputError;
 use super::disk::{claim, sync_folder};
@@ -9,10 +9,10 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// A claimed output. Dropped before [`StagedOutput::publish`], it leaves everything as it was.
+/// A claimed output. If it is dropped before [`StagedOutput::publish`], nothing on disk changes.
 #[derive(Debug)]
 pub struct StagedOutput {
-    /// The path as it was asked for.
+    /// The path that the user gave.
     path: PathBuf,
     destination: Destination,
 }
@@ -24,8 +24,7 @@ enum Destination {
 }
 
 impl StagedOutput {
-    /// Makes sure that the output can be written: a pipe or a device is opened, and beside a name an unfinished file
-    /// is made.
+    /// Prepares the output: opens a pipe or a device, or creates an unfinished file beside the final name.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
         let destination = match place {
             Place::Stream { path: stream, .. } => Destination::Stream(
@@ -39,7 +38,7 @@ impl StagedOutput {
         Ok(Self { path: path.to_owned(), destination })
     }
 
-    /// The name that was asked for.
+    /// The path that the user gave.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -65,10 +64,10 @@ impl StagedOutput {
         self.publish()
     }
 
-    /// Publishes the complete file: puts it onto the disk, gives it its name, and puts the name onto the disk.
+    /// Publishes the complete file: syncs it, renames it to its final name, and syncs the folder.
     ///
     /// # Errors
-    /// Returns the error of the file system, or an error if another program has taken the name since.
+    /// Returns the error of the file system, or an error if another program has created a file of that name since.
     pub fn publish(self) -> Result<(), OutputError> {
         let path = self.path;
         let failed = |error| OutputError::io("write", &path, error);

@@ -1,4 +1,4 @@
-//! The standard streams, where they are files or pipes: an output may be one of them by another name.
+//! The files and pipes behind the standard streams, since an output path may lead to one of them.
 
 use super::identity::Identity;
 #[cfg(unix)]
@@ -9,7 +9,7 @@ use std::path::Path;
 /// The name of stdout in messages.
 pub const STDOUT: &str = "stdout";
 
-/// The standard streams that go into regular files, by name.
+/// The standard streams that are redirected to regular files, with their names.
 #[cfg(unix)]
 pub fn files() -> Vec<(Identity, &'static str)> {
     let streams = [(metadata(io::stdout()), STDOUT), (metadata(io::stderr()), "stderr")];
@@ -19,13 +19,13 @@ pub fn files() -> Vec<(Identity, &'static str)> {
     streams.into_iter().filter_map(file).collect()
 }
 
-/// The pipe that stdout goes into.
+/// The pipe or socket behind stdout; `None` if it is something else.
 #[cfg(unix)]
 pub fn stdout_pipe() -> Option<Identity> {
     super::place::pipe(&metadata(io::stdout())?, Path::new(STDOUT))
 }
 
-/// The file that comes in through stdin, where it is one.
+/// The regular file behind stdin; `None` if it is something else.
 #[cfg(unix)]
 pub fn stdin_file() -> Option<Identity> {
     Identity::of(&metadata(io::stdin()).filter(std::fs::Metadata::is_file)?, Path::new("stdin"))
@@ -37,19 +37,19 @@ fn metadata(stream: impl std::os::fd::AsFd) -> Option<std::fs::Metadata> {
     std::fs::File::from(owned).metadata().ok()
 }
 
-/// On other systems the streams have no names as files.
+/// Standard streams are not compared with files on other systems.
 #[cfg(not(unix))]
 pub fn files() -> Vec<(Identity, &'static str)> {
     Vec::new()
 }
 
-/// On other systems the streams have no names as files.
+/// Standard streams are not compared with files on other systems.
 #[cfg(not(unix))]
 pub fn stdout_pipe() -> Option<Identity> {
     None
 }
 
-/// On other systems the streams have no names as files.
+/// Standard streams are not compared with files on other systems.
 #[cfg(not(unix))]
 pub fn stdin_file() -> Option<Identity> {
     None

@@ -1,5 +1,5 @@
-//! Files that must not outlive the run, however it ends: they are removed on drop, and by a signal that ends the
-//! program at once.
+//! Files that must not outlive the run, however it ends. They are removed on drop, and by the handler of a signal
+//! that ends the program at once.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Permissions};
@@ -14,7 +14,8 @@ fn all() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     ALL.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all that there are, as the last thing that the program does: later ones wait for ever.
+/// Removes all temporary files just before the program exits. It keeps the list locked, so that later ones block
+/// forever.
 pub fn remove_all_for_good() {
     let all = all();
     for path in all.iter() {
@@ -23,7 +24,7 @@ pub fn remove_all_for_good() {
     std::mem::forget(all);
 }
 
-/// The error without the name of the temporary file, which the user did not give.
+/// The error without the path of the temporary file, which the user does not know.
 fn without_path(error: io::Error) -> io::Error {
     match error.to_string().split_once(" at path ") {
         Some((why, _)) => io::Error::new(error.kind(), why),
@@ -31,7 +32,7 @@ fn without_path(error: io::Error) -> io::Error {
     }
 }
 
-/// A file with a name that nothing had before, made exclusively.
+/// A newly created file, listed for removal until it gets its final name.
 #[derive(Debug)]
 pub struct Temporary {
     file: NamedTempFile,
@@ -39,7 +40,7 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// A file in `folder` that will be kept under another name. It has the permissions of any new file, and is open
+    /// Creates a file in `folder` that will be renamed. It has the permissions of an ordinary new file, and is open
     /// for appending. Its name has `random` random characters between `start` and `end`.
     pub fn for_keeps(folder: &Path, start: &str, end: &str, random: usize) -> io::Result<Self> {
         let mut builder = Builder::new();
@@ -58,7 +59,7 @@ impl Temporary {
         Ok(Self { file, _listed: listed })
     }
 
-    /// The name that it has until it gets another.
+    /// The temporary path.
     pub fn path(&self) -> &Path {
         self.file.path()
     }
@@ -68,21 +69,21 @@ impl Temporary {
         self.file.as_file()
     }
 
-    /// Lets the file stay under the name it has, and returns that.
+    /// Keeps the file under its temporary name and returns the path.
     pub fn keep(self) -> io::Result<PathBuf> {
         Ok(self.file.keep()?.1)
     }
 
-    /// Gives the file its name, in place of the file that has it.
+    /// Renames the file to `target`, replacing an existing file.
     pub fn replace(self, target: &Path) -> io::Result<File> {
         Ok(self.file.persist(target)?)
     }
 
-    /// Gives the file its name, which nothing must have.
+    /// Renames the file to `target`, which must not exist.
     pub fn name(self, target: &Path) -> io::Result<File> {
         self.file.persist_noclobber(target).or_else(|refused| {
             let taken = refused.error.kind() == ErrorKind::AlreadyExists || target.symlink_metadata().is_ok();
-            // a file system that can neither rename without replacing nor make a second link
+            // this file system can neither rename without replacing nor make a second link
             if taken { Err(refused.error) } else { Ok(refused.file.persist(target)?) }
         })
     }

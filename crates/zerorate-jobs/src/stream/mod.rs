@@ -1,4 +1,4 @@
-//! The corrected rate of a part, row by row as it comes.
+//! Streams the corrected rate of a part.
 
 mod track;
 
@@ -16,7 +16,7 @@ use zerorate_view::SessionWarning;
 
 /// Receives the rows and the events of a stream.
 pub trait Listener {
-    /// Takes a row. An error ends the stream.
+    /// Receives a row. An error ends the stream.
     fn row(&mut self, row: &StreamRow) -> Result<()>;
 
     /// Called after the last row.
@@ -25,59 +25,60 @@ pub trait Listener {
     /// Receives a warning.
     fn warn(&mut self, warning: JobWarning);
 
-    /// The state could not be written to this file for a while, and is written again.
+    /// The saved state could be written to this file again, after failures.
     fn kept_again(&mut self, state: &Path);
 
     /// Receives the learned state of each axis, at the end.
     fn learned(&mut self, learned: &LearnedAxis<'_>);
 }
 
-/// A corrected row.
+/// One row of the stream: a sample, or the mean of several.
 #[derive(Clone, Debug)]
 pub struct StreamRow {
-    /// Middle of its samples, s after the first of all.
+    /// Mid-time of the row's samples, s after the first sample of the stream.
     pub t_s: f64,
-    /// The corrected rate of each axis; none without a good reading.
+    /// The corrected rate of each axis, °/s; `None` without a valid reading.
     pub rates_dps: Vec<Option<f64>>,
-    /// Temperature that it was corrected with.
+    /// The temperature that the correction used, °C.
     pub temp_c: f64,
-    /// Samples lost since the row before.
+    /// Samples lost since the previous row.
     pub lost: u64,
-    /// The faults of readings that were left out.
+    /// The combined fault flags of readings that were left out.
     pub flags: Flags,
-    /// The tracked bias.
+    /// The tracked bias; `None` without tracking.
     pub tracked: Option<TrackedRow>,
 }
 
-/// The state of the bias at a row.
+/// The tracked bias at a row.
 #[derive(Clone, Debug)]
 pub struct TrackedRow {
     /// The tracked bias of each axis.
     pub axes: Vec<TrackedAxis>,
-    /// moving, quiet, rest or doubtful.
+    /// The state of motion: moving, quiet, rest or doubtful.
     pub phase: &'static str,
 }
 
-/// The rows of a stream.
+/// The settings of a stream.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StreamOptions {
-    /// The time over which each row is the mean, ns; `None` gives a row for each sample.
+    /// The averaging time of a row, ns; `None` gives a row for each sample.
     pub period_ns: Option<u64>,
-    /// The duration of the stream.
+    /// The duration of the stream, ns; `None` for no limit.
     pub duration_ns: Option<u64>,
 }
 
-/// The period of this many rows per second, ns; `None` outside of 0.0001 to 1000000 Hz.
+/// The row period for a number of rows per second, ns; `None` outside of 0.0001 to 1000000 Hz.
 #[must_use]
 pub fn period_ns(rate_hz: f64) -> Option<u64> {
     (1e-4..=1e6).contains(&rate_hz).then(|| (1e9 / rate_hz).round() as u64)
 }
 
-/// Checks that the calibration belongs to the part that is read. `given` is its serial number, if the user states one;
-/// messages call the calibration `cal` and the device `name`. `advice` says how to state the serial number.
+/// Checks that the calibration belongs to the part that is read. `given` is the part's serial number, if the user
+/// states one. Messages call the calibration `cal` and the device `name`, and `advice` tells how to state the serial
+/// number.
 ///
 /// # Errors
-/// Returns an error if the calibration or the recording is of another part.
+/// Returns an error if the calibration or the recording belongs to another part.
 pub fn check_serial(
     acquisition: &Acquisition,
     (cal, calibration): (&str, &Calibration),
@@ -93,10 +94,11 @@ pub fn check_serial(
     Ok(warning.map_err(Error::msg)?.map(JobWarning::Session))
 }
 
-/// Streams the corrected rate until the part, the time or `listener` ends it.
+/// Streams the corrected rate until the part ends, the duration is over or `listener` returns an error.
 ///
 /// # Errors
-/// Returns [`CodedRefusal`] if the part is frozen, or an error if the part cannot be read or `listener` takes no row.
+/// Returns [`CodedRefusal`] if the part is frozen, or an error if the part cannot be read or `listener` refuses a
+/// row.
 pub fn stream(
     mut acquisition: Acquisition,
     calibration: &Calibration,
@@ -106,20 +108,20 @@ pub fn stream(
 ) -> Result<()> {
     let mut rows = RowMaker::new(acquisition.part(), calibration, tracking, listener)?;
     let followed = rows.follow(&mut acquisition, options);
-    // what was learned is kept, whoever ended the stream
+    // the learned state is saved, whatever ended the stream
     rows.finish().and(followed)?;
     acquisition.disbelief().for_each(|warning| listener.warn(warning));
     Ok(())
 }
 
-/// The samples of one row: exact sums of codes, divided once.
+/// The samples of one row: exact sums of codes, which are divided once at the end.
 #[derive(Default)]
 struct Mean {
     slot: u64,
     readings: u64,
     first_ns: u64,
     last_ns: u64,
-    /// The sum of each axis.
+    /// The sum of the codes of each axis.
     rates: Vec<CodeSum>,
     temp: CodeSum,
     lost: u64,
@@ -150,7 +152,7 @@ impl Mean {
             }
             self.flags = self.flags.and(judged.flags);
         }
-        // all axes share temperature and losses
+        // all axes share the temperature and the count of losses
         if let Some(first) = axes.first() {
             if let Some(temp) = first.temp() {
                 self.temp.push(temp);
@@ -159,13 +161,13 @@ impl Mean {
         }
     }
 
-    /// Middle of the samples, s.
+    /// Mid-time of the samples, s.
     fn t_s(&self) -> f64 {
         (self.first_ns + self.last_ns) as f64 * 0.5e-9
     }
 }
 
-/// Corrects means, and hands them on.
+/// Corrects the means and passes the rows to the listener.
 struct RowMaker<'a> {
     axes: Vec<Axis>,
     corrector: Corrector<Vec<Correction>>,
@@ -187,8 +189,8 @@ impl<'a> RowMaker<'a> {
         Ok(Self { axes, corrector, warned_of_span: false, warned_of: Flags::NONE, tracking, listener })
     }
 
-    /// Hands on row after row until the end. The last row of a part that froze says so: nothing after it would be a
-    /// measurement.
+    /// Passes on row after row until the end. If the part freezes, it is refused after the last row, since nothing
+    /// later would be a measurement.
     fn follow(&mut self, acquisition: &mut Acquisition, options: StreamOptions) -> Result<()> {
         let mut mean = Mean::default();
         let mut judged = Vec::new();
@@ -217,8 +219,7 @@ impl<'a> RowMaker<'a> {
         if options.period_ns.is_none() { self.write(&mut mean) } else { Ok(()) }
     }
 
-    /// Hands on the row of these samples and empties the mean. Before the first temperature there is nothing to
-    /// correct with.
+    /// Passes on the row of these samples and empties the mean. There is no row before the first temperature.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
         // all axes have the same temperature
         self.corrector.read(self.axes.first().and_then(|first| mean.temp.mean(&first.temp)));
@@ -250,7 +251,7 @@ impl<'a> RowMaker<'a> {
         kept.and(ended)
     }
 
-    /// Warns of an extrapolated correction and of readings with new `flags`, once each.
+    /// Warns about an extrapolated correction, and about readings with new `flags`, once for each.
     fn warn(&mut self, flags: Flags) {
         if self.corrector.is_extrapolated() && !self.warned_of_span {
             self.corrector.warning().into_iter().for_each(|warning| self.listener.warn(warning.into()));

@@ -1,4 +1,4 @@
-//! The bias that is learned whenever the part rests, and its state between runs.
+//! Tracks the bias whenever the part is at rest, and saves what was learned between runs.
 
 use super::{Listener, TrackedRow};
 use crate::output::{Outputs, Slot};
@@ -16,13 +16,13 @@ use zerorate_input::limits;
 /// The options of the tracking.
 #[derive(Clone, Debug)]
 pub struct TrackOptions {
-    /// The file of the state.
+    /// The file of the saved state; `None` to save nothing.
     pub state: Option<PathBuf>,
-    /// The Earth's rotation that a part at rest shows beyond its calibrated bias.
+    /// The Earth's rotation that a part at rest measures beyond its calibrated bias, °/s.
     pub earth_dps: f64,
-    /// The slowest steady turn that must not be learned as bias.
+    /// The slowest steady rotation that must not be learned as bias, °/s.
     pub least_turn_dps: f64,
-    /// The change of the bias from one power-up to the next (1 σ).
+    /// The change of the bias from one power-up to the next (1 σ), °/s.
     pub power_up_dps: f64,
 }
 
@@ -31,27 +31,27 @@ pub struct TrackOptions {
 #[error("{0:#}")]
 pub struct UnusableState(pub anyhow::Error);
 
-/// The state of the bias of an axis at a row.
+/// The tracked bias of an axis at a row.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackedAxis {
-    /// The bias.
+    /// The bias, °/s.
     pub bias_dps: f64,
-    /// The distance from its calibration, and its uncertainty.
+    /// The change of the bias since the calibration, and its uncertainty.
     pub tracked: Tracked,
 }
 
-/// The learned state of an axis.
+/// What was learned about an axis.
 #[derive(Debug)]
 pub struct LearnedAxis<'a> {
-    /// The axis.
+    /// The name of the axis.
     pub name: &'a str,
-    /// The amount of data that it learned from.
+    /// The amount of data that it was learned from.
     pub counts: Counts,
-    /// The change of its bias at the last temperature.
+    /// The change of its bias at the last temperature; `None` without a temperature.
     pub tracked: Option<Tracked>,
 }
 
-/// Time between two writes of the state, s of the part's time.
+/// Period at which the state is saved, s of the part's time.
 const SAVE_EVERY_S: u64 = 60;
 const BLOCK_NS: u64 = (BLOCK_S * 1e9) as u64;
 
@@ -62,7 +62,7 @@ pub struct Tracking {
     temp_scale: Option<Scale>,
     names: Vec<String>,
     phases: Vec<Phase>,
-    /// Number of the block that is being read.
+    /// Index of the current block.
     block: u64,
     rates: Vec<CodeSum>,
     temp: CodeSum,
@@ -71,22 +71,22 @@ pub struct Tracking {
     saved_s: u64,
 }
 
-/// The file of the state.
+/// The file of the saved state.
 struct Store {
     slot: Slot,
     calibration: Calibration,
-    /// The time of day at the first sample, where there is one.
+    /// The wall-clock time at the first sample, if it is known.
     began: Option<Timestamp>,
-    /// The latest state could not be written.
+    /// Whether the latest state could not be saved.
     is_behind: bool,
 }
 
 impl Tracking {
-    /// Begins to track the part of `facts`, from the saved state if there is one, or else from its calibration.
+    /// Starts tracking the part in `facts`, from its saved state if there is one, or else from its calibration.
     ///
     /// # Errors
-    /// Returns [`UnusableState`], or an error if the noise of an axis is unknown, or if the state cannot be read or
-    /// written.
+    /// Returns [`UnusableState`] if the saved state cannot be used, or an error if the noise of an axis is unknown,
+    /// or if the state cannot be read or written.
     pub fn begin(
         options: &TrackOptions,
         facts: &DeviceInfo,
@@ -121,7 +121,7 @@ impl Tracking {
             store,
             saved_s: 0,
         };
-        // a file that cannot be written is better known now
+        // fails now, rather than later, if the file cannot be written
         tracking.save(0)?;
         Ok(tracking)
     }
@@ -145,13 +145,13 @@ impl TrackOptions {
     }
 }
 
-/// Seconds from a time of day to another; none where one of them is not known.
+/// Seconds between two wall-clock times; `None` if one of them is not known.
 fn since(from: Option<&str>, to: Option<Timestamp>) -> Option<f64> {
     let from: Timestamp = from?.parse().ok()?;
     Some(to?.duration_since(from).as_secs_f64())
 }
 
-/// The trackers as they were left, with what may have happened since.
+/// Restores the trackers from the file, with the uncertainty that was added since.
 fn taken_up(
     file: &TrackFile,
     calibration: &Calibration,
@@ -178,7 +178,7 @@ fn taken_up(
 }
 
 impl Store {
-    /// The state in the file; none where the file does not exist.
+    /// The saved state; `None` if the file does not exist.
     fn load(&self) -> Result<Option<TrackFile>> {
         let path = self.slot.path();
         let text = match self.slot.content(limits::TEXT) {
@@ -194,7 +194,7 @@ impl Store {
 }
 
 impl Tracking {
-    /// Takes in the next sample of all axes.
+    /// Adds the next sample of all axes.
     #[inline]
     pub fn push(&mut self, t_ns: u64, axes: &[Judged], listener: &mut dyn Listener) {
         let block = t_ns / BLOCK_NS;
@@ -214,7 +214,7 @@ impl Tracking {
         }
     }
 
-    /// The block is over, and the next one is this.
+    /// Evaluates the finished block and starts the block `next`.
     #[cold]
     fn close(&mut self, next: u64, listener: &mut dyn Listener) {
         let temp_c = self.temp_scale.and_then(|scale| self.temp.mean(&scale));
@@ -236,7 +236,7 @@ impl Tracking {
         }
     }
 
-    /// A failure does not end the stream: the disk may have room again within the next minute.
+    /// Saves the state. A failure does not end the stream, because the disk may have space again a minute later.
     fn save_or_warn(&mut self, after_s: u64, listener: &mut dyn Listener) {
         let saved = self.save(after_s);
         let Some(store) = &mut self.store else { return };
@@ -250,7 +250,7 @@ impl Tracking {
         }
     }
 
-    /// The state at a row, where the calibration alone corrects an axis by `correction_dps`.
+    /// The tracked bias at a row. `correction_dps` is the calibrated correction of an axis at this temperature.
     pub fn row(&self, temp_c: f64, correction_dps: impl Fn(usize) -> f64) -> TrackedRow {
         let axis = |(axis, tracker): (usize, &Tracker)| {
             let tracked = tracker.tracked(temp_c);
@@ -278,7 +278,7 @@ impl Tracking {
         Ok(store.slot.put(text.as_bytes())?)
     }
 
-    /// Keeps what was learned, and tells it.
+    /// Saves the learned state and reports it.
     pub fn finish(&mut self, temp_c: Option<f64>, listener: &mut dyn Listener) -> Result<()> {
         let saved = self.save(self.block * BLOCK_NS / 1_000_000_000);
         for (name, tracker) in self.names.iter().zip(&self.trackers) {
@@ -293,5 +293,5 @@ impl Tracking {
     }
 }
 
-/// More samples than these lost in a row, and a mean is not one of its block.
+/// A block with more samples lost in a row than this is discarded.
 const MOST_LOST: u32 = 100;

@@ -1,23 +1,24 @@
-//! The readings of an ArduPilot's sensors, as they were before its log's own parameters corrected and turned them.
+//! Restores the sensors' own readings from an ArduPilot log, by undoing the corrections and rotations that its
+//! parameters state.
 //!
-//! `IMU` messages hold readings that were corrected by INS_TCALn and turned by AHRS_ORIENTATION, while the parameters
-//! of a temperature calibration are in the frame of the sensor (ArduPilot, Tools/scripts/tempcal_IMU.py). Constant
-//! offsets stay in, since no coefficient over temperature depends on them.
+//! `IMU` messages hold readings that were corrected by INS_TCALn and rotated by AHRS_ORIENTATION, while the
+//! parameters of a temperature calibration are in the frame of the sensor (ArduPilot, Tools/scripts/tempcal_IMU.py).
+//! Constant offsets stay in, since no coefficient over temperature depends on them.
 
 use std::collections::BTreeMap;
 use zerorate_imu::Kind;
 
 /// The reference temperature of the coefficients, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
 const REFERENCE_C: f64 = 35.0;
-/// Coefficients in a parameter (the same file, SCALE_FACTOR).
+/// The unit of the coefficients in a parameter (the same file, SCALE_FACTOR).
 const SCALE: f64 = 1e-6;
-/// A temperature below this stands for none, °C (tempcal_IMU.py).
+/// A temperature below this means that there is none, °C (tempcal_IMU.py).
 const NO_TEMPERATURE_C: f64 = -80.0;
 
-/// The names of the axes in parameters.
+/// The names of the axes in the parameters.
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
-/// What the parameters of a log did to the readings of one IMU.
+/// The corrections and rotation that a log's parameters applied to the readings of one IMU.
 pub(super) struct Corrected<'a> {
     parameters: &'a BTreeMap<String, f64>,
     /// The number of the IMU, from 0.
@@ -29,10 +30,10 @@ impl<'a> Corrected<'a> {
         Self { parameters, imu }
     }
 
-    /// Takes it back: three axes, °/s or m/s², at a temperature each.
+    /// Undoes them for three axes, °/s or m/s². `temps_c` is the temperature at each reading.
     ///
     /// # Errors
-    /// Returns an error if the orientation is not a known one.
+    /// Returns an error if the orientation is unknown.
     pub(super) fn undo(&self, kind: Kind, axes: &mut [Vec<f64>; 3], temps_c: &[f64]) -> Result<(), String> {
         if let Some(turn) = self.turn()? {
             let [x, y, z] = axes;
@@ -56,7 +57,7 @@ impl<'a> Corrected<'a> {
         self.parameters.get(&format!("INS_TCAL{}_{name}", self.imu + 1)).copied()
     }
 
-    /// What the calibration of the log added to an axis at a temperature.
+    /// The correction that the log's calibration added to an axis, as a function of the temperature.
     fn correction(&self, kind: Kind, axis: &str) -> impl Fn(f64) -> f64 {
         let (name, unit) = match kind {
             Kind::Gyroscope => ("GYR", 180.0 / std::f64::consts::PI),
@@ -75,7 +76,7 @@ impl<'a> Corrected<'a> {
         move |temp_c| if is_known { bias(reference_c) - bias(temp_c) } else { 0.0 }
     }
 
-    /// The rotation from the sensor to the vehicle, by rows; `None` for none.
+    /// The rotation matrix from the sensor to the vehicle, by rows; `None` without a rotation.
     fn turn(&self) -> Result<Option<[[f64; 3]; 3]>, String> {
         let orientation = self.parameters.get("AHRS_ORIENTATION").copied().unwrap_or(0.0);
         if orientation == 0.0 {

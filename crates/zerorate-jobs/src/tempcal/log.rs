@@ -1,4 +1,4 @@
-//! A log of the unit: a file, or a table in memory.
+//! A log of the unit to calibrate: a file, or a table in memory.
 
 use arrow_array::RecordBatch;
 use std::path::{Path, PathBuf};
@@ -6,16 +6,16 @@ use zerorate_host::files;
 use zerorate_imu::{Axes, ImuOptions};
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 
-/// A log of the unit.
+/// A log of the unit to calibrate.
 pub enum UnitLog {
-    /// A file, or the folder of a bag.
+    /// A file, or the folder of a ROS bag.
     File(PathBuf),
-    /// A table in memory, under this name in messages.
+    /// A table in memory, with the name that messages use for it.
     Table(PathBuf, RecordBatch),
 }
 
 impl UnitLog {
-    /// Its name in messages.
+    /// The path, or the name of the table, for messages.
     #[must_use]
     pub fn path(&self) -> &Path {
         match self {

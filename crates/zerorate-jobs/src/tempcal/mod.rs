@@ -14,17 +14,19 @@ use zerorate_imu::ImuOptions;
 use zerorate_logs::Names;
 use zerorate_view::tempcal::{AxisCurve, Points, UnitNames, calibration, refusal_text};
 
-/// What is wanted of the logs.
+/// The settings of the temperature calibration.
 pub struct TempcalOptions {
-    /// The columns that are axes, and facts that the logs do not state.
+    /// The columns of the axes, and facts that the logs do not state.
     pub axes: ImuOptions,
     /// The scales of integer codes, for axes whose unit is not given.
     pub codes: CodeOptions,
-    /// The column with the temperature; none: the one that its unit or name states.
+    /// The temperature column; `None` finds it by its unit or name.
     pub temperature: Option<String>,
-    /// The temperature at which the bias is stated, °C; none: 25 °C, or the middle if the logs do not have it.
+    /// The reference temperature of the bias, °C; `None` for 25 °C, or the middle of the span if the logs do not
+    /// reach 25 °C.
     pub reference_c: Option<f64>,
-    /// The largest standard uncertainty of a gyroscope's bias over the temperatures of the logs, °/s; none: any.
+    /// The largest allowed standard uncertainty of a gyroscope's bias over the temperatures of the logs, °/s; `None`
+    /// for no limit.
     pub max_u_dps: Option<f64>,
 }
 
@@ -32,9 +34,9 @@ pub struct TempcalOptions {
 pub struct Tempcal {
     /// The curve of each axis, sensor by sensor.
     pub axes: Vec<AxisCurve>,
-    /// The same curves, from which calibrations are made.
+    /// The same curves, in the form that calibrations are made from.
     pub curves: Vec<LogCurve>,
-    /// The means of each axis, for pictures.
+    /// The means of each axis, for plots.
     pub points: Vec<Points>,
     /// Warnings about the logs as a whole, with their codes.
     pub notes: Vec<String>,
@@ -42,10 +44,11 @@ pub struct Tempcal {
     names: Names,
 }
 
-/// Finds the bias over temperature of all axes of the sensors in logs of one unit.
+/// Fits the bias over temperature of all axes of the sensors in logs of one unit.
 ///
 /// # Errors
-/// Returns an error if a log cannot be read, has no temperature or lacks axes, and a refusal if it gives no curve.
+/// Returns an error if a log cannot be read, has no temperature or lacks axes, and a refusal if no curve can be
+/// fitted.
 pub fn tempcal(logs: &[UnitLog], options: &TempcalOptions) -> Result<Tempcal> {
     if let Some(wanted) = options.max_u_dps.filter(|wanted| !(wanted.is_finite() && *wanted > 0.0)) {
         return Err(InvalidOptions(format!("the largest uncertainty is {wanted} °/s; give a number above 0")).into());
@@ -71,7 +74,7 @@ impl Tempcal {
     /// The calibration of the gyroscopes.
     ///
     /// # Errors
-    /// Returns an error if there are none, or more than a calibration holds.
+    /// Returns an error if there are no gyroscopes, or more than a calibration can hold.
     pub fn calibration(&self, part: &str, serial: Option<String>, logs: &[UnitLog]) -> Result<Calibration> {
         let logs = logs.iter().map(|log| log.path().display().to_string()).collect::<Vec<_>>().join(", ");
         let unit = UnitNames { part: part.to_owned(), serial, logs };

@@ -1,4 +1,4 @@
-//! The sensors in logs: their axes as means, each with its temperature.
+//! Reads the sensors of logs: the means of each axis with their temperatures.
 
 use super::ardupilot::Corrected;
 use super::{TempcalOptions, UnitLog};
@@ -14,7 +14,7 @@ use zerorate_logs::{
 };
 use zerorate_view::tempcal::{ImuColumns, Sensor, Sensors, number_of_imu, possible_c, topic_of, values};
 
-/// Reads all sensors of all logs, and the warnings about the logs.
+/// Reads all sensors of all logs. Also returns the warnings about the logs.
 pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
     let (mut sensors, mut notes) = (Sensors::default(), Vec::new());
     for log in logs {
@@ -24,7 +24,7 @@ pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec
     Ok((sensors.all(), notes))
 }
 
-/// Takes back what the parameters of an ArduPilot did to its readings.
+/// Undoes what the parameters of an ArduPilot log did to the readings of an IMU.
 fn undo(imu: &mut ImuColumns, parameters: &BTreeMap<String, f64>, log: &Path) -> Result<()> {
     let corrected = Corrected::new(parameters, number_of_imu(imu.topic.as_deref()));
     for kind in Kind::ALL {
@@ -54,7 +54,7 @@ fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Res
     for axes in all_axes(log, &of_axes)? {
         let topic = axes.columns.first().and_then(|column| topic_of(&column.name));
         let temperature = temperature(log, &axes, topic.as_deref(), options)?;
-        // a column that was named as the temperature is not left out
+        // no warning for an unused column that is in fact the temperature
         let is_temperature =
             |note: &LogWarning| matches!(note, LogWarning::ColumnsLeftOut { names, .. } if *names == temperature.name);
         let of_scale = assumed.iter().filter(|(kind, _)| concerns(*kind, &axes.columns)).map(|(_, said)| said);
@@ -76,9 +76,9 @@ fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Res
     Ok(imus)
 }
 
-/// The parameters of the flight controller that wrote the log; empty for any other.
+/// The parameters of the flight controller that wrote the log; empty for any other log.
 fn parameters(log: &UnitLog) -> Result<BTreeMap<String, f64>> {
-    // a folder is a bag
+    // a folder is a ROS bag, which has no parameters
     let UnitLog::File(path) = log else { return Ok(BTreeMap::new()) };
     if path.is_dir() {
         return Ok(BTreeMap::new());
@@ -87,8 +87,8 @@ fn parameters(log: &UnitLog) -> Result<BTreeMap<String, f64>> {
     Ok(parameters.unwrap_or_default())
 }
 
-/// Asks for the part of a log in which the parameters that correct and turn its readings stay as they are. ArduPilot
-/// begins to correct as soon as it has learned.
+/// Returns an error if a parameter that corrects or rotates the readings changes within the log, and tells which
+/// part to use. ArduPilot applies a calibration as soon as it has learned it.
 fn check_unchanged(path: &Path, options: &TempcalOptions) -> Result<()> {
     let corrects = |name: &str| name.starts_with("INS_TCAL") || name == "AHRS_ORIENTATION";
     let changed = zerorate_logs::changed_parameter(path, files::open(path)?, corrects)?;
@@ -98,7 +98,7 @@ fn check_unchanged(path: &Path, options: &TempcalOptions) -> Result<()> {
     Err(LogError::Ask(format!("{text}give {option} {until_s}, or less")).into())
 }
 
-/// The number that a driver of PX4 writes beside its readings.
+/// The device id that a PX4 driver logs beside its readings.
 fn device_id(log: &UnitLog, topic: &str, options: &TempcalOptions) -> Option<i64> {
     let name = topic.starts_with("sensor_").then(|| format!("{topic}.device_id"))?;
     let log_options = ColumnOptions { topic: Some(topic.to_owned()), ..options.axes.log.clone() };
@@ -106,7 +106,7 @@ fn device_id(log: &UnitLog, topic: &str, options: &TempcalOptions) -> Option<i64
     columns.first()?.points(log.path()).ok()?.into_iter().find(|value| value.is_finite()).map(|value| value as i64)
 }
 
-/// The axes of each IMU. A flight controller logs several, and each counts.
+/// The axes of each IMU in the log. Flight controllers log several IMUs, and all are used.
 fn all_axes(log: &UnitLog, options: &ImuOptions) -> Result<Vec<Axes>> {
     let of_topic = |topic: &String| {
         let one = ColumnOptions { topic: Some(topic.clone()), ..options.log.clone() };
@@ -118,7 +118,7 @@ fn all_axes(log: &UnitLog, options: &ImuOptions) -> Result<Vec<Axes>> {
     }
     let topics = match log.axes(options) {
         Ok(axes) => {
-            // a topic without a temperature that stands for the sensors behind it
+            // this topic combines several sensors and has no temperature
             let is_combined = axes.columns.iter().any(|column| column.name.starts_with(COMBINED));
             match if is_combined { topics(log, options)? } else { Vec::new() } {
                 topics if topics.is_empty() => return Ok(vec![axes]),
@@ -131,18 +131,18 @@ fn all_axes(log: &UnitLog, options: &ImuOptions) -> Result<Vec<Axes>> {
     Ok(with_temperatures(topics).iter().map(of_topic).collect::<Result<_, _>>()?)
 }
 
-/// The topic of PX4 with the readings of the sensors that it has chosen.
+/// The PX4 topic with the readings of the currently selected sensors.
 const COMBINED: &str = "sensor_combined.";
 
-/// Topics with a temperature of their own: those of the drivers of PX4, the messages of ArduPilot with all of an IMU.
-/// All topics, if none is known to have one.
+/// The topics that have a temperature of their own: of PX4 drivers, or ArduPilot's complete IMU messages. All topics
+/// if there are no such ones.
 fn with_temperatures(topics: Vec<String>) -> Vec<String> {
     let starting = |start: &str| topics.iter().filter(|topic| topic.starts_with(start)).cloned().collect::<Vec<_>>();
     let of_px4 = [starting("sensor_gyro"), starting("sensor_accel")].concat();
     [of_px4, starting("IMU")].into_iter().find(|some| !some.is_empty()).unwrap_or(topics)
 }
 
-/// All topics with an IMU.
+/// The names of all topics with an IMU; empty if there is one only.
 fn topics(log: &UnitLog, options: &ImuOptions) -> Result<Vec<String>> {
     let none = ColumnOptions { topic: Some(String::new()), ..options.log.clone() };
     match log.columns(ColumnSelection::All, &none) {
@@ -152,7 +152,7 @@ fn topics(log: &UnitLog, options: &ImuOptions) -> Result<Vec<String>> {
     }
 }
 
-/// The temperature of an IMU.
+/// Finds the temperature of an IMU.
 fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &TempcalOptions) -> Result<Column> {
     let names = options.axes.log.names;
     let option = names.of(Setting::TempColumn);
@@ -167,7 +167,7 @@ fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &Tempca
     }
     let of_topic = topic.map(|topic| ["temperature", "T", "Temp"].map(|field| format!("{topic}.{field}")));
     let of_topic = of_topic.into_iter().flatten();
-    // a bag has messages of temperatures, and reading it takes long
+    // a bag may have temperature messages of other names, but reading all of them takes long
     let is_bag = topic.is_some_and(|topic| topic.starts_with('/'));
     let wanted: Vec<String> = match &options.temperature {
         Some(name) => vec![name.clone()],
@@ -202,10 +202,10 @@ fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &Tempca
     }
 }
 
-/// The temperature of a capture, in codes.
+/// The temperature column of a capture, in codes.
 const TEMP_CODE: &str = "temp_code";
 
-/// Checks that the numbers can be in °C. A few that cannot count as missing.
+/// Checks that the numbers can be temperatures in °C. If a few cannot, they count as missing.
 fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<Column> {
     let (low, high) = match possible_c(values(column.clone(), log)?) {
         Ok(values) => {
