@@ -39,7 +39,7 @@ impl FromStr for Seconds {
     }
 }
 
-/// Writes what [`Seconds::from_str`] reads back: `2m30s`. NaN is written as `NaN`.
+/// Formats the duration so that [`Seconds::from_str`] can read it back: `2m30s`. NaN is written as `NaN`.
 impl fmt::Display for Seconds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0.is_nan() {
@@ -52,7 +52,7 @@ impl fmt::Display for Seconds {
     }
 }
 
-/// Ten years: far beyond any measurement, far below any overflow of nanoseconds in 64 bits.
+/// The longest duration: ten years, far beyond any measurement and far below an overflow of 64-bit nanoseconds.
 const MAX_S: f64 = 10.0 * 365.25 * 86_400.0;
 
 #[cfg(test)]

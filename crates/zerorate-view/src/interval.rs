@@ -1,10 +1,10 @@
-//! A number with its interval, with the digits that the interval warrants.
+//! Formats a number and its interval, with as many digits as the interval justifies.
 
 use crate::plot::{number, superscript};
 use core::fmt;
 
-/// `value` ± `half`, in the same unit: with two significant digits of `half`, `+0.2578 ± 0.0053`. Of a value without a
-/// finite interval above zero, five decimals are shown and no interval.
+/// `value` ± `half` in the same unit, with two significant digits of `half`: `+0.2578 ± 0.0053`. Without a finite
+/// `half` above zero, it shows the value alone, with five decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlusMinus {
     /// The value, shown with its sign.
@@ -13,7 +13,7 @@ pub struct PlusMinus {
     pub half: f64,
 }
 
-/// Decimals of a number whose second significant digit is the last one shown.
+/// The number of decimals that shows two significant digits of `half`.
 fn decimals(half: f64) -> usize {
     // 0.0996 becomes 0.10, which has one decimal less than 0.0996 itself
     let rounded: f64 = format!("{half:.1e}").parse().unwrap_or(half);
@@ -31,8 +31,8 @@ impl fmt::Display for PlusMinus {
     }
 }
 
-/// A value with limits that need not lie evenly about it, in the same unit: `0.5591 [0.5543, 0.5639]`. Two significant
-/// digits of half the interval are shown. A value whose limits are itself has three digits and no interval.
+/// A value with limits that may be asymmetric, in the same unit: `0.5591 [0.5543, 0.5639]`, with two significant
+/// digits of half the interval. If both limits equal the value, it shows the value alone, with three digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// The value.
@@ -50,7 +50,7 @@ impl Interval {
         self.written(self.value)
     }
 
-    /// Both limits as text, where there is an interval.
+    /// Both limits as text; `None` if they are equal.
     #[must_use]
     pub fn limits(&self) -> Option<[String; 2]> {
         self.has_width().then(|| [self.written(self.lo), self.written(self.hi)])
@@ -60,7 +60,7 @@ impl Interval {
         self.lo < self.hi
     }
 
-    /// Writes one of the numbers; all three share decimals and power of ten.
+    /// Formats one of the three numbers. All share the decimals and the power of ten.
     fn written(&self, one: f64) -> String {
         let largest = self.value.abs().max(self.hi.abs());
         let half = (self.hi - self.lo) / 2.0;

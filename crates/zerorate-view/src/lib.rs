@@ -1,4 +1,4 @@
-//! Shows results as pictures and pages: it takes numbers and words, and returns SVG, PNG and HTML.
+//! Turns results into plots and pages: it takes numbers and texts, and returns SVG, PNG and HTML.
 
 pub mod duration;
 pub mod export;

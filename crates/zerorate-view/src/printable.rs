@@ -1,17 +1,17 @@
-//! Text from outside in pages and pictures. A browser ignores most control characters, but a terminal that prints the
-//! file obeys them, and XML forbids them.
+//! Makes foreign text printable in pages and plots. A browser ignores most control characters, but a terminal that
+//! prints the file obeys them, and XML forbids them.
 
-/// Makes one line of text printable.
+/// Replaces all control characters.
 pub fn line(text: &str) -> String {
     text.chars().map(|c| if is_known(c) { c } else { UNKNOWN }).collect()
 }
 
-/// Makes a whole page printable. Our pages have no control characters but line breaks.
+/// Replaces all control characters except line breaks, which our pages contain.
 pub fn page(text: &str) -> String {
     text.chars().map(|c| if c == '\n' || is_known(c) { c } else { UNKNOWN }).collect()
 }
 
-/// The replacement for a character that cannot be shown.
+/// The replacement for a character that is not printable.
 const UNKNOWN: char = char::REPLACEMENT_CHARACTER;
 
 fn is_known(c: char) -> bool {

@@ -1,14 +1,14 @@
-//! Warnings that every measurement by the same plan has, as lines of its result.
+//! Standing remarks: warnings that every measurement by the same plan has. They are shown as lines of the result.
 
 use zerorate::standing_place;
 
-/// A standing warning as a line of the result; none for any other warning.
+/// A standing warning as a line of the result; `None` for any other warning.
 #[must_use]
 pub fn remark(code: &str, text: &str) -> Option<String> {
     standing_place(code).map(|place| format!("{place} ({code}): {text}"))
 }
 
-/// Separates the remarks from the warnings, which are lines `code: text`.
+/// Separates standing remarks from warnings; both come as lines `code: text`. Returns the remarks first.
 #[must_use]
 pub fn remarks_apart<S: AsRef<str>>(lines: &[S]) -> (Vec<String>, Vec<String>) {
     let (mut remarks, mut warnings) = (Vec::new(), Vec::new());

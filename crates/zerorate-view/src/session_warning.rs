@@ -5,25 +5,26 @@ use std::net::SocketAddr;
 use zerorate::calibration::FileWarning;
 use zerorate_allan::rows;
 
-/// A warning of a session that goes on. `cal` names the calibration: its file, or its id. `why` is the error.
+/// A warning about a running session. `cal` names the calibration by its file or its id. `why` is the error.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum SessionWarning {
-    /// The file of a calibration has a warning of its own.
+    /// The calibration file has a warning of its own.
     OfCalibration { cal: String, warning: FileWarning },
-    /// Warming and cooling in a chamber differ; the text is from [`wide_loop`](crate::report::wide_loop).
+    /// The bias differs between warming and cooling in a chamber. The text is from
+    /// [`wide_loop`](crate::report::wide_loop).
     WideLoop(String),
-    /// This number of frames of a bridge arrived damaged.
+    /// Frames of a bridge arrived damaged. The number counts them.
     Damaged(u64),
-    /// Nothing shows that the calibration belongs to the device or the capture of this name. The advice says how to
-    /// make its serial number known.
+    /// A serial number is missing, so it is uncertain whether the calibration belongs to the device or the capture
+    /// `name`. `advice` tells how to state it.
     UnknownSerial { cal: String, calibrated: String, name: String, advice: &'static str },
-    /// The calibration does not state its part.
+    /// The calibration does not state the serial number of its part.
     NoSerial { cal: String },
-    /// This number of samples did not reach the page.
+    /// Samples did not reach the page. The number counts them.
     Missed(u64),
-    /// The device was opened again, and the calibration does not fit it.
+    /// The device was opened again, and the calibration does not belong to it.
     NotApplied(String),
     /// A file in the folder of calibrations cannot be read.
     LeftOut(String),
@@ -33,9 +34,9 @@ pub enum SessionWarning {
     NotKept { id: String, why: String },
     /// The file of a calibration cannot be removed from the folder.
     NotRemoved { id: String, why: String },
-    /// The recording ended.
+    /// The recording was ended by an error.
     NotRecorded(String),
-    /// Another server has the libiio port.
+    /// The libiio port is in use by another server.
     LibiioUnserved { address: SocketAddr, why: String },
     /// The calibration cannot be applied for libiio clients.
     LibiioUncorrected(String),
@@ -91,12 +92,12 @@ rows!(match SessionWarning {
 });
 
 impl SessionWarning {
-    /// Compares the serial number of a calibration, which messages call `cal`, with that of the device or the capture
-    /// `name`. Warns if one of them is not known. Every part has its own bias, and nothing in the samples shows that
-    /// the calibration of another part was taken.
+    /// Compares the serial numbers of a calibration, which messages call `cal`, and of the device or capture `name`.
+    /// Warns if one of them is unknown: every part has its own bias, and nothing in the samples shows a calibration
+    /// of another part.
     ///
     /// # Errors
-    /// The text says that the calibration belongs to another part.
+    /// Returns an error text if the serial numbers differ.
     pub fn of_serial(
         (cal, calibrated): (String, Option<&str>),
         (name, serial): (&str, Option<&str>),

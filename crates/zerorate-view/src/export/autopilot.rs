@@ -1,27 +1,27 @@
-//! Parameters of flight controllers: bias polynomials of three axes about their reference temperature, in rad/s, which
-//! their firmware subtracts.
+//! Parameters of flight controllers: the bias of three axes as polynomials about a reference temperature, in rad/s.
+//! The firmware subtracts them.
 
 use super::{Export, InvalidOptions};
 use anyhow::{Result, bail, ensure};
 use zerorate::{Correction, Validity};
 
-/// The reference temperature of every ArduPilot, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
+/// The reference temperature that ArduPilot always uses, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
 pub(crate) const ARDUPILOT_C: f64 = 35.0;
-/// ArduPilot's parameters are its coefficients times this (the same file, SCALE_FACTOR).
+/// The factor from a coefficient to ArduPilot's parameter (the same file, SCALE_FACTOR).
 pub(crate) const ARDUPILOT_SCALE: f64 = 1e6;
-/// The sensors for which PX4 has parameters: TC_G0 to TC_G3 (src/modules/temperature_compensation).
+/// The sensor numbers for which PX4 has parameters: TC_G0 to TC_G3 (src/modules/temperature_compensation).
 pub(crate) const PX4_SENSORS: std::ops::RangeInclusive<u32> = 0..=3;
-/// The IMUs for which ArduPilot has INS_TCALn.
+/// The IMU numbers for which ArduPilot has parameters INS_TCALn.
 pub(crate) const ARDUPILOT_SENSORS: std::ops::RangeInclusive<u32> = 1..=3;
 
-/// A bias over temperature, rad/s: the polynomial with `terms` (by order) in the temperature minus `about_c`.
+/// A bias over temperature, rad/s: the polynomial with coefficients `terms`, by order, in (temperature − `about_c`).
 struct Bias {
     about_c: f64,
     terms: [f64; 4],
 }
 
 impl Bias {
-    /// The bias that a correction removes (minus what it adds), as a polynomial about another temperature.
+    /// The bias that a correction removes (the negative correction), as a polynomial about another temperature.
     fn of(correction: &Correction, about_c: f64) -> Self {
         let shift_c = about_c - correction.t3_c;
         let added_dps = [
@@ -40,7 +40,7 @@ impl Bias {
     }
 }
 
-/// The parameters of PX4: `sensor` as in TC_Gn, `device_id` as in TC_Gn_ID.
+/// The parameter file of PX4: `sensor` is the n of TC_Gn, `device_id` the value of TC_Gn_ID.
 pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) -> Result<String> {
     let sensor = sensor.unwrap_or(0);
     ensure!(
@@ -55,7 +55,7 @@ pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) 
     };
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;
-    // PX4 itself takes the middle; it is rounded to what a parameter can hold
+    // PX4's own calibration uses the middle too; it is rounded to the f32 of a parameter
     let about_c = f64::from((0.5 * (temp_min_c + temp_max_c)) as f32);
     let biases = axes.map(|correction| Bias::of(&correction, about_c));
     let mut text = head(export, &format!("thermal compensation of gyroscope {sensor} of PX4"));
@@ -78,7 +78,7 @@ pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) 
     Ok(text)
 }
 
-/// The parameters of ArduPilot: `sensor` as in INS_TCALn.
+/// The parameter file of ArduPilot: `sensor` is the n of INS_TCALn.
 pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> {
     let sensor = sensor.unwrap_or(1);
     ensure!(
@@ -88,7 +88,7 @@ pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> 
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;
     let biases = axes.map(|correction| Bias::of(&correction, ARDUPILOT_C));
-    // ArduPilot holds this temperature to the limits as well, so it must be inside them
+    // ArduPilot also limits this temperature to TMIN … TMAX, so it must be within them
     let offset_c = f64::from(ARDUPILOT_C.clamp(temp_min_c, temp_max_c) as f32);
     let mut text = head(export, &format!("temperature calibration of IMU {sensor} of ArduPilot"));
     text += "# With P = (GYR1 d + GYR2 d^2 + GYR3 d^3) * 1e-6 rad/s and d = TEMP - 35, the rate is corrected by\n\
@@ -105,7 +105,7 @@ pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> 
         }
     }
     parameter(format!("INS_GYR{sensor}_CALTEMP"), offset_c);
-    // the first IMU came before there were numbers
+    // the parameters of the first IMU have no number, for historical reasons
     let number = if sensor == 1 { String::new() } else { sensor.to_string() };
     let offsets = if sensor == 1 { "INS_GYROFFS".to_owned() } else { format!("INS_GYR{number}OFFS") };
     for (axis, bias) in ["X", "Y", "Z"].iter().zip(&biases) {
@@ -148,7 +148,7 @@ fn head(export: &Export, what: &str) -> String {
     )
 }
 
-/// The value as a parameter holds it: the shortest decimal that gives the same f32, without an exponent.
+/// Rounds to the f32 of a parameter and removes a negative zero.
 pub(crate) fn single(value: f64) -> f32 {
     value as f32 + 0.0
 }

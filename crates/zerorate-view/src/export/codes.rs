@@ -1,21 +1,21 @@
-//! Scales and integer corrections for the codes of an axis.
+//! Integer corrections that work on an axis's raw codes.
 
 use anyhow::{Context, Result};
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, CurveForm, IntegerCorrection, IntegerCurve, IntegerForm, Scale};
 
-/// The scales of an axis, and its correction on the codes of these scales.
+/// The scales of an axis, and its integer correction for codes of these scales.
 pub(super) struct Codes {
     pub(super) rate: Scale,
     pub(super) temp: Scale,
     pub(super) integer: Integer,
 }
 
-/// A correction on codes, with the number format in which it is computed.
+/// An integer correction and the number format in which firmware computes it.
 pub(super) enum Integer {
-    /// The line of F-50.
+    /// The linear correction of F-50.
     Line(IntegerCorrection, IntegerForm),
-    /// A curve: the line with a quadratic or a cubic term.
+    /// A correction with a quadratic or a cubic term as well.
     Curve(IntegerCurve, CurveForm),
 }
 
@@ -30,7 +30,7 @@ impl Integer {
 }
 
 impl Codes {
-    /// The codes of an axis; `None` if the calibration does not state the scales.
+    /// The scales and correction of an axis; `None` if the calibration does not state the scales.
     pub(super) fn of(calibration: &Calibration, axis: &CalibratedAxis) -> Result<Option<Self>> {
         let (Some(rate), Some(temp)) = (axis.rate, calibration.temp) else { return Ok(None) };
         let integer = Self::integer(axis, &rate, &temp);

@@ -1,4 +1,4 @@
-//! The C header and the Rust module, made from templates.
+//! Fills the templates of the C header and the Rust module.
 
 use super::codes::{Codes, Integer};
 use super::layout::Layout;
@@ -10,23 +10,24 @@ use zerorate::{
     Calibration, Correction, CurveForm, IntegerCorrection, IntegerCurve, RowIndex, Scale, TableRow, Validity,
 };
 
-/// The texts that replace each `@KEY@` of a template.
+/// The keys of a template, each with the text that replaces `@KEY@`.
 type Entries = Vec<(&'static str, String)>;
 
-/// A language's templates, and how it writes what they leave open.
+/// A language's templates and its way to write values into them.
 struct Language {
     /// The template for the only axis of an ADIS16130.
     one: &'static str,
-    /// The templates for any number of axes of any part: what they share, and what each has.
+    /// The templates for any number of axes of any part: the common part, and the part that is repeated for each
+    /// axis.
     common: &'static str,
     axis: &'static str,
-    /// The functions that correct codes of an axis, for a line and for a curve.
+    /// The templates of the functions that correct raw codes: for a linear correction, and for a curve.
     integer: [&'static str; 2],
-    /// The beginning of each line of the head comment.
+    /// The start of each line of the head comment.
     margin: &'static str,
-    /// Integer types that hold codes of 32 bits, with and without a sign.
+    /// The names of the integer types for 32-bit codes, signed and unsigned.
     integers: [&'static str; 2],
-    /// Writes an integer of 64 bits.
+    /// Writes a 64-bit integer constant.
     constant: fn(i64) -> String,
     function_case: fn(&str) -> String,
 }
@@ -104,7 +105,7 @@ fn fill(template: &str, entries: &[(&'static str, String)]) -> String {
     entries.iter().fold(template.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value))
 }
 
-/// The names of the axes as parts of identifiers. Two axes must not have the same one.
+/// Makes an identifier of each axis name. Two axes must not get the same one.
 fn names(axes: &[AxisCodes]) -> Result<Vec<String>> {
     let mut names: Vec<String> = Vec::new();
     for AxisCodes { axis, .. } in axes {
@@ -125,7 +126,7 @@ fn names(axes: &[AxisCodes]) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// An axis whose codes are known.
+/// An axis with its scales and integer correction.
 struct AxisCodes<'a> {
     axis: &'a CalibratedAxis,
     codes: Codes,
@@ -196,7 +197,7 @@ fn of_curve(curve: &IntegerCurve, form: &CurveForm, temp: &Scale) -> Entries {
     ]
 }
 
-/// The lines below T3 in the head comment: the higher terms of a curve.
+/// The lines after T3 in the head comment that state the higher terms; empty for a linear correction.
 fn terms(correction: &Correction, margin: &str) -> String {
     let Correction { btc2_dps_per_c2, btc3_dps_per_c3, .. } = correction;
     match correction.is_line() {
@@ -208,7 +209,7 @@ fn terms(correction: &Correction, margin: &str) -> String {
     }
 }
 
-/// Describes how wrong the last row of a table is beyond the table.
+/// The error of the last table row beyond the table, in words.
 fn distance(correction: &Correction) -> &'static str {
     if correction.is_line() { "BTC times the distance to it" } else { "what the curve does on the way to it" }
 }
@@ -228,9 +229,9 @@ fn formula(export: &Export) -> Entries {
 }
 
 impl Codes {
-    /// Types and constants of the codes.
+    /// The integer types and the constants of the codes.
     ///
-    /// The types for a plain ADIS16130 have no sign, as in its export of a line.
+    /// With `plain`, the types are unsigned as in the linear export of an ADIS16130.
     fn typed(&self, language: &Language, plain: bool) -> Entries {
         let integer = |scale: &Scale| {
             let fits = scale.codes().1 <= i64::from(i32::MAX);
@@ -249,7 +250,7 @@ impl Codes {
     }
 }
 
-/// The origin of the numbers, for the head comment.
+/// The origin of the calibration, for the head comment.
 fn origin(export: &Export) -> Entries {
     let calibration = &export.calibration;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
@@ -264,7 +265,7 @@ fn origin(export: &Export) -> Entries {
     ]
 }
 
-/// Device, computer, operator, supply and surroundings, as far as they are stated.
+/// Device, computer, operator, supply and surroundings, if they are stated.
 fn circumstances(calibration: &Calibration) -> String {
     let Notes { supply, ambient, operator, host } = &calibration.notes;
     let stated = [
@@ -279,7 +280,7 @@ fn circumstances(calibration: &Calibration) -> String {
     if stated.is_empty() { "not stated".to_owned() } else { stated.join(", ") }
 }
 
-/// An upper limit of any table's middle row, times 2³².
+/// An upper bound of the middle row's index in any table, times 2³².
 const MIDDLE_MOST: i64 = 1 << 50;
 
 /// The layout that the tables of all axes share.
@@ -303,7 +304,8 @@ fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
     ])
 }
 
-/// The range in which the corrections hold (in words, in °C and as codes), and the scale of the codes.
+/// The temperature range in which the corrections are valid (in words, in °C and as codes), and the scale of the
+/// codes.
 fn range(Layout { valid, stated, .. }: &Layout, temp: &Scale) -> Entries {
     let Validity { temp_min_c, temp_max_c, margin_c } = *valid;
     let (first, last) = temp.codes();
@@ -328,21 +330,21 @@ fn range(Layout { valid, stated, .. }: &Layout, temp: &Scale) -> Entries {
     ]
 }
 
-/// Describes the codes of a scale.
+/// Describes the codes of a scale in words.
 fn in_words(scale: &Scale) -> String {
     let (first, last) = scale.codes();
     let coding = if scale.signed { "two's complement" } else { "without a sign" };
     format!("{first} to {last}, {} bits, {coding}", scale.width_bits)
 }
 
-/// The value in millionths of its unit, rounded to nearest.
+/// The value in millionths of its unit, rounded to the nearest integer.
 fn millionths(value: f64) -> Result<i32> {
     let scaled = (value * 1e6).round();
     ensure!(scaled.abs() <= f64::from(i32::MAX), "{value} does not fit 32 bits in millionths: choose a smaller span");
     Ok(scaled as i32)
 }
 
-/// The value in millionths; an error if the rounding would lose something.
+/// The value in millionths. Returns an error if it is not a whole number of them.
 fn whole_millionths(what: &str, value: f64) -> Result<i32> {
     let whole = millionths(value)?;
     ensure!(
@@ -361,7 +363,7 @@ fn lines(numbers: &[i32]) -> String {
     numbers.chunks(8).map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Makes text of the calibration file safe inside a comment: it can neither end the comment nor upset a compiler.
+/// Replaces characters of a calibration's text that could end a comment or confuse a compiler.
 pub(super) fn comment(text: &str) -> String {
     let plain =
         |c: char| if c.is_ascii_graphic() && !matches!(c, '@' | '*' | '\\' | '?') || c == ' ' { c } else { '.' };

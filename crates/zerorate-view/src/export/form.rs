@@ -1,6 +1,6 @@
-//! The forms of an export, as the table that every front end lists.
+//! The export formats, in the table that every front end lists.
 
-/// A form in which a calibration is exported.
+/// A format in which a calibration is exported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "their rows say what they are")]
 pub enum ExportForm {
@@ -12,44 +12,44 @@ pub enum ExportForm {
     Ardupilot,
 }
 
-/// The names, file type and help text of a form.
+/// The names, file type and help text of a format.
 #[derive(Clone, Copy, Debug)]
 pub struct FormRow {
-    /// Its name as an option.
+    /// The name as an option value.
     pub name: &'static str,
-    /// Its name as people write it.
+    /// The name for people.
     pub label: &'static str,
-    /// The ending of its files, without a point.
+    /// The file extension, without a dot.
     pub extension: &'static str,
-    /// The media type of its files.
+    /// The media type of the file.
     pub media_type: &'static str,
     /// A one-line description.
     pub help: &'static str,
 }
 
 impl ExportForm {
-    /// All forms.
+    /// All formats.
     pub const ALL: [Self; 6] = [Self::C, Self::Rust, Self::Csv, Self::Json, Self::Px4, Self::Ardupilot];
 
-    /// The form with this name.
+    /// Finds the format with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|form| form.row().name == name)
     }
 
-    /// Whether the form is source code, whose names take a prefix.
+    /// Whether the format is source code, whose identifiers can have a prefix.
     #[must_use]
     pub const fn is_code(self) -> bool {
         matches!(self, Self::C | Self::Rust)
     }
 
-    /// Whether the form holds parameters for one gyroscope of a flight controller.
+    /// Whether the format holds parameters for one gyroscope of a flight controller.
     #[must_use]
     pub const fn is_autopilot(self) -> bool {
         matches!(self, Self::Px4 | Self::Ardupilot)
     }
 
-    /// The form's row of the table.
+    /// The names, file type and help text of this format.
     #[must_use]
     pub const fn row(self) -> FormRow {
         let (name, label, extension, media_type, help) = match self {

@@ -25,7 +25,7 @@ struct One<'a> {
     table: Table,
 }
 
-/// The terms that a curve has beyond a line.
+/// The higher terms of a curve.
 #[derive(Serialize)]
 struct Curve {
     btc2_dps_per_c2: f64,
@@ -53,7 +53,7 @@ struct Axis<'a> {
     t3_c: f64,
     #[serde(flatten)]
     curve: Option<Curve>,
-    /// Null if the calibration does not state the scale of the codes.
+    /// The integer correction; null if the calibration does not state the scale of the codes.
     integer: Option<Integer>,
     table: Table,
 }
@@ -65,19 +65,19 @@ enum Integer {
     Curve(CurveFields),
 }
 
-/// The fields of `zerorate::IntegerCorrection`.
+/// The fields of [`zerorate::IntegerCorrection`].
 #[derive(Serialize)]
 struct Line {
     q: u32,
     offset_q: i64,
     slope_q: i32,
     t3_code: i32,
-    /// Absent for the ADIS16130, whose codes are known.
+    /// The ranges of the codes. Absent for the ADIS16130, whose ranges are known.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     codes: Option<Ranges>,
 }
 
-/// The fields of `zerorate::IntegerCurve`.
+/// The fields of [`zerorate::IntegerCurve`].
 #[derive(Serialize)]
 struct CurveFields {
     terms: [i32; 4],
@@ -89,7 +89,7 @@ struct CurveFields {
     codes: Option<Ranges>,
 }
 
-/// First and last possible code of rate and temperature.
+/// The first and last possible codes of rate and temperature.
 #[derive(Serialize)]
 struct Ranges {
     rate_first_code: i64,
@@ -98,7 +98,7 @@ struct Ranges {
     temp_last_code: i64,
 }
 
-/// The range in which the correction is taken to hold.
+/// The temperature range in which the correction is valid.
 #[derive(Serialize)]
 struct Valid {
     /// Whether the calibration states the range; otherwise it is assumed.
@@ -113,7 +113,8 @@ struct Valid {
 struct Table {
     step_c: f64,
     span_c: f64,
-    /// The largest error of a curve's table, taking the nearest row. `linear_dps`: joining rows by straight lines.
+    /// The largest error of a curve's table with the nearest row, °/s. `linear_dps` is the same with linear
+    /// interpolation.
     #[serde(skip_serializing_if = "Option::is_none")]
     nearest_dps: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,34 +1,34 @@
-//! Reach and step of an exported table.
+//! Step size and span of an exported table.
 
 use super::InvalidOptions;
 use super::warning::ExportWarning;
 use anyhow::Result;
 use zerorate::{Calibration, Correction, TableRow, Validity};
 
-/// The steps to choose from, millionths of a °C: the step of F-52 and coarser ones.
+/// The step sizes to choose from, millionths of a °C: that of F-52 and coarser ones.
 const STEPS_UC: [u32; 8] = [20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000, 2_000_000, 5_000_000];
 
 /// Largest number of steps on each side of T3 in a table of default size: 1025 rows, 4.1 kB of flash.
 const MOST_STEPS: u32 = 512;
 
-/// Half the range that is assumed for a calibration that states none, °C. T3 lies at the end of the warm-up, which is
-/// 8 ± 1 °C (M-03).
+/// Half of the range that is assumed if a calibration states none, °C. T3 is the temperature at the end of the
+/// warm-up, which is 8 ± 1 °C (M-03).
 const ASSUMED_C: f64 = 9.0;
 
-/// Step and reach of a table, and the range that the table should cover.
+/// Step size and span of a table, and the temperature range that it should cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     pub(super) step_c: f64,
-    /// The reach from T3 to both sides.
+    /// The distance from T3 to either end of the table, °C.
     pub(super) span_c: f64,
     pub(super) valid: Validity,
-    /// Whether the calibration states that range.
+    /// Whether the calibration states the range; otherwise it is assumed.
     pub(super) stated: bool,
 }
 
 impl Layout {
-    /// Takes step and span as given. A missing one is chosen so that the table of every axis covers the range of the
-    /// calibration, in steps no finer than a code of the temperature.
+    /// Takes the given step and span. A missing one is chosen so that every axis's table covers the calibrated
+    /// range, with steps not finer than one temperature code.
     pub(super) fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
         let valid = valid_range(calibration);
         let reach_c = calibration.axes.iter().map(|axis| reach(&valid, axis.correction.t3_c)).fold(0.0, f64::max);
@@ -44,12 +44,12 @@ impl Layout {
         Self { step_c, span_c, valid, stated: calibration.validity.is_some() }
     }
 
-    /// The table of an axis.
+    /// The table rows of an axis.
     pub(super) fn rows(&self, correction: &Correction) -> Result<Vec<TableRow>> {
         Ok(correction.table(self.step_c, self.span_c).map_err(|error| InvalidOptions(error.to_string()))?)
     }
 
-    /// Warnings about an assumed range, and about tables that are too short.
+    /// Warnings about an assumed range and about tables that are too short.
     pub(super) fn warnings(&self, calibration: &Calibration) -> Vec<ExportWarning> {
         let Validity { temp_min_c, temp_max_c, .. } = self.valid;
         let unstated = ExportWarning::NoValidity { temp_min_c, temp_max_c, assumed_c: ASSUMED_C };
@@ -62,7 +62,7 @@ impl Layout {
         (!self.stated).then_some(unstated).into_iter().chain(short).collect()
     }
 
-    /// The largest error beyond a table that ends before the calibration; `None` if the table is long enough.
+    /// The largest error where the table ends before the calibrated range; `None` if the table is long enough.
     fn wrong_dps(&self, correction: &Correction) -> Option<f64> {
         let reach_c = reach(&self.valid, correction.t3_c);
         let beyond_c = reach_c - self.span_c - self.step_c / 2.0;
@@ -75,7 +75,7 @@ fn finest(least_c: f64) -> f64 {
     uc(*STEPS_UC.iter().find(|step| uc(**step) >= least_c).unwrap_or(&STEPS_UC[STEPS_UC.len() - 1]))
 }
 
-/// The range in which the calibration holds, limited to what its codes can express.
+/// The valid temperature range of the calibration, limited to what the temperature codes can express.
 fn valid_range(calibration: &Calibration) -> Validity {
     let t3_c = calibration.axes.first().map_or(0.0, |axis| axis.correction.t3_c);
     let margin_c = Validity::MARGIN_C;
@@ -88,13 +88,13 @@ fn valid_range(calibration: &Calibration) -> Validity {
     Validity { temp_min_c: valid.temp_min_c.clamp(low, high), temp_max_c: valid.temp_max_c.clamp(low, high), ..valid }
 }
 
-/// The distance from T3 to the farthest temperature at which the correction holds, °C.
+/// The distance from T3 to the farthest valid temperature, margin included, °C.
 fn reach(valid: &Validity, t3_c: f64) -> f64 {
     (t3_c - valid.temp_min_c).max(valid.temp_max_c - t3_c) + valid.margin_c
 }
 
-/// The smallest whole number of steps that reaches so far, °C. With an invalid step, the reach comes back unchanged
-/// and is refused later.
+/// Rounds the reach up to a whole number of steps, °C. With an invalid step the reach is returned unchanged and
+/// refused later.
 fn covering(reach_c: f64, step_c: f64) -> f64 {
     let span_c = (reach_c / step_c - 1e-9).ceil() * step_c;
     super::tidy(if span_c.is_finite() { span_c } else { reach_c })

@@ -1,4 +1,4 @@
-//! Exports a calibration in the form that firmware takes: table and integer coefficients.
+//! Exports a calibration for firmware, as tables and integer coefficients.
 
 pub(crate) mod autopilot;
 mod codes;
@@ -16,22 +16,22 @@ pub use prefix::Prefix;
 pub use warning::ExportWarning;
 use zerorate::{Calibration, TableRow};
 
-/// Options of an export; those that are not given are chosen.
+/// The settings of an export. `None` means that a suitable value is chosen.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Step of the table, °C.
     pub step_c: Option<f64>,
-    /// The table reaches this far from T3 on both sides, °C.
+    /// Distance from T3 to either end of the table, °C.
     pub span_c: Option<f64>,
-    /// The beginning of all names in C and Rust.
+    /// The prefix of all names in C and Rust.
     pub prefix: Option<Prefix>,
     /// The number of the gyroscope in the flight controller.
     pub sensor: Option<u32>,
-    /// The device_id of that gyroscope, as PX4 states it.
+    /// The device_id of that gyroscope in PX4.
     pub device_id: Option<i32>,
 }
 
-/// The options make no sense; the text says why.
+/// The settings are invalid. The text states the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidOptions(pub String);
 
@@ -43,7 +43,7 @@ impl std::fmt::Display for InvalidOptions {
 
 impl std::error::Error for InvalidOptions {}
 
-/// Corrections with their tables, ready to be written in any form.
+/// A calibration with its tables, ready to be written in any format.
 #[derive(Debug)]
 pub struct Export {
     calibration: Calibration,
@@ -54,10 +54,10 @@ pub struct Export {
 }
 
 impl Export {
-    /// Lays the tables out.
+    /// Computes the tables.
     ///
     /// # Errors
-    /// Returns [`InvalidOptions`] if step and span do not make a table.
+    /// Returns [`InvalidOptions`] if no table can have this step and span.
     pub fn new(calibration: Calibration, options: Options) -> Result<Self> {
         let layout = Layout::new(&calibration, options.step_c, options.span_c);
         let tables = calibration.axes.iter().map(|axis| layout.rows(&axis.correction)).collect::<Result<_>>()?;
@@ -70,10 +70,10 @@ impl Export {
         self.layout.warnings(&self.calibration)
     }
 
-    /// The text of the file.
+    /// The text of the exported file.
     ///
     /// # Errors
-    /// Returns [`InvalidOptions`], or an error if the calibration does not fit the form.
+    /// Returns [`InvalidOptions`] or another error if the settings or the calibration do not fit the format.
     pub fn text(&self, form: ExportForm) -> Result<String> {
         let Options { prefix, sensor, device_id, .. } = &self.options;
         match form {
@@ -86,8 +86,8 @@ impl Export {
         }
     }
 
-    /// States how far the rows of a table are off a curve, because CSV has no place for it. Tables of lines are exact
-    /// between their rows.
+    /// States the errors of a curve's tables, which a CSV file cannot. Tables of linear corrections can be
+    /// interpolated exactly.
     #[must_use]
     pub fn lost_by_rows(&self) -> Vec<String> {
         let Layout { step_c, span_c, .. } = self.layout;

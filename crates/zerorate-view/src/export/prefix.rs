@@ -1,11 +1,11 @@
-//! The prefix of the names in an export, so that several units fit into one program.
+//! The prefix of the names in an export, so that one program can hold the calibrations of several units.
 
 use std::str::FromStr;
 
-/// The longest prefix. It keeps every name below the 63 characters that C99 tells apart.
+/// The longest prefix. All names then stay below the 63 significant characters of C99.
 const LONGEST: usize = 31;
 
-/// The prefix of names: a C identifier that no standard reserves.
+/// A prefix of names: a C identifier that no standard reserves.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prefix(String);
 

@@ -3,14 +3,14 @@
 use std::fmt;
 use zerorate_allan::rows;
 
-/// A warning about an export that was made.
+/// A warning about an export. The file was written.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows, with their units")]
 pub enum ExportWarning {
-    /// The calibration does not state its range: `assumed_c` on both sides of T3 is assumed.
+    /// The calibration does not state its temperature range. T3 ± `assumed_c` is assumed.
     NoValidity { temp_min_c: f64, temp_max_c: f64, assumed_c: f64 },
-    /// The table ends before the range of the calibration. `axis` is the name of the axis if there are several.
+    /// The table ends before the calibrated range. `axis` is the name of the axis if there are several.
     TableShort { axis: Option<String>, span_c: f64, temp_min_c: f64, temp_max_c: f64, wrong_dps: f64 },
 }
 

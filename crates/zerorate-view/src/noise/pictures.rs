@@ -1,4 +1,4 @@
-//! The noise of columns of logs in pictures.
+//! Plots of noise analyses.
 
 use super::{GaussMarkov, are_axes, gauss_markov, interval, name};
 use crate::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
@@ -6,7 +6,7 @@ use zerorate_allan::{Fit, Line, Prediction};
 use zerorate_imu::{FitReport, Named, Record, coefficients};
 use zerorate_logs::Quantity;
 
-/// Draws all records in one picture. The fit describes Allan deviations, so another statistic is drawn without it.
+/// Draws all records in one plot. The fit describes Allan deviations, so other statistics are drawn without it.
 #[must_use]
 pub fn svg(records: &[Record]) -> String {
     let is_of_one_log = are_axes(records);
@@ -33,27 +33,27 @@ pub fn svg(records: &[Record]) -> String {
     )
 }
 
-/// Draws the axes of an IMU in one picture, with a panel for each: gyroscopes above accelerometers.
+/// Draws the axes of an IMU in one picture, one plot per axis, gyroscopes above accelerometers.
 #[must_use]
 pub fn axes_svg(records: &[Record]) -> String {
     plot::stacked(&Group::all(records).iter().map(Group::multiples).collect::<Vec<_>>())
 }
 
-/// The averaging times of AN-1042, if a record is from the part that the note describes.
+/// The averaging times of AN-1042, if a record is from an ADIS16130, which that note describes.
 fn marks(records: &[Record]) -> Vec<plot::Mark> {
     if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() }
 }
 
-/// A picture of a group.
+/// A plot of a group of records.
 pub struct Picture {
-    /// Its subject: `allan`, `spectrum` or `record`.
+    /// Its kind: `allan`, `spectrum` or `record`.
     pub what: &'static str,
-    /// The picture as SVG.
+    /// The plot as SVG.
     pub svg: String,
 }
 
 impl Picture {
-    /// Its subject in words.
+    /// The title of this kind of plot.
     #[must_use]
     pub fn title(&self) -> &'static str {
         match self.what {
@@ -64,7 +64,7 @@ impl Picture {
     }
 }
 
-/// Records of one quantity, among all that a page shows.
+/// Consecutive records of one quantity.
 pub struct Group<'a> {
     /// The records.
     pub records: &'a [Record],
@@ -103,7 +103,7 @@ impl<'a> Group<'a> {
         self.records.first().and_then(|record| record.quantity).map_or("unit", Quantity::unit)
     }
 
-    /// Draws the curves, the spectra and the records over time.
+    /// Draws the deviations, the spectra and the records over time.
     #[must_use]
     pub fn pictures(&self) -> Vec<Picture> {
         let is_of_axes = self.is_of_one_log && self.records.len() > 1;
@@ -112,7 +112,7 @@ impl<'a> Group<'a> {
         drawn.into_iter().filter_map(|(what, svg)| Some(Picture { what, svg: svg? })).collect()
     }
 
-    /// Draws a panel for each of several axes.
+    /// Draws the deviations of several axes, one plot each.
     fn multiples(&self) -> String {
         let panel = |(record, label): (&Record, String)| {
             let laws = valid_coefficients(record).iter().map(law).collect();
@@ -179,7 +179,7 @@ fn spectrum(record: &Record, label: String, unit: &str) -> Option<Spectrum> {
     })
 }
 
-/// The line of a coefficient in a panel: at its value, or at its upper limit if it is not identified.
+/// The line of a coefficient in a plot: at its value, or at its upper limit if it is not identified.
 fn law(named: &Named<'_>) -> PowerLaw {
     let (letter, unit, coefficient) = (named.letter, &named.units[0].0, named.coefficient);
     let (label, value) = match coefficient.identified {
@@ -189,10 +189,10 @@ fn law(named: &Named<'_>) -> PowerLaw {
     PowerLaw { label, at_1s: value * named.at_1s, slope: named.slope }
 }
 
-/// Short for Gauss–Markov.
+/// The abbreviation of Gauss–Markov.
 const MEMORY: &str = "GM";
 
-/// The other terms of a model beside its coefficients, or why there is no model.
+/// The model's terms other than coefficients, or a note that there is no model.
 fn remarks(record: &Record) -> Vec<String> {
     match (&record.fit, record.model()) {
         (None, _) => Vec::new(),
@@ -207,7 +207,7 @@ fn remarks(record: &Record) -> Vec<String> {
     }
 }
 
-/// What the picture shows, and what was left out.
+/// The subtitle: what the plot shows, and what was left out.
 fn subtitle(records: &[Record]) -> String {
     let Some(first) = records.first() else { return String::new() };
     let interval = interval(first.confidence);
@@ -262,12 +262,12 @@ fn curve(record: &Record) -> Curve {
     Curve { label: record.label(), points, model, predicted, laws, minimum, remarks: Vec::new() }
 }
 
-/// The coefficients that have a line in the picture: Allan deviations only, and values above zero.
+/// The coefficients that are drawn as lines: for Allan deviations only, and only values above zero.
 fn drawn(record: &Record) -> Vec<Named<'_>> {
     valid_coefficients(record).into_iter().filter(|named| named.coefficient.value > 0.0).collect()
 }
 
-/// The coefficients of Allan deviations, if the model is not rejected.
+/// The coefficients, if the statistic is an Allan deviation and the model is valid; empty otherwise.
 fn valid_coefficients(record: &Record) -> Vec<Named<'_>> {
     match record.analysis.stat.is_allan() && record.valid_model().is_ok() {
         true => named(record),

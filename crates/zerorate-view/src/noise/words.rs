@@ -1,17 +1,17 @@
-//! Noise models in words.
+//! Words and table rows for noise models.
 
 use crate::Interval;
 use crate::plot::number;
 use zerorate_allan::{Corner, Estimate, Line, Term, span};
 use zerorate_imu::{AllanReport, CoefficientReport, FitReport};
 
-/// Whether chance explains how the spectrum scatters about the model, to the digit that is shown.
+/// Whether the spectrum scatters about the model no more than chance explains, to the shown number of digits.
 #[must_use]
 pub fn is_without_misfit(fit: &FitReport) -> bool {
     fit.model_error.is_some_and(|error| error < 0.0005)
 }
 
-/// How far the model is from the spectrum, as a phrase.
+/// The deviation of the spectrum from the model, as a phrase.
 #[must_use]
 pub fn misfit(fit: &FitReport) -> String {
     let percent = fit.model_error.unwrap_or_default() * 100.0;
@@ -22,13 +22,14 @@ pub fn misfit(fit: &FitReport) -> String {
     }
 }
 
-/// The frequency up to which the model holds, Hz, where a filter shapes the noise above.
+/// The highest frequency at which the model is valid, Hz. `None` if it is valid up to half the sampling rate.
 #[must_use]
 pub fn holds_below(report: &AllanReport) -> Option<f64> {
     report.fit.as_ref()?.f_max_hz.filter(|hz| *hz < 0.499 * report.rate_hz)
 }
 
-/// How near another record of the sensor is expected, and up to which averages.
+/// The predicted range of deviations of another record of this sensor, in words. `None` without a valid model or
+/// prediction.
 #[must_use]
 pub fn predicts(report: &AllanReport) -> Option<String> {
     report.valid_model()?;
@@ -45,15 +46,15 @@ pub fn predicts(report: &AllanReport) -> Option<String> {
     ))
 }
 
-/// The row of a coefficient or another term in a table: value, limits and unit, in each unit.
+/// A table row: a coefficient or another term with its limits, in one or more units.
 pub struct TermRow {
     /// The name.
     pub name: String,
-    /// The same value in each unit, or several values.
+    /// The same value in each unit, or several different values.
     pub values: Vec<(Interval, String)>,
-    /// Whether the value is a result; if not, only its upper limit says something.
+    /// Whether the value is identified; if not, only its upper limit is meaningful.
     pub is_identified: bool,
-    /// What is to be said beside it; it may be empty.
+    /// A remark beside the values; may be empty.
     pub remark: String,
 }
 
@@ -107,12 +108,12 @@ fn of_term(fit: &FitReport, term: &Term) -> TermRow {
     TermRow { name: name.to_owned(), values, is_identified: true, remark }
 }
 
-/// An estimate, to be shown.
+/// Converts an estimate for display.
 fn interval_of(Estimate { value, lo, hi }: Estimate) -> Interval {
     Interval { value, lo, hi }
 }
 
-/// An estimate with its interval, or its upper limit where it is not identified.
+/// Formats an estimate with its interval, or only its upper limit if it is not identified.
 #[must_use]
 pub fn stated(estimate: Estimate, is_identified: bool) -> String {
     match is_identified {
@@ -121,11 +122,11 @@ pub fn stated(estimate: Estimate, is_identified: bool) -> String {
     }
 }
 
-/// A Gauss–Markov term, with σ in the first unit of the bias instability.
+/// A Gauss–Markov term. Its σ is in the first unit of the bias instability.
 pub struct GaussMarkov {
     /// Standard deviation.
     pub sigma: Estimate,
-    /// Its unit.
+    /// The unit of σ.
     pub unit: String,
     /// Correlation time, s.
     pub tau_s: Estimate,
@@ -142,13 +143,13 @@ pub fn gauss_markov(fit: &FitReport) -> impl Iterator<Item = GaussMarkov> {
     })
 }
 
-/// An estimate of a rate in the first unit of the bias instability, and that unit.
+/// Converts a rate to the first unit of the bias instability, and returns that unit.
 fn in_rate(fit: &FitReport, Estimate { value, lo, hi }: Estimate) -> (Estimate, String) {
     let (unit, factor) = fit.rate_units.first().map_or(("", 1.0), |unit| (&*unit.unit, unit.factor));
     (Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, unit.to_owned())
 }
 
-/// Names the limits of a deviation: `68.3 % intervals`.
+/// Describes the intervals of a deviation: `68.3 % intervals`.
 #[must_use]
 pub fn interval(confidence: f64) -> String {
     format!("{} % intervals", (confidence * 1e6).round() / 1e4)

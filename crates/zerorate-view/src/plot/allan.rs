@@ -1,4 +1,4 @@
-//! The Allan deviation over the averaging time, log-log, with the marks that help to read it.
+//! Plot of the Allan deviation over the averaging time, log-log.
 
 use super::axes::{Axis, number};
 use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, label, line, shortened, stroke};
@@ -7,22 +7,22 @@ use super::label::{Labels, densely};
 use svg::Document;
 use svg::node::element::Group;
 
-/// Deviations of one record.
+/// The deviations of one record.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
     /// The record's name, usually the name of its file.
     pub label: String,
-    /// The deviations by averaging time. The picture leaves out values without a logarithm.
+    /// The deviations by averaging time. Values at or below zero are not drawn.
     pub points: Vec<Point>,
-    /// The fitted deviations with the band in which the model expects those of this record; empty without a fit.
+    /// The fitted deviations with the band in which this record's deviations are expected; empty without a fit.
     pub model: Vec<Point>,
-    /// The band in which the model expects the deviations of another record.
+    /// The band in which the deviations of another record are expected.
     pub predicted: Vec<Point>,
-    /// The fitted noise, one line for each coefficient; empty without a fit.
+    /// The fitted noise coefficients, one line each; empty without a fit.
     pub laws: Vec<PowerLaw>,
     /// The minimum, where averaging helps most.
     pub minimum: Option<Minimum>,
-    /// Remarks on the fit, shown only in pictures of several axes.
+    /// Remarks on the fit, shown only in plots of several axes.
     pub remarks: Vec<String>,
 }
 
@@ -89,17 +89,17 @@ pub struct Options {
     pub title: Option<String>,
     /// The text below it, of up to two lines.
     pub subtitle: Option<String>,
-    /// Name of the vertical axis.
+    /// The label of the vertical axis.
     pub quantity: String,
-    /// Unit of the vertical axis. With °/s, the right side has a scale in °/h.
+    /// Unit of the vertical axis. With °/s, the right side has a second scale in °/h.
     pub unit: String,
-    /// Averaging times to mark.
+    /// Vertical lines at averaging times of interest.
     pub marks: Vec<Mark>,
     /// Width and height in pixels.
     pub size: (u32, u32),
 }
 
-/// Marks at the averaging times that AN-1042 takes for an ADIS16130 (F-51).
+/// Marks at the averaging times that AN-1042 uses for an ADIS16130 (F-51).
 pub fn an1042() -> Vec<Mark> {
     let mark = |tau_s: f64| Mark { tau_s, label: format!("AN-1042: {tau_s} s") };
     vec![mark(10.0), mark(150.0)]
@@ -119,27 +119,27 @@ impl Default for Options {
     }
 }
 
-/// Colours that the colour-blind can tell apart (Okabe and Ito), the pale ones last.
+/// Colours that colour-blind readers can distinguish (Okabe and Ito), the pale ones last.
 pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
-/// Dashes of the curves; the next one is used when all colours are.
+/// Dash patterns of the curves. The next one is used when all colours are used up.
 const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
-/// Colours of the lines of a fit by slope, so that a coefficient has one colour everywhere. They are dark enough for
+/// Colours of the fitted coefficients by slope, so that each has one colour in all plots. They are dark enough for
 /// text.
 const LAW_COLOURS: [(f64, &str); 4] = [(-0.5, "#c04a00"), (0.0, "#00785a"), (0.5, "#9a3f75"), (-1.0, "#7d6000")];
-/// The colour of lines with another slope.
+/// The colour of lines with any other slope.
 const OTHER_LAW: &str = "#555555";
-/// A band that reaches farther than this beyond all deviations, in decades, does not stretch the axis.
+/// A band does not extend the axis further than this beyond the deviations, in decades.
 const BAND_DECADES: f64 = 0.7;
-/// The floor of a fit is shown if it is at most this factor below all deviations.
+/// The floor of a fit is inside the axis if it is at most this factor below all deviations.
 const FLOOR_DEPTH: f64 = 30.0;
-/// Distance from the curve, in pixels, at which nobody takes a label for the curve's.
+/// Distance from a curve, in pixels, at which nobody reads a label as that curve's label.
 const APART: f64 = 60.0;
 const PER_HOUR: f64 = 3600.0;
 
-/// The picture as SVG.
+/// Draws the plot as SVG.
 ///
-/// A single curve has the labels of its fit and its minimum beside it. Several curves are named in a legend, with
-/// their fitted curves but without the separate coefficients.
+/// A single curve has labels for its coefficients and its minimum. Several curves have a legend and their fitted
+/// curves, but no coefficients.
 pub fn allan(curves: &[Curve], options: &Options) -> String {
     let curves: Vec<Curve> = curves.iter().map(drawable).collect();
     let hourly = options.unit == "°/s";
@@ -161,7 +161,7 @@ pub fn allan(curves: &[Curve], options: &Options) -> String {
     page.add(picture.marks()).add(picture.lines()).add(picture.lettering()).to_string()
 }
 
-/// A curve without the points that a logarithmic axis cannot show.
+/// The curve without points that a logarithmic axis cannot show.
 pub fn drawable(curve: &Curve) -> Curve {
     let known = |tau_s: f64, dev: f64| [tau_s, dev].iter().all(|value| value.is_normal() && *value > 0.0);
     let bounded = |point: &Point| Point {
@@ -226,7 +226,7 @@ impl Picture<'_> {
         self.options.marks.iter().filter(|mark| self.scales.x.covers(mark.tau_s))
     }
 
-    /// Vertical lines with their labels above the frame, side by side. A label without room is left out.
+    /// Vertical lines with their labels above the frame, side by side. A label that does not fit is left out.
     fn marks(&self) -> Group {
         let mut group = Group::new();
         let mut free_from = self.area.left;
@@ -263,7 +263,7 @@ impl Picture<'_> {
             let model = stroke(canvas::path(self.scales.model(curve)), colour, 1.6);
             group = group.add(model.set("stroke-dasharray", dash));
         }
-        // this group is not clipped, so that a dot on the frame stays whole
+        // this group is not clipped, so that a dot on the frame is drawn whole
         let mut group = Group::new().add(group);
         for (curve, (colour, dash)) in self.curves.iter().zip(styles()) {
             group = group.add(self.scales.line(curve, colour, dash));
@@ -274,7 +274,7 @@ impl Picture<'_> {
         group
     }
 
-    /// Colour and dash of a model: its curve's colour where there are several curves.
+    /// Colour and dash pattern of a model. With several curves it has its curve's colour.
     fn model_style(&self, of_curve: &'static str) -> (&'static str, &'static str) {
         if self.curves.len() > 1 { (of_curve, "7 3") } else { (INK, "none") }
     }
@@ -323,8 +323,8 @@ impl Picture<'_> {
         format!("minimum {} {unit} at {} s", number(value), number(tau_s))
     }
 
-    /// Places beside a line, the best first: just far enough from the curve that nobody takes the label for the
-    /// curve's.
+    /// Label positions along a line, the best first: those just far enough from the curve not to be read as its
+    /// label.
     fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<((f64, f64), Anchor)> {
         let track = densely(&self.scales.track(curve));
         let far = |(x, y): (f64, f64)| track.iter().map(|(a, b)| (x - a).hypot(y - b)).fold(f64::MAX, f64::min);
@@ -340,7 +340,7 @@ fn styles() -> impl Iterator<Item = (&'static str, &'static str)> {
     DASHES.into_iter().cycle().flat_map(|dash| COLOURS.into_iter().map(move |colour| (colour, dash)))
 }
 
-/// Places around a point, the nearest first.
+/// Label positions around a point, the nearest first.
 pub fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
     let ring = |away: f64| {
         [
@@ -355,7 +355,7 @@ pub fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
     [16.0, 32.0, 56.0, 88.0, 128.0].into_iter().flat_map(ring).collect()
 }
 
-/// Places next to a spot on a line.
+/// Label positions next to a point on a line.
 fn beside((x, y): (f64, f64)) -> [((f64, f64), Anchor); 4] {
     [
         ((x + 8.0, y - 8.0), Anchor::Start),
@@ -365,7 +365,7 @@ fn beside((x, y): (f64, f64)) -> [((f64, f64), Anchor); 4] {
     ]
 }
 
-/// Names of the curves, in the emptiest corner.
+/// The legend, in the emptiest corner.
 fn legend(curves: &[Curve], labels: &Labels) -> Group {
     let names: Vec<String> = curves.iter().map(|curve| shortened(&curve.label, 44)).collect();
     let widest = names.iter().map(|name| canvas::width(name, SMALL)).fold(0.0, f64::max);

@@ -1,6 +1,6 @@
-//! Axes: they convert values to pixels and choose readable ticks.
+//! Converts values to pixels and chooses readable ticks.
 
-/// The least distance between two ticks of a linear axis, pixels.
+/// The smallest distance between two ticks of a linear axis, pixels.
 const ROOM: f64 = 24.0;
 
 /// One axis, linear or logarithmic.
@@ -8,19 +8,19 @@ const ROOM: f64 = 24.0;
 pub struct Axis {
     low: f64,
     high: f64,
-    /// The pixels of `low` and `high`.
+    /// The pixel positions of `low` and `high`.
     span: (f64, f64),
     log: bool,
 }
 
-/// A line of the grid.
+/// A tick or grid line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
     /// The value, in the unit of the axis.
     pub value: f64,
-    /// The number beside the line; minor lines have none.
+    /// The number beside the line; `None` for minor lines.
     pub label: Option<String>,
-    /// Whether the line is a decade, or any tick of a linear axis.
+    /// Whether the line is major: a whole decade, or any tick of a linear axis.
     pub major: bool,
 }
 
@@ -37,12 +37,13 @@ impl Axis {
         Self { low, high: if high > low { high } else { low + 1.0 }, span, log: false }
     }
 
-    /// The same axis in another unit, which is `factor` times smaller.
+    /// The same axis in a unit that is smaller by `factor`.
     pub fn in_unit(&self, factor: f64) -> Self {
         Self { low: self.low * factor, high: self.high * factor, ..*self }
     }
 
-    /// Pixel of a value. Values far outside, among them zero, get a pixel outside.
+    /// The pixel of a value. Values far outside, such as zero on a logarithmic axis, are clamped outside of the
+    /// frame.
     pub fn at(&self, value: f64) -> f64 {
         let fraction = if self.log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -52,7 +53,7 @@ impl Axis {
         self.span.0 + fraction.clamp(-2.0, 3.0) * (self.span.1 - self.span.0)
     }
 
-    /// Value of a pixel.
+    /// The value at a pixel.
     pub fn value(&self, pixel: f64) -> f64 {
         let fraction = (pixel - self.span.0) / (self.span.1 - self.span.0);
         if self.log {
@@ -73,7 +74,7 @@ impl Axis {
         (self.low - slack..=self.high + slack).contains(&value)
     }
 
-    /// The lines of the grid, lowest first.
+    /// The ticks, lowest first.
     pub fn ticks(&self) -> Vec<Tick> {
         if self.log { self.decades() } else { self.steps() }
     }
@@ -114,13 +115,14 @@ impl Axis {
     }
 }
 
-/// The round step of at least this size, and the decimals of its multiples.
+/// The smallest step of 1, 2 or 5 times a power of ten that is at least this large, and the decimals of its
+/// multiples.
 pub fn round_step(least: f64) -> (f64, usize) {
     let step = round_125(least, f64::ceil);
     (step, usize::try_from(-exponent(step)).unwrap_or(0))
 }
 
-/// A number with three significant digits: 0.0123, 1.23·10⁻⁵.
+/// A number with three significant digits: 0.0123 or 1.23·10⁻⁵.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return minus(&value.to_string());
@@ -133,12 +135,12 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Replaces the hyphen by the typographic minus sign.
+/// Replaces hyphens by typographic minus signs.
 pub fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
 
-/// The label of digit · 10^k, written out if the whole axis can be.
+/// The tick label of digit · 10^k. With `plain`, it is written out.
 fn power(digit: i32, k: i32, plain: bool) -> String {
     match (plain, digit) {
         (true, _) => {
@@ -152,7 +154,7 @@ fn power(digit: i32, k: i32, plain: bool) -> String {
     }
 }
 
-/// Writes an exponent.
+/// Writes an exponent in superscript digits.
 pub fn superscript(k: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',
@@ -164,16 +166,16 @@ pub fn superscript(k: i32) -> String {
     k.to_string().chars().map(raised).collect()
 }
 
-/// The power of ten at or below a positive value.
+/// The exponent of the power of ten at or below a positive value.
 fn exponent(value: f64) -> i32 {
     (value.log10() + 1e-9).floor() as i32
 }
 
-/// Moves a value to 1, 2 or 5 times a power of ten, in the direction of `round`.
+/// Rounds a value to 1, 2 or 5 times a power of ten, in the direction of `round`.
 fn round_125(value: f64, round: fn(f64) -> f64) -> f64 {
     let k = exponent(value);
     let lead = value / 10f64.powi(k);
-    // 0, 1, 2, 3 for 1, 2, 5, 10
+    // the ordinals of 1, 2, 5 and 10 are 0, 1, 2 and 3; half for a value in between
     let place = match lead {
         x if x <= 1.0 + 1e-9 => 0.0,
         x if x < 2.0 - 1e-9 => 0.5,

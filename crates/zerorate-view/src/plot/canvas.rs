@@ -1,20 +1,20 @@
-//! Paper, frame and lettering that all pictures share.
+//! Drawing elements that all plots share: background, frame, text.
 
 use super::axes::{Axis, Tick};
 use crate::printable;
 use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Line, Path, Rectangle, Text, Title, path::Data};
 
-/// Fonts in the order in which they are tried. The PNG is drawn with the first.
+/// Fonts in order of preference. The PNG uses the first.
 const FONTS: &str = "Inter, 'Noto Sans', 'DejaVu Sans', 'Segoe UI', Helvetica, Arial, sans-serif";
-/// Mean width of a character in units of the type size, generous for ordinary text in DejaVu Sans, the widest of the
-/// fonts.
+/// Mean width of a character relative to the font size. It is generous for ordinary text in DejaVu Sans, the widest
+/// of the fonts.
 const CHARACTER: f64 = 0.62;
 pub const INK: &str = "#222222";
 const MAJOR: &str = "#cccccc";
 const MINOR: &str = "#ebebeb";
 
-/// Size of the type, in pixels of the picture.
+/// Font sizes, in pixels of the plot.
 pub const SMALL: f64 = 13.0;
 const LETTERING: f64 = 15.0;
 const HEADING: f64 = 18.0;
@@ -29,7 +29,7 @@ pub struct Area {
 }
 
 impl Area {
-    /// The place of a line of text that is anchored at x on its baseline, with a little air at its ends.
+    /// The area of a line of text that is anchored at x on its baseline, with a small margin at both ends.
     pub fn of_text(text: &str, (x, baseline): (f64, f64), anchor: Anchor) -> Self {
         let width = width(text, SMALL);
         let left = x - width * anchor.share();
@@ -49,7 +49,7 @@ impl Area {
     }
 }
 
-/// The part of a text that is at its position.
+/// The point of a text that its position refers to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
     Start,
@@ -80,7 +80,7 @@ pub fn width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * CHARACTER
 }
 
-/// Shortens a text to so many characters. The middle is cut out, because file names differ at their ends.
+/// Shortens a text to this many characters. It cuts the middle out, because file names differ at their ends.
 pub fn shortened(text: &str, characters: usize) -> String {
     let all: Vec<char> = text.chars().collect();
     if all.len() <= characters {
@@ -91,17 +91,17 @@ pub fn shortened(text: &str, characters: usize) -> String {
     all[..head].iter().chain(&['…']).chain(&all[all.len() - tail..]).collect()
 }
 
-/// Shortens a text to what fits into so many pixels.
+/// Shortens a text to this width in pixels.
 pub fn fitting(text: &str, size: f64, room: f64) -> String {
     shortened(text, (room / (size * CHARACTER)) as usize)
 }
 
-/// A number of pixels without useless digits.
+/// Rounds a number of pixels to two decimals.
 pub fn px(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
 
-/// White paper; a screen reader reads `title`. The caller leaves room for the heading lines.
+/// An empty white drawing; screen readers read `title`. The caller leaves space for the headings.
 pub fn paper(size: (u32, u32), title: &str) -> Document {
     let (width, height) = size;
     Document::new()
@@ -116,7 +116,7 @@ pub fn paper(size: (u32, u32), title: &str) -> Document {
         .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
 }
 
-/// Pictures of this module as one picture, one below the other.
+/// Stacks several plots of this module in one SVG.
 #[must_use]
 pub fn stacked(pictures: &[String]) -> String {
     let size = |picture: &str, name: &str| -> Option<u32> {
@@ -136,7 +136,7 @@ pub fn stacked(pictures: &[String]) -> String {
     only.clone()
 }
 
-/// Heading and up to two lines below it, if there are any.
+/// The title and up to two subtitle lines, if given.
 pub fn headings(left: f64, title: Option<&str>, subtitle: Option<&str>, room: f64) -> Group {
     let title =
         title.map(|title| text(&fitting(title, HEADING, room), (left, 28.0), Anchor::Start).set("font-size", HEADING));
@@ -151,8 +151,8 @@ pub fn text(content: &str, (x, y): (f64, f64), anchor: Anchor) -> Text {
     Text::new(printable::line(content)).set("x", px(x)).set("y", px(y)).set("text-anchor", anchor.name())
 }
 
-/// A line of text that stays readable on top of lines: the halo is a text of its own below it, since some renderers
-/// do not know `paint-order`.
+/// A line of text with a white halo that stays readable on top of lines. The halo is a second text below it, because
+/// some renderers do not support `paint-order`.
 pub fn label(content: &str, at: (f64, f64), anchor: Anchor, colour: &str) -> Group {
     let halo = text(content, at, anchor)
         .set("fill", "white")
@@ -186,8 +186,8 @@ pub fn stroke(data: Data, colour: &str, width: f64) -> Path {
         .set("stroke-linejoin", "round")
 }
 
-/// A group that is clipped at the frame. The pictures of a page share one namespace, so each frame has a name of its
-/// own.
+/// A group that is clipped at the frame. All plots of a page share one namespace, so each frame has its own clip
+/// name.
 pub fn clipped(area: &Area) -> Group {
     let Area { left, right, top, bottom } = area;
     let name = format!("inside-{left:.0}-{right:.0}-{top:.0}-{bottom:.0}");
@@ -203,14 +203,15 @@ pub fn rectangle(area: &Area) -> Rectangle {
         .set("height", px(area.bottom - area.top))
 }
 
-/// Grid, frame and lettering of the left and the lower axis.
+/// Grid, frame and labels of the left and the lower axis.
 pub struct Frame<'a> {
     pub area: Area,
     pub x: &'a Axis,
     pub y: &'a Axis,
-    /// Name of the horizontal axis. With `None`, the axis has neither name nor numbers.
+    /// The label of the horizontal axis. With `None`, the axis has neither label nor numbers.
     pub x_name: Option<&'a str>,
-    /// Name of the vertical axis, likewise. With an empty name, the axis has numbers alone.
+    /// The label of the vertical axis. With `None`, the axis has neither label nor numbers; with an empty label,
+    /// numbers only.
     pub y_name: Option<&'a str>,
 }
 
@@ -257,7 +258,7 @@ impl Frame<'_> {
     }
 }
 
-/// A second scale at the right side of the frame, with ticks instead of a grid.
+/// A second scale on the right side of the frame, with ticks instead of a grid.
 pub fn right_scale(area: &Area, axis: &Axis, name: &str) -> Group {
     let marks = axis.ticks().into_iter().flat_map(|tick| {
         let y = axis.at(tick.value);
@@ -269,7 +270,7 @@ pub fn right_scale(area: &Area, axis: &Axis, name: &str) -> Group {
     marks.fold(Group::new(), Group::add).add(upright(name, area.right + 72.0, 0.5 * (area.top + area.bottom)))
 }
 
-/// The name of an axis, read from below.
+/// A vertical axis label, which reads upwards.
 pub fn upright(name: &str, x: f64, y: f64) -> Text {
     text(name, (x, y), Anchor::Middle)
         .set("font-size", LETTERING)

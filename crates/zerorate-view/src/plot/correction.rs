@@ -1,16 +1,16 @@
-//! The correction of a unit over temperature, with its band and the span where it was measured.
+//! Plot of a unit's correction over temperature, with its uncertainty band and the measured temperature range.
 
 use super::axes::Axis;
 use super::canvas::{self, Anchor, Area, Frame, INK, line, path, stroke};
 use svg::node::element::{Circle, Group, Path};
 
-/// The correction over temperature, as it is drawn.
+/// The data of the plot.
 #[derive(Clone, Debug)]
 pub struct CorrectionCurve {
     /// Points of the curve, by temperature.
     pub points: Vec<CorrectionPoint>,
-    /// The means that the curve rests on: minus the mean rate at each mean temperature. They are drawn as dots with
-    /// their intervals.
+    /// The means that the curve was fitted to: minus the mean rate at each mean temperature. They are drawn as dots
+    /// with intervals.
     pub means: Vec<CorrectionPoint>,
     /// Reference temperature T3, °C.
     pub t3_c: f64,
@@ -18,12 +18,12 @@ pub struct CorrectionCurve {
     pub valid_c: Option<(f64, f64)>,
 }
 
-/// The correction at a temperature.
+/// A correction at one temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectionPoint {
     /// Temperature, °C.
     pub temp_c: f64,
-    /// The correction that is added to the rate, °/s.
+    /// The correction, which is added to the rate, °/s.
     pub correction_dps: f64,
     /// Half the width of its interval, °/s; 0 if it is unknown.
     pub half_dps: f64,
@@ -33,7 +33,7 @@ const SIZE: (u32, u32) = (960, 420);
 const BLUE: &str = "#0072b2";
 const SPAN: &str = "#e3f1e9";
 
-/// The picture as SVG.
+/// Draws the plot as SVG.
 pub fn correction(curve: &CorrectionCurve) -> String {
     let area = Area { left: 100.0, right: f64::from(SIZE.0) - 28.0, top: 40.0, bottom: f64::from(SIZE.1) - 68.0 };
     let temps = curve.points.iter().map(|point| point.temp_c);

@@ -1,14 +1,14 @@
-//! The content of the frame: bands, curves, points, power laws.
+//! Draws the content of an Allan plot: bands, curves, points, power laws.
 
 use super::allan::{Curve, Point, PowerLaw};
 use super::axes::Axis;
 use super::canvas::{path, px, stroke};
 use svg::node::element::{Circle, Group, Path};
 
-/// Curves of at least this many points are lines without dots.
+/// Curves with at least this many points are drawn without dots.
 const DENSE: usize = 60;
 
-/// Both axes of a picture.
+/// The two axes of a plot.
 pub struct Scales {
     pub x: Axis,
     pub y: Axis,
@@ -19,17 +19,17 @@ impl Scales {
         (self.x.at(tau_s), self.y.at(dev))
     }
 
-    /// The pixels of a curve's deviations.
+    /// The deviations of a curve in pixels.
     pub fn track(&self, curve: &Curve) -> Vec<(f64, f64)> {
         curve.points.iter().map(|point| self.at(point.tau_s, point.dev)).collect()
     }
 
-    /// A power law across the whole picture.
+    /// The line of a power law across the whole plot.
     pub fn law(&self, law: &PowerLaw) -> Vec<(f64, f64)> {
         self.sampled(self.x.ends(), |tau_s| law.dev(tau_s))
     }
 
-    /// The fitted curve; empty if there are fewer than two points.
+    /// The fitted curve in pixels; empty if there are fewer than two points.
     pub fn model(&self, curve: &Curve) -> Vec<(f64, f64)> {
         match &curve.model[..] {
             points @ [_, _, ..] => points.iter().map(|point| self.at(point.tau_s, point.dev)).collect(),
@@ -37,7 +37,7 @@ impl Scales {
         }
     }
 
-    /// A function of the averaging time between two pixels, every few pixels.
+    /// Samples a function of the averaging time every few pixels, between two pixels.
     fn sampled(&self, (from, to): (f64, f64), dev: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let steps = ((to - from) / 6.0).ceil().clamp(1.0, 1000.0) as u32;
         let at = |k: u32| {
@@ -47,14 +47,14 @@ impl Scales {
         (0..=steps).map(at).collect()
     }
 
-    /// The band between the limits of some points.
+    /// The filled band between the lower and upper limits.
     pub fn band(&self, points: &[Point], colour: &str) -> Path {
         let upper = points.iter().map(|point| self.at(point.tau_s, point.hi));
         let lower = points.iter().rev().map(|point| self.at(point.tau_s, point.lo));
         Path::new().set("d", path(upper.chain(lower)).close()).set("fill", colour).set("fill-opacity", 0.18)
     }
 
-    /// The limits of some points, as dotted lines.
+    /// The lower and upper limits as dotted lines.
     pub fn edges(&self, points: &[Point], colour: &str) -> Group {
         let [lower, upper] = [|point: &Point| point.lo, |point: &Point| point.hi]
             .map(|limit| path(points.iter().map(|point| self.at(point.tau_s, limit(point)))));
@@ -62,8 +62,8 @@ impl Scales {
         Group::new().add(dotted(lower)).add(dotted(upper))
     }
 
-    /// The line through the deviations, with a dot at each unless there are many. `dash` tells curves apart when all
-    /// colours are used.
+    /// The line through the deviations, with a dot at each unless there are many. `dash` distinguishes curves of the
+    /// same colour.
     pub fn line(&self, curve: &Curve, colour: &str, dash: &str) -> Group {
         let track = self.track(curve);
         let (dots, width) = if track.len() < DENSE { (&track[..], 2.0) } else { (&[][..], 1.4) };

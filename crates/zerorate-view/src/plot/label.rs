@@ -1,8 +1,8 @@
-//! Finds places for labels: inside the frame, beside each other, off the lines.
+//! Finds label positions inside the frame that do not overlap other labels and avoid the lines.
 
 use super::canvas::{Anchor, Area};
 
-/// The lines and labels that are already on the paper.
+/// The lines and labels that are already drawn.
 pub struct Labels {
     area: Area,
     taken: Vec<Area>,
@@ -19,13 +19,13 @@ impl Labels {
         self.ink.extend(densely(points).into_iter().filter(|point| self.area.contains(*point)));
     }
 
-    /// Marks a place as taken.
+    /// Marks an area as taken.
     pub fn take(&mut self, place: Area) {
         self.taken.push(place);
     }
 
-    /// Takes the best of these places for a text, preferring earlier ones. Returns `None` if all of them leave the
-    /// frame or cover another label.
+    /// Chooses the best of the candidate positions for a text, preferring earlier ones, and marks it as taken.
+    /// Returns `None` if all of them leave the frame or cover another label.
     pub fn place(
         &mut self,
         text: &str,
@@ -43,7 +43,7 @@ impl Labels {
         Some((at, anchor))
     }
 
-    /// Takes the first of these places that covers nothing at all.
+    /// Chooses the first candidate position that covers neither lines nor labels, and marks it as taken.
     pub fn place_clear(
         &mut self,
         text: &str,
@@ -57,7 +57,7 @@ impl Labels {
         self.place(text, clear)
     }
 
-    /// The corner where a box of this size covers least.
+    /// The corner of the frame where a box of this size covers the fewest points and labels.
     pub fn corner(&self, (width, height): (f64, f64)) -> Area {
         let Area { left, right, top, bottom } = self.area;
         let gap = 12.0;
@@ -70,7 +70,7 @@ impl Labels {
     }
 }
 
-/// The line through these points, as points at most four pixels apart.
+/// Resamples the line through these points to points at most four pixels apart.
 pub fn densely(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let between = |pair: &[(f64, f64)]| {
         let ((x1, y1), (x2, y2)) = (pair[0], pair[1]);

@@ -1,4 +1,4 @@
-//! Lines over one quantity: a panel for each case, with the same lines in each.
+//! Plots of several lines over one quantity: one panel per case, with the same lines in each.
 
 use super::allan::COLOURS;
 use super::axes::Axis;
@@ -6,20 +6,20 @@ use super::canvas::{self, Anchor, INK, SMALL, clipped, line, path, stroke};
 use super::stack::Stack;
 use svg::node::element::Group;
 
-/// The panels, with their texts and scales.
+/// The data of the plot.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     /// The heading.
     pub title: String,
     /// Names of the lines, the same in each panel.
     pub names: Vec<String>,
-    /// Name of the horizontal axis.
+    /// Label of the horizontal axis.
     pub x_name: String,
-    /// Name of the vertical axes.
+    /// Label of the vertical axes.
     pub y_name: String,
-    /// Whether the vertical axes are logarithmic. If so, values that are not positive are left out.
+    /// Whether the vertical axes are logarithmic. If so, values at or below zero are left out.
     pub is_log: bool,
-    /// A value to compare with, drawn as a dashed rule.
+    /// A reference value, drawn as a dashed line.
     pub rule: Option<f64>,
     /// The panels, from top to bottom.
     pub panels: Vec<Panel>,
@@ -30,15 +30,15 @@ pub struct Lines {
 pub struct Panel {
     /// The name of the case.
     pub label: String,
-    /// A line for each name; empty lines are left out.
+    /// The points of each line, in the order of the names; empty lines are left out.
     pub lines: Vec<Vec<(f64, f64)>>,
 }
 
 const HEIGHT: f64 = 170.0;
-/// The baseline of the lines' names, pixels.
+/// The baseline of the legend, pixels.
 const NAMES: f64 = 49.0;
 
-/// The picture as SVG, with all panels on one scale.
+/// Draws the plot as SVG, with all panels on one scale.
 #[must_use]
 pub fn lines(lines: &Lines) -> String {
     let stack = Stack {
@@ -84,7 +84,7 @@ impl Lines {
         x.is_finite() && y.is_finite() && (!self.is_log || *y > 0.0)
     }
 
-    /// The range of all points and the rule, with room for the names of the panels.
+    /// The range of all points and the reference value, with space for the panels' names.
     fn ranges(&self) -> ((f64, f64), (f64, f64)) {
         let points = || {
             let points = self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
@@ -96,7 +96,7 @@ impl Lines {
         (x, if self.is_log { (low, high) } else { (low - room, high + 4.0 * room) })
     }
 
-    /// The names of the lines in their colours, in a row below the heading.
+    /// The legend: the lines' names in their colours, in a row below the title.
     fn legend(&self, left: f64) -> Group {
         let mut at = left;
         let name = |(name, colour): (&String, &'static str)| {

@@ -1,11 +1,11 @@
-//! Pictures for data sheets and reports: SVG, and PNG made from it. This module takes numbers and labels and returns
-//! pictures. It reads no file and analyses nothing.
+//! Plots for data sheets and reports: SVG, and PNG made from it. This module takes numbers and labels. It reads no
+//! file and analyses nothing.
 //!
 //! Text stays text in the SVG, so it can be searched. The PNG is drawn with the program's own font and looks the same
 //! on every machine.
 //!
-//! The layout is ours. Of the plotting crates, `plotters` was not tried. `kuva` draws no decade grid between labels at
-//! 1, 2, 5, and its labels have neither colour nor anchor and do not look for a free place.
+//! We draw the plots ourselves. Of the plotting crates, `plotters` was not tried. `kuva` draws no grid lines between
+//! labels at 1, 2, 5, and its labels have neither colour nor anchor and do not look for a free position.
 
 mod allan;
 mod axes;

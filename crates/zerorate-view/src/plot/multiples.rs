@@ -1,4 +1,4 @@
-//! Allan deviations side by side: a panel for each axis on common scales, with model, band and coefficients.
+//! Allan deviations side by side: one panel per axis on common scales, with model, band and coefficients.
 
 use super::allan::{COLOURS, Curve, Mark, Options, drawable, ranges};
 use super::axes::Axis;
@@ -14,11 +14,11 @@ const HEAD: f64 = 76.0;
 const FOOT: f64 = 68.0;
 const GAP: f64 = 36.0;
 const COLUMNS: usize = 3;
-/// Height of a panel, and of the line with its name above it.
+/// Height of a panel, and of the panel's name above it, pixels.
 const HEIGHT: f64 = 250.0;
 const NAME: f64 = 24.0;
 
-/// The picture as SVG, three panels in a row. The size in `options` is ignored.
+/// Draws the plot as SVG, three panels in a row. The size in `options` is ignored.
 #[must_use]
 pub fn allan_multiples(curves: &[Curve], options: &Options) -> String {
     let curves: Vec<Curve> = curves.iter().map(drawable).collect();
@@ -79,7 +79,7 @@ fn panel(curve: &Curve, colour: &str, scales: &Scales, area: Area, marks: &[Mark
     Group::new().add(inside).add(legend(curve, &labels))
 }
 
-/// The coefficients in the colours of their lines and the remarks, in the emptiest corner of the panel.
+/// The legend of a panel: the coefficients in the colours of their lines and the remarks, in the emptiest corner.
 fn legend(curve: &Curve, labels: &Labels) -> Group {
     let laws = curve.laws.iter().map(|law| (&law.label, law.colour()));
     let rows: Vec<(&String, &str)> = laws.chain(curve.remarks.iter().map(|remark| (remark, INK))).collect();

@@ -1,4 +1,4 @@
-//! Quantities over one time, each in a panel with a scale of its own.
+//! Plots of several quantities over a common time axis, each in a panel with its own scale.
 
 use super::allan::COLOURS;
 use super::axes::Axis;
@@ -8,15 +8,15 @@ use super::stack::Stack;
 /// A quantity over time.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Its name, with the unit.
+    /// The name, with the unit.
     pub name: String,
-    /// Time, s, and value. Points that are not finite are left out.
+    /// Time, s, and value of each point. Points that are not finite are left out.
     pub points: Vec<(f64, f64)>,
 }
 
 const HEIGHT: f64 = 120.0;
 
-/// The picture as SVG. The windows, s, are shaded.
+/// Draws the plot as SVG. The time windows, s, are shaded.
 #[must_use]
 pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> String {
     let ends = all.iter().flat_map(|one| one.points.iter().map(|point| point.0)).chain(windows_s.iter().map(|w| w.1));
@@ -32,7 +32,7 @@ pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> Strin
         let area = stack.area(index);
         let shade = |&(from_s, to_s): &(f64, f64)| {
             let (left, right) = (x.at(from_s * per_s), x.at(to_s * per_s));
-            // a window of seconds would vanish in an hour
+            // at least 2 pixels wide, since a window of seconds would be invisible in an hour
             rectangle(&Area { left, right: right.max(left + 2.0), ..area }).set("fill", "#bbbbbb").set("opacity", 0.5)
         };
         let line = stroke(path(finite().map(|(at_s, value)| (x.at(at_s * per_s), y.at(value)))), colour, 1.4);
@@ -42,7 +42,7 @@ pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> Strin
     paper.to_string()
 }
 
-/// The range of values with room for a name above them.
+/// The range of the values with space for a name above them.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
     let width = high - low;

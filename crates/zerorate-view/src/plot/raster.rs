@@ -1,4 +1,4 @@
-//! Converts SVG to PNG. Only the font in here is used, so the result is the same on every machine.
+//! Converts SVG to PNG with the embedded font only, so the result is the same on every machine.
 
 use anyhow::Result;
 use resvg::tiny_skia::{Pixmap, Transform};
@@ -8,10 +8,11 @@ use std::sync::Arc;
 /// The font Inter with Latin, Greek, Cyrillic and a few mathematical signs. Its licence is in the same folder.
 const FONT: &[u8] = include_bytes!("../../assets/inter/Inter-subset.otf");
 const FAMILY: &str = "Inter";
-/// Pixels of the PNG for each pixel of the SVG.
+/// Pixels of the PNG per pixel of the SVG.
 const SCALE: f32 = 2.0;
 
-/// A picture as PNG, twice as wide and high as the SVG states. Characters beyond Latin, Greek and Cyrillic stay blank.
+/// Renders a PNG, twice as wide and high as the SVG states. Characters other than Latin, Greek and Cyrillic are
+/// blank.
 ///
 /// # Errors
 /// Returns an error if the text is not an SVG, or the SVG has no size.

@@ -1,17 +1,17 @@
-//! The corrected rate over time or temperature, coloured by the direction in which the temperature went.
+//! Plot of the corrected rate over time or temperature, coloured by warming and cooling.
 
 use super::axes::Axis;
 use super::canvas::{self, Anchor, Area, Frame, INK, line, px};
 use svg::node::element::{Circle, Group};
 
-/// A corrected mean.
+/// The mean corrected rate over a short time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResidualPoint {
     /// Time or temperature, in the unit of the axis.
     pub x: f64,
     /// Corrected rate, °/s.
     pub residual_dps: f64,
-    /// Whether the part was warming, cooling, or neither.
+    /// Whether the sensor was warming (`true`) or cooling (`false`); `None` if neither.
     pub warming: Option<bool>,
 }
 
@@ -21,7 +21,7 @@ const COOLING: &str = "#0072b2";
 const STILL: &str = "#777777";
 const RADIUS: f64 = 2.6;
 
-/// The picture as SVG.
+/// Draws the plot as SVG.
 pub fn residuals(title: &str, x_name: &str, points: &[ResidualPoint]) -> String {
     let area = Area { left: 100.0, right: f64::from(SIZE.0) - 28.0, top: 40.0, bottom: f64::from(SIZE.1) - 68.0 };
     let (first, last) = range(points.iter().map(|point| point.x), 0.02);

@@ -1,4 +1,4 @@
-//! Dots with a curve and its band, in a panel for each axis of a sensor.
+//! Plot of dots with a curve and its band, one panel per axis of a sensor.
 
 use super::axes::Axis;
 use super::canvas::{self, Anchor, SMALL, clipped, path, px, stroke};
@@ -6,14 +6,14 @@ use super::stack::Stack;
 use svg::node::element::path::Data;
 use svg::node::element::{Circle, Group, Path};
 
-/// The panels, with their texts.
+/// The data of the plot.
 #[derive(Clone, Debug, Default)]
 pub struct Scatter {
     /// The heading.
     pub title: String,
     /// The line below the heading.
     pub subtitle: String,
-    /// Name of the horizontal axis.
+    /// Label of the horizontal axis.
     pub x_name: String,
     /// The panels, from top to bottom. Each has its own vertical scale.
     pub panels: Vec<ScatterPanel>,
@@ -26,14 +26,14 @@ pub struct ScatterPanel {
     pub label: String,
     /// The dots.
     pub dots: Vec<Dot>,
-    /// The curve: place, value, and half of its interval.
+    /// The points of the curve: x, y, and half width of the interval.
     pub curve: Vec<(f64, f64, f64)>,
 }
 
-/// A dot, coloured by the direction of the temperature.
+/// A dot, coloured by warming or cooling.
 #[derive(Clone, Copy, Debug)]
 pub struct Dot {
-    /// Its place.
+    /// The position: x and y.
     pub at: (f64, f64),
     /// Whether the sensor was warming.
     pub is_warming: bool,
@@ -45,7 +45,7 @@ const COOLING: &str = "#0072b2";
 const CURVE: &str = "#222222";
 const DOT: f64 = 3.6;
 
-/// The picture as SVG.
+/// Draws the plot as SVG.
 #[must_use]
 pub fn scatter(scatter: &Scatter) -> String {
     let Scatter { title, subtitle, x_name, panels } = scatter;
@@ -57,7 +57,7 @@ pub fn scatter(scatter: &Scatter) -> String {
     for (index, panel) in panels.iter().enumerate() {
         let band = panel.curve.iter().flat_map(|(_, value, half)| [value - half, value + half]);
         let (low, high) = range(panel.dots.iter().map(|dot| dot.at.1).chain(band), 0.08);
-        // room for the name
+        // space for the panel's name
         let high = high + 0.12 * (high - low);
         let y = Axis::linear(low, high, stack.upright(index));
         let [warming, cooling] = [true, false].map(|is_warming| dots(panel, is_warming, &x, &y));
@@ -67,7 +67,7 @@ pub fn scatter(scatter: &Scatter) -> String {
     paper.to_string()
 }
 
-/// The dots of one direction as one path of points with round ends.
+/// The dots of one colour, as one path of zero-length lines with round ends.
 fn dots(panel: &ScatterPanel, is_warming: bool, x: &Axis, y: &Axis) -> Path {
     let colour = if is_warming { WARMING } else { COOLING };
     let all = panel.dots.iter().filter(|dot| dot.is_warming == is_warming);

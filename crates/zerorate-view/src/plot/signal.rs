@@ -1,4 +1,5 @@
-//! Records over time: the range from the smallest to the largest sample of each stretch, in a panel for each axis.
+//! Plots of records over time. Each pixel-wide interval shows the range from its smallest to its largest sample; one
+//! panel per axis.
 
 use super::allan::COLOURS;
 use super::axes::{Axis, number};
@@ -7,20 +8,20 @@ use super::stack::Stack;
 use svg::node::element::{Group, Path, path::Data};
 use zerorate_allan::Envelope;
 
-/// The record of an axis.
+/// The record of one axis.
 #[derive(Clone, Debug, Default)]
 pub struct Signal {
     /// The name of the axis.
     pub label: String,
-    /// The samples.
+    /// The smallest and the largest sample in each interval of time.
     pub envelope: Envelope,
-    /// Times at which steps were taken out, s.
+    /// Times at which steps were removed, s.
     pub marks_s: Vec<f64>,
 }
 
 const HEIGHT: f64 = 120.0;
 
-/// The records minus their means as SVG, in `unit` and all on one scale.
+/// Draws the records minus their means as SVG, in `unit` and on one common scale.
 #[must_use]
 pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
     let span_s = signals.iter().map(|signal| signal.envelope.span_s).fold(0.0, f64::max);
@@ -59,7 +60,7 @@ pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
     paper.to_string()
 }
 
-/// The range of all records minus their means, with room for the names.
+/// The range of all records minus their means, with space for the panels' names.
 fn range(signals: &[Signal]) -> (f64, f64) {
     let ends = signals.iter().flat_map(|signal| {
         let mean = signal.envelope.mean;
@@ -69,7 +70,7 @@ fn range(signals: &[Signal]) -> (f64, f64) {
     if low < high { (low - 0.05 * (high - low), high + 0.3 * (high - low)) } else { (-1.0, 1.0) }
 }
 
-/// An area for each run of stretches without a hole.
+/// The filled area between smallest and largest samples. Gaps in the record interrupt it.
 fn band(envelope: &Envelope, per_s: f64, x: &Axis, y: &Axis, colour: &str) -> Path {
     let Envelope { span_s, mean, stretches } = envelope;
     let width_s = span_s / stretches.len().max(1) as f64;

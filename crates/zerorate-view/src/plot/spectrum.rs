@@ -1,4 +1,5 @@
-//! Densities over frequency, log-log: a panel for each axis, with the strongest lines named.
+//! Plot of spectral densities over frequency, log-log: one panel per axis, with the strongest spectral lines
+//! labelled.
 
 use super::allan::{COLOURS, around};
 use super::axes::Axis;
@@ -7,16 +8,16 @@ use super::label::Labels;
 use super::stack::Stack;
 use svg::node::element::{Circle, Group};
 
-/// The spectrum of an axis. Densities are one-sided amplitude densities, in the unit of the picture.
+/// The spectrum of an axis. Densities are one-sided amplitude densities, in the unit of the plot.
 #[derive(Clone, Debug, Default)]
 pub struct Spectrum {
     /// The name of the axis.
     pub label: String,
-    /// Frequency, Hz, and density.
+    /// The points of the spectrum: frequency, Hz, and density.
     pub points: Vec<(f64, f64)>,
-    /// Frequency and density of the fitted model; empty without one.
+    /// The points of the fitted model; empty without one.
     pub model: Vec<(f64, f64)>,
-    /// The disturbances and resonances that stand out.
+    /// The disturbances and resonances that stand out from the model.
     pub tones: Vec<Tone>,
 }
 
@@ -25,19 +26,19 @@ pub struct Spectrum {
 pub struct Tone {
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Strength; the strongest tones are named.
+    /// Root mean square of the disturbance. The strongest ones are labelled.
     pub rms: f64,
     /// The label beside the tone.
     pub label: String,
 }
 
 const HEIGHT: f64 = 170.0;
-/// The largest number of tones that a panel names.
+/// The largest number of labelled tones in a panel.
 const NAMED: usize = 4;
 /// A tone is marked at the highest density within this factor of its frequency.
 const NEAR: f64 = 1.04;
 
-/// The spectra as SVG, with all panels on one scale.
+/// Draws the spectra as SVG, with all panels on one scale.
 #[must_use]
 pub fn spectra(title: &str, spectra: &[Spectrum], unit: &str) -> String {
     let drawn = |&(hz, density): &(f64, f64)| hz > 0.0 && density > 0.0 && hz.is_finite() && density.is_finite();
@@ -58,7 +59,7 @@ pub fn spectra(title: &str, spectra: &[Spectrum], unit: &str) -> String {
     let x = Axis::log(frequency.0, frequency.1, stack.across());
     let mut paper = stack.paper();
     for (index, (spectrum, colour)) in spectra.iter().zip(COLOURS.into_iter().cycle()).enumerate() {
-        // room for the names above the curve
+        // space for the labels above the curve
         let y = Axis::log(density.0, density.1 * 1.6, stack.upright(index));
         let place = |point: &(f64, f64)| (x.at(point.0), y.at(point.1));
         let track: Vec<(f64, f64)> = spectrum.points.iter().filter(|point| drawn(point)).map(place).collect();
@@ -75,11 +76,11 @@ pub fn spectra(title: &str, spectra: &[Spectrum], unit: &str) -> String {
     paper.to_string()
 }
 
-/// Rings at all tones, and names at the strongest.
+/// Rings at all tones, and labels at the strongest ones.
 fn tones(spectrum: &Spectrum, place: impl Fn(&(f64, f64)) -> (f64, f64), mut labels: Labels) -> Group {
     let mut sorted: Vec<&Tone> = spectrum.tones.iter().collect();
     sorted.sort_by(|a, b| b.rms.total_cmp(&a.rms));
-    // the foot of a strong tone is not a second tone
+    // a tone close to a stronger one is its flank, not a second tone
     let mut strongest: Vec<&Tone> = Vec::new();
     for tone in sorted {
         let apart = |other: &&Tone| {

@@ -1,11 +1,11 @@
-//! Panels one below the other, on one horizontal axis.
+//! Panels one below the other with a common horizontal axis.
 
 use super::axes::Axis;
 use super::canvas::{self, Anchor, Area, Frame, SMALL};
 use svg::Document;
 use svg::node::element::Group;
 
-/// Size of the picture and margins around its panels, pixels.
+/// Size of the plot and margins around its panels, pixels.
 const WIDTH: f64 = 960.0;
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 28.0;
@@ -13,7 +13,7 @@ const HEAD: f64 = 62.0;
 const FOOT: f64 = 68.0;
 const GAP: f64 = 20.0;
 
-/// Panels of equal height.
+/// The layout of panels of equal height.
 pub struct Stack<'a> {
     pub title: &'a str,
     pub subtitle: &'a str,
@@ -30,18 +30,18 @@ impl Stack<'_> {
         Area { left: LEFT, right: WIDTH - RIGHT, top, bottom: top + self.height }
     }
 
-    /// First and last pixel of all panels.
+    /// The first and last horizontal pixel of all panels.
     pub fn across(&self) -> (f64, f64) {
         (LEFT, WIDTH - RIGHT)
     }
 
-    /// Lower and upper end of a panel, in the order that axes take.
+    /// The lower and upper vertical pixel of a panel, in the order that [`Axis`] expects.
     pub fn upright(&self, index: usize) -> (f64, f64) {
         let Area { top, bottom, .. } = self.area(index);
         (bottom, top)
     }
 
-    /// The paper with headings and the name of the vertical axes.
+    /// An empty drawing with the headings and the label of the vertical axes.
     pub fn paper(&self) -> Document {
         let bottom = self.area(self.panels.saturating_sub(1)).bottom;
         let all = Area { bottom, ..self.area(0) };
@@ -57,7 +57,7 @@ impl Stack<'_> {
         Frame { area: self.area(index), x, y, x_name, y_name: Some("") }.draw()
     }
 
-    /// The name of a panel in its corner, and the place that it takes.
+    /// The name of a panel in its upper left corner, and the area that it covers.
     pub fn name(&self, index: usize, name: &str) -> (Group, Area) {
         let area = self.area(index);
         let at = (area.left + 10.0, area.top + 6.0 + SMALL);

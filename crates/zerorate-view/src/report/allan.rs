@@ -1,4 +1,4 @@
-//! The page of an Allan analysis.
+//! The HTML page of an Allan analysis.
 
 mod tables;
 
@@ -16,11 +16,11 @@ use zerorate_imu::{AllanReport, PointReport, Record};
 pub struct AllanPage<'a> {
     /// The heading.
     pub title: String,
-    /// The command line that made it.
+    /// The command line that made the page.
     pub command: String,
     /// Facts about the log as a whole.
     pub facts: Vec<Fact>,
-    /// Warnings that concern several axes.
+    /// Warnings about several axes.
     pub warnings: Vec<String>,
     /// Tables about the whole log, such as the comparison with a data sheet.
     pub tables: Vec<Table>,
@@ -28,30 +28,30 @@ pub struct AllanPage<'a> {
     pub records: &'a [Record],
 }
 
-/// A table of words and numbers.
+/// A table of texts and numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// The heading above the table.
     pub title: String,
-    /// Names of the columns.
+    /// The heads of the columns.
     pub head: Vec<String>,
-    /// Rows of cells; the first cell of a row names it.
+    /// The rows of cells. The first cell names the row.
     pub rows: Vec<Vec<String>>,
     /// The note below the table.
     pub note: String,
 }
 
-/// Records of one quantity.
+/// The records of one quantity.
 struct Section {
-    /// The heading; an empty name has none.
+    /// The heading; no heading if empty.
     name: &'static str,
     tables: Vec<Table>,
-    /// SVG, which the page includes unchanged.
+    /// The plots as SVG, which the page includes unchanged.
     pictures: Vec<String>,
 }
 
 impl Section {
-    /// A single record has its coefficients in its own section.
+    /// Makes a section with tables if there are several records. A single record has its own section.
     fn new(group: &Group<'_>, is_one_of_several: bool) -> Self {
         let tables = match is_one_of_several {
             true => [tables::by_axis(group), tables::lines(group)].into(),
@@ -98,12 +98,12 @@ impl Single {
         self.report.unit.unwrap_or_default()
     }
 
-    /// Whether the table has °/h as well.
+    /// Whether the table also has values in °/h.
     fn is_hourly(&self) -> bool {
         self.unit() == "°/s"
     }
 
-    /// The numbers of a row, in the order of the head of the table.
+    /// The cells of a table row, in the order of the table's head.
     fn cells(&self, point: &PointReport) -> Vec<String> {
         let interval = format!("{} … {}", number(point.lo), number(point.hi));
         let per_hour = self.is_hourly().then(|| number(point.dev * 3600.0));
@@ -112,7 +112,7 @@ impl Single {
     }
 }
 
-/// Formats an averaging time exactly: 10.24, not 10.2.
+/// Formats an averaging time with six digits: 10.24, not 10.2.
 fn six_digits(value: f64) -> String {
     format!("{value:.5e}").parse().unwrap_or(value).to_string()
 }
@@ -131,10 +131,10 @@ struct Page<'a> {
     records: Vec<Single>,
 }
 
-/// The page as HTML.
+/// Makes the page as HTML.
 ///
 /// # Errors
-/// No error is known, because the template is compiled.
+/// None is expected, because the template is checked when it is compiled.
 pub fn allan_page(page: &AllanPage<'_>) -> Result<String> {
     let (records, first) = (page.records, page.records.first());
     let sections = Group::all(records);

@@ -1,4 +1,4 @@
-//! The page of a calibration.
+//! The HTML page of a calibration.
 
 use super::Fact;
 use super::course::{self, Course};
@@ -12,9 +12,9 @@ use zerorate::{Calibration, Correction};
 
 /// The largest number of rows of the look-up table.
 const ROWS: f64 = 16.0;
-/// Reach of the picture beyond the span of the measurement, or around T3 if no span is stated, °C.
+/// How far the plot extends beyond the measured temperatures, or around T3 if none are stated, °C.
 const BEYOND_C: f64 = 5.0;
-/// Points of the curve in the picture.
+/// Number of points of the plotted curve.
 const POINTS: u32 = 80;
 
 #[derive(Template)]
@@ -32,10 +32,10 @@ struct Unit<'a> {
     below: String,
     file: &'a str,
     method: &'a str,
-    /// Warnings about several axes; those of a single axis stand below its result.
+    /// Warnings about several axes. Warnings about one axis are shown below its result.
     warnings: &'a [String],
     span: String,
-    /// The span of the look-up table in words.
+    /// The temperatures of the look-up table, in words.
     table_span: String,
     /// Level of the headings below an axis.
     level: u8,
@@ -45,7 +45,7 @@ struct Unit<'a> {
 
 /// The page's content for one axis.
 struct AxisPart<'a> {
-    /// The name of the axis; a single axis has none.
+    /// The name of the axis; `None` for a single axis.
     name: Option<&'a str>,
     warnings: Vec<&'a String>,
     coverage: String,
@@ -54,15 +54,15 @@ struct AxisPart<'a> {
     pbc: String,
     btc: String,
     t3: String,
-    /// The terms that a curve has beyond a line, in symbols and in numbers; empty for a line.
+    /// The higher terms of a curve, in symbols and in numbers; empty for a linear correction.
     symbols: &'static str,
     terms: String,
     picture: String,
     has_band: bool,
     has_means: bool,
-    /// The measurement over time.
+    /// The plot of the measurement over time, if there is one.
     over_time: Option<String>,
-    /// Temperature, correction, and half of its interval if that is stated.
+    /// The rows of the look-up table: temperature, correction, and half of its interval if stated.
     table: Vec<Vec<String>>,
     sections: Vec<Section>,
 }
@@ -88,10 +88,10 @@ struct Section {
     facts: Vec<Fact>,
 }
 
-/// Calibrations as one HTML page, each with the name of its file. `course` is the one of the first.
+/// Makes one HTML page of several calibrations, each with its file name. `course` belongs to the first of them.
 ///
 /// # Errors
-/// No error is known, because the template is compiled.
+/// None is expected, because the template is checked when it is compiled.
 pub fn calibration_page(calibrations: &[(Calibration, String)], course: Option<&Course>) -> Result<String> {
     let mut units: Vec<Unit<'_>> = calibrations.iter().map(|(one, file)| unit(one, file)).collect();
     if let (Some(course), Some((calibration, _)), Some(unit)) = (course, calibrations.first(), units.first_mut()) {
@@ -159,7 +159,7 @@ fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> Axis
     }
 }
 
-/// The temperatures of the look-up table, °C: those that were measured, or some around T3 if no span is stated.
+/// The temperature span of the look-up table, °C: the measured one, or one around T3 if none is stated.
 fn table_c(calibration: &Calibration, axis: &CalibratedAxis) -> (f64, f64) {
     let t3_c = axis.correction.t3_c;
     calibration.validity.map_or((t3_c - BEYOND_C, t3_c + BEYOND_C), |span| (span.temp_min_c, span.temp_max_c))
@@ -212,13 +212,13 @@ fn terms(correction: &Correction) -> String {
     }
 }
 
-/// The uncertainty of a correction, as its file states it.
+/// The uncertainty of a correction, as the calibration file states it.
 struct StatedUncertainty {
     coverage: f64,
     factor: f64,
-    /// Standard uncertainties of PBC, BTC, BTC2 and BTC3; a line has only the first two.
+    /// Standard uncertainties of PBC, BTC, BTC2 and BTC3. A linear correction has only the first two.
     terms: [Option<f64>; 4],
-    /// Standard uncertainty of T3, °C. A curve has none: its T3 is exact by definition.
+    /// Standard uncertainty of T3, °C. `None` for a curve, whose T3 is exact by definition.
     t3_c: Option<f64>,
 }
 
@@ -287,8 +287,8 @@ fn span(calibration: &Calibration) -> String {
     }
 }
 
-/// The picture of the page, as SVG: the correction of an axis over temperature (°/s over °C), with its interval and
-/// the span of the measurement. The axis is one of the calibration.
+/// Plots the correction of an axis over temperature as SVG (°/s over °C), with its interval and the measured
+/// temperatures. The axis must be one of the calibration.
 pub fn calibration_picture(calibration: &Calibration, axis: &CalibratedAxis) -> String {
     let correction = &axis.correction;
     let valid_c = calibration.validity.map(|span| (span.temp_min_c, span.temp_max_c));
@@ -307,7 +307,8 @@ pub fn calibration_picture(calibration: &Calibration, axis: &CalibratedAxis) -> 
     plot::correction(&CorrectionCurve { points, means: means_of(calibration, axis), t3_c: correction.t3_c, valid_c })
 }
 
-/// Minus the means of steps 4, 6 and 8 without the Earth's rotation, with their intervals: the base of a line.
+/// The means of steps 4, 6 and 8 that a linear correction was computed from, negated and without the Earth's
+/// rotation, with their intervals.
 fn means_of(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<CorrectionPoint> {
     let Some((means, u)) = axis.measured.zip(axis.uncertainty) else { return Vec::new() };
     let earth_dps = earth_dps(calibration);
@@ -323,7 +324,7 @@ fn means_of(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<CorrectionP
     ]
 }
 
-/// The part of the Earth's rotation that was subtracted, °/s.
+/// The Earth's rotation that was subtracted, °/s.
 fn earth_dps(calibration: &Calibration) -> f64 {
     calibration.run.as_ref().and_then(|run| run.earth_dps).unwrap_or(0.0)
 }
@@ -355,7 +356,7 @@ fn measurement(calibration: &Calibration) -> Vec<Fact> {
     facts
 }
 
-/// The means of steps 4, 6 and 8 (F-51), as they were measured.
+/// The means of steps 4, 6 and 8 (F-51) as measured, for the page's table.
 fn means(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<Fact> {
     let Some(means) = axis.measured else { return Vec::new() };
     let with = |value: f64, u: Option<f64>| u.map_or(format!("{value:+.5}"), |u| format!("{value:+.5} (u = {u:.5})"));
@@ -371,7 +372,8 @@ fn means(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<Fact> {
     ]
 }
 
-/// The run as it went. Only a line has the windows of AN-1042, and an uncertainty that allows for curvature.
+/// Facts about the run. Only a linear correction has the windows of AN-1042 and an uncertainty that allows for
+/// curvature.
 fn run(run: &Run, is_line: bool) -> Vec<Fact> {
     let share = 100.0 * run.lost_samples as f64 / (run.samples + run.lost_samples).max(1) as f64;
     let earth = match run.earth_dps {

@@ -1,4 +1,4 @@
-//! The page of a measurement in a chamber.
+//! The HTML page of a measurement in a chamber.
 
 use super::calibration::origin;
 use super::{Fact, calibration_picture};
@@ -13,7 +13,7 @@ use zerorate::{Calibration, Uncertainty};
 pub struct ChamberPage<'a> {
     /// The heading of the page.
     pub title: &'a str,
-    /// The calibration that was found.
+    /// The resulting calibration.
     pub calibration: &'a Calibration,
     /// The record of the measurement.
     pub record: &'a Record,
@@ -46,7 +46,7 @@ struct AxisPart {
     points: Vec<Vec<String>>,
 }
 
-/// The page as HTML.
+/// Makes the page as HTML.
 ///
 /// # Errors
 /// Returns an error if the template cannot be filled.
@@ -70,12 +70,12 @@ pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
     Ok(printable::page(&page.render()?))
 }
 
-/// The corrected rate over the time of the measurement, as SVG.
+/// Plots the corrected rate over the time of the measurement, as SVG.
 pub fn over_time(outcome: &ChamberOutcome) -> String {
     picture("What the correction leaves over time", "time, min", outcome, |residual| residual.at_s / 60.0)
 }
 
-/// The loop: the corrected rate over the temperature, as SVG.
+/// Plots the corrected rate over the temperature, which shows the hysteresis loop, as SVG.
 pub fn over_temperature(outcome: &ChamberOutcome) -> String {
     picture("What the correction leaves over temperature", "temperature, °C", outcome, |residual| residual.temp_c)
 }
@@ -103,7 +103,7 @@ fn points(record: &Record, outcome: &ChamberOutcome, axis: usize) -> Vec<Vec<Str
     record.soaks.iter().zip(&outcome.soak_residuals_dps).map(row).collect()
 }
 
-/// The text of the warning `hysteresis` if the loop stands out: no curve over temperature corrects it.
+/// The text of the warning `hysteresis`, if the loop is significant. No curve over temperature can correct it.
 #[must_use]
 pub fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
     let Branches { half_width_dps, u_dps, .. } = outcome.branches?;

@@ -1,4 +1,4 @@
-//! What a calibration was made from, over time.
+//! The data that a calibration was made from, over time.
 
 use crate::plot::{Series, over_time};
 use zerorate::calibration::{CalibratedAxis, Calibration};
@@ -8,14 +8,14 @@ use zerorate::calibration::{CalibratedAxis, Calibration};
 pub struct Course {
     /// The names of the axes.
     pub axes: Vec<String>,
-    /// Means, in the order of time.
+    /// The means, in order of time.
     pub moments: Vec<Moment>,
 }
 
-/// Means of a few seconds; NaN where there was no sample.
+/// Means over a few seconds. NaN if there was no sample.
 #[derive(Clone, Debug)]
 pub struct Moment {
-    /// Middle of the mean, s after the first sample.
+    /// Mid-time, s after the first sample.
     pub at_s: f64,
     /// Temperature, °C.
     pub temp_c: f64,
@@ -23,8 +23,8 @@ pub struct Moment {
     pub rates_dps: Vec<f64>,
 }
 
-/// Rate, temperature and corrected rate of an axis, with the windows of AN-1042 (F-51), as SVG. `None` if the course
-/// lacks the axis.
+/// Plots rate, temperature and corrected rate of an axis as SVG, with the windows of AN-1042 (F-51). `None` if the
+/// course lacks the axis.
 pub(super) fn picture(course: &Course, calibration: &Calibration, axis: &CalibratedAxis) -> Option<String> {
     let index = course.axes.iter().position(|name| *name == axis.name)?;
     let series = |name: &str, value: &dyn Fn(f64, f64) -> f64| {
@@ -39,7 +39,7 @@ pub(super) fn picture(course: &Course, calibration: &Calibration, axis: &Calibra
     Some(over_time("The measurement over time", &all, &windows_s(calibration)))
 }
 
-/// Begin and end of the averages of steps 4, 6 and 8, s. A curve takes the whole record.
+/// Start and end of the averages of steps 4, 6 and 8, s. Empty for a curve, which uses the whole record.
 fn windows_s(calibration: &Calibration) -> Vec<(f64, f64)> {
     let Some(run) = calibration.run.as_ref().filter(|_| calibration.axes.iter().all(|axis| axis.curve.is_none()))
     else {

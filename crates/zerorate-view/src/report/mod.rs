@@ -10,7 +10,7 @@ pub use calibration::{calibration_page, calibration_picture};
 pub use chamber::{ChamberPage, chamber_page, over_temperature, over_time, wide_loop};
 pub use course::{Course, Moment};
 
-/// A line of a table of facts.
+/// A named fact: a row of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
     /// The name of the fact.

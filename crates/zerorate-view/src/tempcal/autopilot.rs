@@ -1,4 +1,5 @@
-//! Parameters of flight controllers for all sensors of a log: bias polynomials of order 3, which firmware subtracts.
+//! Parameters of flight controllers for all sensors of a log: cubic polynomials of the bias, which the firmware
+//! subtracts.
 
 use super::AxisCurve;
 use crate::export::InvalidOptions;
@@ -11,10 +12,10 @@ struct Triad<'a> {
     axes: [&'a AxisCurve; 3],
 }
 
-/// Parameters of PX4: TC_Gn and TC_An.
+/// The parameter file of PX4: TC_Gn and TC_An.
 ///
 /// # Errors
-/// Returns an error if a sensor has not three axes, or no device id, by which PX4 finds it.
+/// Returns an error if a sensor does not have three axes, or has no device id, by which PX4 identifies it.
 pub fn px4(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
     let mut text = head("thermal compensation of PX4");
     text += "# The offset X0 + X1 d + X2 d^2 + X3 d^3, rad/s or m/s^2, with d = TEMP - TREF, is subtracted.\n\
@@ -35,10 +36,10 @@ pub fn px4(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
     Ok(text)
 }
 
-/// Parameters of ArduPilot: INS_TCALn.
+/// The parameter file of ArduPilot: INS_TCALn.
 ///
 /// # Errors
-/// Returns an error if a sensor has not three axes.
+/// Returns an error if a sensor does not have three axes.
 pub fn ardupilot(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
     let mut text = head("temperature calibration of ArduPilot");
     text += "# P = (1 d + 2 d^2 + 3 d^3) * 1e-6 rad/s or m/s^2 with d = TEMP - 35 is subtracted, less its value at\n\
@@ -83,7 +84,7 @@ fn head(what: &str) -> String {
     format!("# {what}\n# Written by {}.\n", zerorate::SOFTWARE)
 }
 
-/// The sensors with their axes in order.
+/// The sensors, each with its axes in the order x, y, z.
 fn triads(axes: &[AxisCurve]) -> Result<Vec<Triad<'_>>, InvalidOptions> {
     axes.chunk_by(|one, other| one.sensor == other.sensor).map(triad).collect()
 }
@@ -120,7 +121,7 @@ impl Triad<'_> {
         self.axes[0].span_c()
     }
 
-    /// The polynomials about a temperature, in rad/s or m/s².
+    /// The coefficients of the three polynomials about `about_c`, in rad/s or m/s².
     fn terms(&self, about_c: f64) -> [[f64; 4]; 3] {
         let per_unit = if self.kind() == Kind::Gyroscope { std::f64::consts::PI / 180.0 } else { 1.0 };
         self.axes.map(|axis| axis.cubic.about(about_c).map(|term| term * per_unit))
@@ -139,7 +140,7 @@ impl Triad<'_> {
             )));
         };
         let (low_c, high_c) = self.span_c();
-        // PX4 itself takes the middle; it is rounded to what a parameter can hold
+        // PX4's own calibration uses the middle too; it is rounded to the f32 of a parameter
         let about_c = f64::from((0.5 * (low_c + high_c)) as f32);
         let _ = writeln!(text, "1\t1\t{start}ID\t{device_id}\t6");
         let mut float = |name: String, value: f64| {

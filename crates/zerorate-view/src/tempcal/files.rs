@@ -1,4 +1,4 @@
-//! The files that are made from curves: a calibration and a table.
+//! The files that are made from fitted curves: a calibration and a CSV table.
 
 use super::AxisCurve;
 use crate::export::InvalidOptions;
@@ -9,20 +9,20 @@ use zerorate::{Calibration, MAX_AXES, SOFTWARE};
 use zerorate_imu::Kind;
 use zerorate_logs::{Names, Setting};
 
-/// What a calibration states about its unit.
+/// The unit's identity for the calibration file.
 pub struct UnitNames {
-    /// Name of the kind of part.
+    /// The part's type name.
     pub part: String,
     /// The serial number.
     pub serial: Option<String>,
-    /// The logs.
+    /// The paths of the logs, joined by commas.
     pub logs: String,
 }
 
-/// The calibration of the gyroscopes. `names` are those of the settings.
+/// Makes a calibration of the gyroscopes. Errors use `names` for the settings.
 ///
 /// # Errors
-/// Returns an error if there are none, or more than a calibration holds.
+/// Returns an error if there are no gyroscopes, or more than a calibration can hold.
 pub fn calibration(
     axes: &[AxisCurve],
     curves: &[LogCurve],
@@ -52,13 +52,13 @@ pub fn calibration(
     Ok(Calibration::of_log_curves(unit, &axes))
 }
 
-/// A name as calibrations have them.
+/// Makes a name valid for a calibration file.
 fn word(name: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
     name.chars().map(letter).take(40).collect()
 }
 
-/// A table of all curves.
+/// Writes all curves as a CSV table.
 #[must_use]
 pub fn csv(axes: &[AxisCurve]) -> String {
     let mut text = "axis,unit,temp_c,bias,u\n".to_owned();

@@ -1,4 +1,5 @@
-//! The bias over temperature of the axes in logs: numbers for scripts, a table in words, pictures and a page.
+//! The bias over temperature of the axes in logs, as numbers for scripts, as a table in words, as plots and as a
+//! page.
 
 mod autopilot;
 mod files;
@@ -19,25 +20,25 @@ use zerorate_imu::Kind;
 
 /// Coverage factor of 95 % intervals.
 const FACTOR: f64 = 1.96;
-/// Points of a curve.
+/// Number of points of a reported curve.
 const POINTS: usize = 81;
-/// The reference temperature where the logs have it, °C.
+/// The default reference temperature, if the logs reach it, °C.
 const REFERENCE_C: f64 = 25.0;
 
-/// What is known of an axis beside its curve.
+/// The known facts about an axis, apart from its curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
-    /// Topic or file, and the kind.
+    /// Name of the sensor: topic or file, and the kind.
     pub sensor: &'a str,
     /// Name of the axis.
     pub name: &'a str,
     /// The kind of axis.
     pub kind: Kind,
-    /// The wanted reference temperature, °C.
+    /// The requested reference temperature, °C.
     pub reference_c: Option<f64>,
     /// Number of the IMU in its flight controller, from 0.
     pub imu: u32,
-    /// The number by which PX4 finds the sensor.
+    /// The device id by which PX4 identifies the sensor.
     pub device_id: Option<i64>,
 }
 
@@ -46,61 +47,61 @@ pub struct Measured<'a> {
 pub struct AxisCurve {
     /// Name of the axis.
     pub name: String,
-    /// Topic or file, and the kind.
+    /// Name of the sensor: topic or file, and the kind.
     pub sensor: String,
     /// The kind of axis.
     pub kind: Kind,
     /// Number of the IMU in its flight controller, from 0.
     #[serde(skip)]
     pub imu: u32,
-    /// The number by which PX4 finds the sensor.
+    /// The device id by which PX4 identifies the sensor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub device_id: Option<i64>,
-    /// °/s or m/s².
+    /// The unit of all values: °/s or m/s².
     pub unit: &'static str,
-    /// Temperature at which the bias is stated, °C.
+    /// The reference temperature, °C.
     pub reference_c: f64,
-    /// Bias at the reference temperature; 0 for an accelerometer, which sees gravity.
+    /// Bias at the reference temperature; 0 for an accelerometer, whose bias cannot be told from gravity.
     pub bias: f64,
-    /// Its standard uncertainty.
+    /// Standard uncertainty of the bias.
     pub u_bias: f64,
     /// Change of the bias per °C at the reference temperature.
     pub slope_per_c: f64,
-    /// Its standard uncertainty.
+    /// Standard uncertainty of the slope.
     pub u_slope_per_c: f64,
-    /// The bias evenly over the temperatures of the logs.
+    /// The bias at evenly spaced temperatures over the span of the logs.
     pub curve: Vec<CurvePoint>,
-    /// The polynomial of order 3 that flight controllers and calibration files hold.
+    /// The cubic polynomial for flight controllers and calibration files.
     pub cubic: CubicReport,
-    /// Time constant with which the bias follows the thermometer, s.
+    /// Time constant with which the bias lags behind the thermometer, s.
     pub lag_s: f64,
-    /// Half width of the play between bias and thermometer, °C.
+    /// Half width of the backlash between bias and thermometer, °C.
     pub play_c: f64,
-    /// Largest standard uncertainty of the bias if the sensor was on before the log began and follows late; null if
-    /// the log tells that it was not, or did not.
+    /// Largest standard uncertainty of the bias in case the sensor was on before the log began and its bias lags.
+    /// Null if the log shows whether it was on.
     pub u_if_on_before: Option<f64>,
-    /// Half of the difference between warming and cooling; null with one direction.
+    /// Half of the difference between warming and cooling; null if the temperature only rose or only fell.
     pub hysteresis: Option<f64>,
     /// Standard deviation of the bias from start to start; null with one log.
     pub spread_of_starts: Option<f64>,
-    /// Span of the means without a correction.
+    /// Span of the means before the correction.
     pub before: f64,
-    /// What remains of it with the curve of the other parts of the record.
+    /// Span that remains with the curve of the other parts of the record (cross-validation).
     pub after: f64,
-    /// The noise found beside the curve.
+    /// The noise that was estimated together with the curve.
     pub noise: CurveNoise,
     /// Warnings, with their codes.
     pub warnings: Vec<String>,
 }
 
-/// A point of a curve; the names of its values state the unit.
+/// A point of a curve. The field names state the unit.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(untagged)]
 #[expect(missing_docs, reason = "temperature, bias and standard uncertainty, with their units")]
 pub enum CurvePoint {
-    /// Of a gyroscope.
+    /// For a gyroscope.
     Gyroscope { temp_c: f64, bias_dps: f64, u_dps: f64 },
-    /// Of an accelerometer.
+    /// For an accelerometer.
     Accelerometer { temp_c: f64, bias_mps2: f64, u_mps2: f64 },
 }
 
@@ -122,19 +123,19 @@ impl CurvePoint {
     }
 }
 
-/// bias = Σ `terms[k]` · (T − `about_c`)ᵏ
+/// The cubic polynomial: bias = Σ `terms[k]` · (T − `about_c`)ᵏ.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct CubicReport {
-    /// Temperature about which the polynomial is stated, °C.
+    /// Temperature about which the polynomial is expanded, °C.
     pub about_c: f64,
-    /// The terms, the constant first.
+    /// The coefficients, the constant first.
     pub terms: [f64; 4],
-    /// Largest distance from the curve.
+    /// Largest distance between the polynomial and the curve.
     pub left: f64,
 }
 
 impl CubicReport {
-    /// The terms about another temperature, °C.
+    /// The coefficients about another temperature, °C.
     #[must_use]
     pub fn about(&self, about_c: f64) -> [f64; 4] {
         let d = about_c - self.about_c;
@@ -146,16 +147,16 @@ impl CubicReport {
 /// White noise, bias instability and random walk, as in an Allan analysis.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct CurveNoise {
-    /// White noise N, in the unit times √s.
+    /// White noise N, in the axis's unit times √s.
     pub n: f64,
     /// Bias instability.
     pub b: f64,
-    /// Random walk, per √s.
+    /// Rate random walk K, in the axis's unit per √s.
     pub k: f64,
 }
 
 impl AxisCurve {
-    /// The numbers of a curve.
+    /// Extracts the numbers of a fitted curve.
     #[must_use]
     pub fn new(measured: &Measured<'_>, curve: &LogCurve) -> Self {
         let Measured { sensor, name, kind, reference_c, imu, device_id } = *measured;
@@ -188,7 +189,7 @@ impl AxisCurve {
             before: curve.span.before,
             after: curve.span.after,
             noise: CurveNoise {
-                // the density is one-sided
+                // converts the one-sided density to N
                 n: curve.noise.white_dps_per_rt_hz / std::f64::consts::SQRT_2,
                 b: curve.noise.bias_instability_dps,
                 k: curve.noise.rate_random_walk_dps_per_rt_s,
@@ -197,10 +198,10 @@ impl AxisCurve {
         }
     }
 
-    /// Checks that the bias of a gyroscope is nowhere more uncertain than wanted, °/s.
+    /// Checks that the bias of a gyroscope is known to `wanted_dps` (standard uncertainty, °/s) at all temperatures.
     ///
     /// # Errors
-    /// Returns a refusal that names the worst temperature.
+    /// Returns a refusal that names the temperature with the largest uncertainty.
     pub fn known_to(&self, wanted_dps: f64) -> Result<(), CurveRefusal> {
         let u_of = |point: &CurvePoint| match *point {
             CurvePoint::Gyroscope { temp_c, u_dps, .. } => Some((temp_c, u_dps)),
@@ -222,8 +223,8 @@ impl AxisCurve {
     }
 }
 
-/// The level that a curve is stated above: zero for a gyroscope, and for an accelerometer the value at the reference
-/// temperature, since gravity hides the rest.
+/// The level from which a curve is stated: zero for a gyroscope; for an accelerometer the value at the reference
+/// temperature, since its bias cannot be told from gravity.
 struct Level<'a> {
     curve: &'a LogCurve,
     zero: f64,
@@ -247,7 +248,7 @@ impl<'a> Level<'a> {
     }
 }
 
-/// The means of an axis as pictures take them.
+/// The means of an axis, prepared for plots.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     /// The means of all logs.
@@ -261,16 +262,16 @@ pub struct MeanPoint {
     pub at_s: f64,
     /// Temperature, °C.
     pub temp_c: f64,
-    /// Value less the level that the curve is stated above, and less the steps.
+    /// Mean minus the [`Level`] and minus the steps.
     pub value: f64,
-    /// The value less the curve.
+    /// Residual: the value minus the curve.
     pub left: f64,
     /// Whether the sensor was warming.
     pub is_warming: bool,
 }
 
 impl Points {
-    /// The means beside their curve.
+    /// Prepares the means for plots, and computes their residuals.
     #[must_use]
     pub fn new(curve: &LogCurve, logs: &[LogMeans], axis: &AxisCurve) -> Self {
         let zero = Level::of(axis.kind, curve, axis.reference_c).zero;
@@ -297,5 +298,5 @@ impl Points {
     }
 }
 
-/// Means on each side that tell whether the sensor warms.
+/// Number of means on each side that decide whether the sensor is warming.
 const NEAR: usize = 5;

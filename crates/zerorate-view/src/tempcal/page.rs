@@ -1,4 +1,4 @@
-//! The page of a bias over temperature.
+//! The HTML page of a temperature calibration.
 
 use super::{AxisCurve, FACTOR, Points, pictures};
 use crate::interval::PlusMinus;
@@ -13,7 +13,7 @@ use zerorate_imu::Kind;
 pub struct TempcalPage<'a> {
     /// The heading.
     pub title: String,
-    /// The command line that made it.
+    /// The command line that made the page.
     pub command: String,
     /// Warnings about the logs.
     pub warnings: &'a [String],
@@ -40,7 +40,7 @@ struct Sensor {
     pictures: Vec<String>,
 }
 
-/// The page as HTML.
+/// Makes the page as HTML.
 ///
 /// # Errors
 /// Returns an error if the template cannot be filled.
@@ -67,7 +67,7 @@ fn sensor(axes: &[(&AxisCurve, &Points)]) -> Sensor {
 }
 
 fn results(axes: &[(&AxisCurve, &Points)]) -> Table {
-    // gravity hides the bias of an accelerometer
+    // an accelerometer's bias cannot be told from gravity
     let has_bias = axes.iter().any(|(axis, _)| axis.kind == Kind::Gyroscope);
     let head = ["axis", "unit", "bias", "slope per °C", "span before", "span after", "lag, s", "hysteresis"];
     let shown = |index: &usize| *index != BIAS || has_bias;
@@ -97,7 +97,7 @@ fn results(axes: &[(&AxisCurve, &Points)]) -> Table {
     }
 }
 
-/// The column with the bias.
+/// The index of the bias column.
 const BIAS: usize = 2;
 
 fn only(cells: [String; 8], shown: impl Fn(&usize) -> bool) -> Vec<String> {

@@ -1,9 +1,9 @@
-//! Pictures of the bias over temperature.
+//! Plots of the bias over temperature.
 
 use super::{AxisCurve, FACTOR, Points};
 use crate::plot::{Dot, Scatter, ScatterPanel, scatter};
 
-/// The means, the curve and its band over temperature, with a panel for each axis of a unit.
+/// Plots the means, the curve and its band over temperature, one panel per axis of a unit.
 #[must_use]
 pub fn over_temperature(axes: &[(&AxisCurve, &Points)]) -> String {
     let panel = |(axis, points): &(&AxisCurve, &Points)| ScatterPanel {
@@ -14,7 +14,7 @@ pub fn over_temperature(axes: &[(&AxisCurve, &Points)]) -> String {
     picture("Bias over temperature", "the line is the curve, with its 95 % band", "temperature, °C", axes, panel)
 }
 
-/// What the curve leaves over temperature.
+/// Plots the residuals over temperature.
 #[must_use]
 pub(super) fn left_over_temperature(axes: &[(&AxisCurve, &Points)]) -> String {
     let panel = |(axis, points): &(&AxisCurve, &Points)| ScatterPanel {
@@ -25,7 +25,7 @@ pub(super) fn left_over_temperature(axes: &[(&AxisCurve, &Points)]) -> String {
     picture("What the curve leaves over temperature", "", "temperature, °C", axes, panel)
 }
 
-/// What the curve leaves over time.
+/// Plots the residuals over time.
 #[must_use]
 pub(super) fn left_over_time(axes: &[(&AxisCurve, &Points)]) -> String {
     let panel = |(axis, points): &(&AxisCurve, &Points)| ScatterPanel {

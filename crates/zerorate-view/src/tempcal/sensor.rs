@@ -1,4 +1,4 @@
-//! The gyroscopes and accelerometers of logs, and the curves of their axes.
+//! The gyroscopes and accelerometers of logs, and the fits of their axes.
 
 use super::{AxisCurve, Measured, Points};
 use std::path::Path;
@@ -10,23 +10,23 @@ use zerorate_logs::{Column, Result, Series};
 
 /// The axes and the temperature of one IMU in one log.
 pub struct ImuColumns {
-    /// The topic or message of its columns, which tells apart the IMUs of a log.
+    /// The topic or message of the columns, which distinguishes the IMUs of a log.
     pub topic: Option<String>,
     /// The axes, with their quantities.
     pub columns: Vec<Column>,
-    /// The temperature, °C.
+    /// The temperature samples, °C.
     pub temps_c: Vec<f64>,
-    /// Samples of the temperature per second, Hz.
+    /// Sampling rate of the temperature, Hz.
     pub temps_hz: f64,
-    /// The time of its first sample on the clock of the log, s, if it is of another topic than the axes.
+    /// Time of the first temperature sample on the log's clock, s, if it is of another topic than the axes.
     pub temps_start_s: Option<f64>,
-    /// The number by which PX4 finds the sensor.
+    /// The device id by which PX4 identifies the sensor.
     pub device_id: Option<i64>,
 }
 
 /// The gyroscope or the accelerometer of an IMU.
 pub struct Sensor {
-    /// Name in messages: topic or file, and the kind.
+    /// The name in messages: topic or file, and the kind.
     pub name: String,
     topic: Option<String>,
     kind: Kind,
@@ -48,10 +48,10 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Takes all IMUs of the next log.
+    /// Adds all IMUs of the next log.
     ///
     /// # Errors
-    /// Returns the text of an error if the log has other axes than those before.
+    /// The inner result is an error text if the log has other axes than the earlier ones.
     pub fn take(&mut self, log: &Path, imus: Vec<ImuColumns>) -> Result<std::result::Result<(), String>> {
         for mut imu in imus {
             for column in std::mem::take(&mut imu.columns) {
@@ -66,11 +66,11 @@ impl Sensors {
         Ok(lacking.map_or(Ok(()), |axis| Err(format!("{} has no axis {}", log.display(), axis.name))))
     }
 
-    /// Takes one axis of an IMU in the next log, in place of those in `imu`. All axes of a single log can be taken
-    /// like this.
+    /// Adds one axis of an IMU in the next log; the columns in `imu` are ignored. All axes of a single log can be
+    /// added this way.
     ///
     /// # Errors
-    /// Returns the text of an error if the logs before do not have the axis.
+    /// The inner result is an error text if the earlier logs do not have the axis.
     pub fn take_axis(
         &mut self,
         log: &Path,
@@ -93,7 +93,7 @@ impl Sensors {
         Ok(Ok(()))
     }
 
-    /// The sensor of this kind in an IMU.
+    /// Finds or adds the sensor of this kind in an IMU.
     fn sensor(&mut self, log: &Path, imu: &ImuColumns, kind: Kind) -> &mut Sensor {
         let place = self.all.iter().position(|sensor| sensor.kind == kind && sensor.topic == imu.topic);
         let place = place.unwrap_or_else(|| {
@@ -118,7 +118,7 @@ fn is_same(one: &LogMeans, other: &LogMeans) -> bool {
     !one.blocks().is_empty() && one.blocks() == other.blocks()
 }
 
-/// The samples of a column in the unit of results, NaN where one is missing. `log` names the log in messages.
+/// The samples of a column in the unit of results. Missing ones are NaN. Messages call the log `log`.
 ///
 /// # Errors
 /// Returns an error if too many samples are missing.
@@ -134,15 +134,15 @@ pub fn values(column: Column, log: &Path) -> Result<Vec<f64>> {
     Ok(values)
 }
 
-/// Temperatures at which electronics are logged, °C.
+/// Plausible temperatures of electronics, °C.
 const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
-/// Largest share of impossible readings that count as missing.
+/// Largest share of implausible temperatures that are treated as missing.
 const MOST_IMPOSSIBLE: f64 = 0.01;
 
-/// The temperatures, °C, with NaN in place of a few that are impossible, as those of a broken transfer.
+/// Checks temperatures, °C. A few implausible ones, as from transfer errors, become NaN.
 ///
 /// # Errors
-/// Returns the lowest and the highest temperature if too many are impossible.
+/// Returns the lowest and the highest temperature if too many are implausible.
 pub fn possible_c(mut temps_c: Vec<f64>) -> std::result::Result<Vec<f64>, (f64, f64)> {
     let is_impossible = |value: &f64| value.is_finite() && !POSSIBLE_C.contains(value);
     let impossible = temps_c.iter().filter(|value| is_impossible(value)).count();
@@ -153,7 +153,7 @@ pub fn possible_c(mut temps_c: Vec<f64>) -> std::result::Result<Vec<f64>, (f64, 
     Ok(temps_c)
 }
 
-/// Lowest and highest of some temperatures; `None` without any.
+/// Lowest and highest of the finite temperatures; `None` if there are none.
 #[must_use]
 pub fn span_c(temps_c: &[f64]) -> Option<(f64, f64)> {
     let known = temps_c.iter().copied().filter(|value| value.is_finite());
@@ -162,7 +162,7 @@ pub fn span_c(temps_c: &[f64]) -> Option<(f64, f64)> {
     })
 }
 
-/// The topic or message of a column: `sensor_gyro#0` of `sensor_gyro#0.x`.
+/// The topic or message of a column: `sensor_gyro#0` for the column `sensor_gyro#0.x`.
 #[must_use]
 pub fn topic_of(column: &str) -> Option<String> {
     let (topic, _) = column.rsplit_once('.')?;
@@ -171,26 +171,27 @@ pub fn topic_of(column: &str) -> Option<String> {
     Some(topic.to_owned())
 }
 
-/// The number in `sensor_gyro#1` or `IMU[1]`, from 0.
+/// The index in `sensor_gyro#1` or `IMU[1]`; 0 without one.
 #[must_use]
 pub fn number_of_imu(topic: Option<&str>) -> u32 {
     let (_, number) = topic.unwrap_or_default().trim_end_matches(']').rsplit_once(['#', '[']).unwrap_or_default();
     number.parse().unwrap_or(0)
 }
 
-/// Time after switch-on from which a log begins late, s. An autopilot takes some seconds to begin.
+/// A log that starts later than this after switch-on, s, means that the sensor was on before. An autopilot takes
+/// some seconds to start logging.
 const LATE_S: f64 = 60.0;
 
 impl ImuColumns {
-    /// Whether the sensor was on before the log began, where the clock of the log tells. The clocks of autopilots
-    /// begin at switch-on.
+    /// Whether the sensor was on before the log began. `None` unless the log's clock tells: the clock of an
+    /// autopilot starts at switch-on.
     fn was_on(&self, start_s: Option<f64>) -> Option<bool> {
         let of_autopilot =
             |topic: &String| ["sensor_", "IMU", "GYR", "ACC"].iter().any(|start| topic.starts_with(start));
         start_s.filter(|_| self.topic.as_ref().is_some_and(of_autopilot)).map(|start_s| start_s > LATE_S)
     }
 
-    /// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
+    /// Averages the samples of an axis with their temperatures. A temperature of another rate is matched by time.
     fn means(&self, column: Column, log: &Path) -> Result<LogMeans> {
         let (rate_hz, start_s, skipped_s) = (column.rate_hz, column.start_s, column.skipped_s);
         let samples = values(column, log)?;
@@ -203,10 +204,10 @@ impl ImuColumns {
             let at = match later {
                 None if is_same => index as f64,
                 None => (index as f64 + 0.5) * per_sample,
-                // half a sample later, against rounding
+                // the middle of the sample, so that rounding does not matter
                 Some(later) => (index as f64 + 0.5) * per_sample + later,
             };
-            // the last reading before
+            // the last temperature before the sample
             let temp_c = if at < 0.0 { None } else { self.temps_c.get(at as usize) };
             means.push(sample, temp_c.copied().unwrap_or(f64::NAN));
         }
@@ -214,14 +215,14 @@ impl ImuColumns {
     }
 }
 
-/// The curve of an axis, as numbers, as a function and as points of pictures.
+/// The fit of an axis: its numbers, its function and its points for plots.
 pub type FittedAxis = (AxisCurve, LogCurve, Points);
 
 impl Sensor {
-    /// The curves of the axes. They share what they tell about the lag.
+    /// Fits the curves of the axes. The axes of a sensor share the estimate of the lag.
     ///
     /// # Errors
-    /// Returns a refusal if the logs cannot give curves.
+    /// Returns a refusal if the logs do not determine the curves.
     pub fn fitted(self, reference_c: Option<f64>) -> std::result::Result<Vec<FittedAxis>, CurveRefusal> {
         check(self.axes.iter().map(|axis| &axis.logs[..]))?;
         let of_axis = |axis: &SensorAxis| {
@@ -249,7 +250,7 @@ impl Sensor {
     }
 }
 
-/// The result of a function for each item, on as many threads as there are items.
+/// Applies a function to each item, with one thread per item.
 #[cfg(not(target_arch = "wasm32"))]
 fn on_threads<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
     use std::thread;
@@ -264,7 +265,7 @@ fn on_threads<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec
     })
 }
 
-/// The result of a function for each item. A browser has no threads.
+/// Applies a function to each item, without threads, which a browser lacks.
 #[cfg(target_arch = "wasm32")]
 fn on_threads<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
     items.iter().map(of).collect()

@@ -1,4 +1,4 @@
-//! The curves as a table for a terminal.
+//! The curves as a text table for a terminal.
 
 use super::{AxisCurve, FACTOR};
 use crate::interval::PlusMinus;
@@ -8,7 +8,7 @@ use zerorate::temperature::curve::CurveRefusal;
 use zerorate_imu::Kind;
 use zerorate_logs::{Names, Setting};
 
-/// A refusal in words, with the settings that help.
+/// The text of a refusal, with the settings that can help.
 #[must_use]
 pub fn refusal_text(why: &CurveRefusal, names: Names) -> String {
     match why {
@@ -19,7 +19,7 @@ pub fn refusal_text(why: &CurveRefusal, names: Names) -> String {
     }
 }
 
-/// The sensors, with two lines for each axis. A value is given ± half of its 95 % interval.
+/// The table: the sensors, with two lines for each axis. Each value is given ± half of its 95 % interval.
 #[must_use]
 pub fn table(axes: &[AxisCurve]) -> String {
     let mut text =
@@ -38,7 +38,7 @@ pub fn table(axes: &[AxisCurve]) -> String {
     text
 }
 
-/// The warnings of the axes, each with the names of the axes that have it.
+/// The warnings of the axes, each once, with the names of its axes.
 #[must_use]
 pub fn warnings_of_axes(axes: &[AxisCurve]) -> Vec<String> {
     let mut lines: Vec<(&str, Vec<&str>)> = Vec::new();
@@ -61,7 +61,7 @@ fn row(text: &mut String, axis: &AxisCurve) {
     let half = |u: f64| number(FACTOR * u);
     let stated = |value: f64, u: f64| PlusMinus { value, half: FACTOR * u };
     let slope = format!("{} {unit}/°C at {reference_c:.0} °C", stated(*slope_per_c, *u_slope_per_c));
-    // gravity hides the bias of an accelerometer
+    // an accelerometer's bias cannot be told from gravity
     let bias = match axis.kind {
         Kind::Gyroscope => format!("bias {} {unit}, ", stated(*bias, *u_bias)),
         Kind::Accelerometer => String::new(),
@@ -78,5 +78,5 @@ fn row(text: &mut String, axis: &AxisCurve) {
     let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after; {lag}{on}{hysteresis}{starts}");
 }
 
-/// A mean lag below this counts as none, s.
+/// A lag below this is shown as none, s.
 const LEAST_LAG_S: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! The tables of several axes.
+//! The tables that compare several axes.
 
 use super::Table;
 use crate::noise::{GaussMarkov, Group, gauss_markov, is_without_misfit, stated};
@@ -6,7 +6,7 @@ use crate::plot::number;
 use zerorate_allan::{Estimate, Line};
 use zerorate_imu::{CoefficientReport, FitReport, Record};
 
-/// The table with a row for each coefficient and unit, and a column for each axis.
+/// The table of coefficients: a row for each coefficient and unit, a column for each axis.
 pub fn by_axis(group: &Group<'_>) -> Table {
     let fits: Vec<_> = group.records.iter().map(|record| FitReport::new(record.model(), record.quantity)).collect();
     let mut rows = Vec::new();
@@ -44,12 +44,12 @@ pub fn by_axis(group: &Group<'_>) -> Table {
     }
 }
 
-/// The coefficient of a model, if it has this one.
+/// Finds a coefficient of a model, if it has a value.
 fn coefficient(fit: &FitReport, letter: char) -> Option<&CoefficientReport> {
     fit.coefficients().find(|(of, found)| *of == letter && found.value.is_some()).map(|(_, found)| found)
 }
 
-/// The cell of an axis that lacks the value.
+/// The text of a cell without a value.
 const NONE: &str = "–";
 
 fn head(title: &str, group: &Group<'_>) -> Vec<String> {
@@ -60,7 +60,7 @@ fn row(title: String, unit: &str, cells: impl Iterator<Item = String>) -> Vec<St
     [title, unit.to_owned()].into_iter().chain(cells).collect()
 }
 
-/// The rows of Gauss–Markov terms, two for each term of an axis.
+/// The rows of the Gauss–Markov terms, two for each term: σ and correlation time.
 fn gauss_markov_rows(fits: &[FitReport]) -> Vec<Vec<String>> {
     let of = |fit: &FitReport| if fit.rejected { Vec::new() } else { gauss_markov(fit).collect() };
     let all: Vec<Vec<GaussMarkov>> = fits.iter().map(of).collect();
@@ -80,8 +80,7 @@ fn gauss_markov_rows(fits: &[FitReport]) -> Vec<Vec<String>> {
     rows.collect()
 }
 
-/// The table of spectral lines by frequency. Lines that lie side by side share a row, which sums up those of each
-/// axis.
+/// The table of spectral lines by frequency. Neighbouring lines share a row, which sums up the lines of each axis.
 pub fn lines(group: &Group<'_>) -> Table {
     let of_axis = |(axis, record)| Record::lines(record).map(move |line| (axis, line));
     let mut found: Vec<(usize, &Line)> = group.records.iter().enumerate().flat_map(of_axis).collect();
@@ -114,5 +113,5 @@ pub fn lines(group: &Group<'_>) -> Table {
     }
 }
 
-/// Lines closer than this share of their frequency are one line to a reader.
+/// Lines closer than this share of their frequency are shown as one.
 const BESIDE: f64 = 0.01;
