@@ -1,4 +1,4 @@
-//! The interface of every kind of address.
+//! The interface that every kind of device address implements.
 
 use crate::source::{Setup, Source};
 use crate::{Result, Stop};
@@ -6,21 +6,22 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// An address without its kind: the parsed text after the colon.
+/// A parsed address, without its kind: the text after the colon.
 pub(crate) trait Address: fmt::Debug + Send + Sync {
-    /// Opens the device that was called `name`; sends nothing to the part yet. `stop` ends every long wait.
+    /// Opens the device. `name` is the address as the user wrote it. Nothing is sent to the part yet. `stop` ends
+    /// every long wait.
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>>;
 
-    /// The file that is read, if the device is a recording.
+    /// The path of the recording; `None` for any other device.
     fn file(&self) -> Option<&Path> {
         None
     }
 
-    /// Whether the device takes the air of its [`Setup`].
+    /// Whether the device is simulated and follows the ambient temperature of its [`Setup`].
     fn is_simulated(&self) -> bool {
         false
     }
 }
 
-/// An address, or the text of the error in it.
+/// The parsed address, or an error text.
 pub(crate) type ParseResult = Result<Arc<dyn Address>, String>;

@@ -1,20 +1,20 @@
-//! The time of day, and the name of the machine, for the record.
+//! The wall-clock time and the host name, for the description of a capture.
 
 use jiff::{Timestamp, Unit};
 use std::time::SystemTime;
 
-/// The time of the machine's clock; `None` beyond the years −9999 to 9999, which have no date.
+/// The wall-clock time; `None` outside of the years −9999 to 9999.
 #[must_use]
 pub fn now() -> Option<Timestamp> {
     stamp(SystemTime::now())
 }
 
-/// The time for the record, to the second; empty if there is none.
+/// The wall-clock time as text, to the second; empty if there is none.
 pub(crate) fn text() -> String {
     now().map_or_else(String::new, to_second)
 }
 
-/// Name of this machine; `None` if it has no name that is text.
+/// The host name; `None` if there is none or it is not UTF-8.
 pub(crate) fn host() -> Option<String> {
     #[cfg(target_os = "linux")]
     return rustix::system::uname().nodename().to_str().ok().map(str::to_owned).filter(|name| !name.is_empty());
@@ -26,7 +26,7 @@ fn stamp(time: SystemTime) -> Option<Timestamp> {
     Timestamp::try_from(time).ok()
 }
 
-/// The time to the second. The last second cannot be rounded up.
+/// Rounds to the second. The very last time cannot be rounded and stays as it is.
 fn to_second(time: Timestamp) -> String {
     time.round(Unit::Second).unwrap_or(time).to_string()
 }

@@ -1,5 +1,5 @@
-//! A part behind a bus of this computer or behind a bridge. The driver asks the part until the first sample is wanted.
-//! From then on a thread reads it.
+//! A part on this computer's bus or behind a bridge. Before sampling, requests go through the driver. The first
+//! request of a sample starts a thread that reads the part.
 
 use crate::edges::Edges;
 use crate::live::Live;
@@ -15,7 +15,7 @@ use std::time::Instant;
 use zerorate::SettingNames;
 use zerorate_record::Row;
 
-/// Number of reads for the measured time of a read.
+/// Number of reads that are timed.
 const TIMED_READS: u32 = 200;
 
 /// The connection between the part and this program.
@@ -25,22 +25,22 @@ pub trait Connection {
     type Edges: Edges;
     type Pin: OutputPin<Error = PinError>;
 
-    /// Whether a read takes the time of the bus.
+    /// Whether reads go directly over an SPI bus of this computer, so that timing them is meaningful.
     const IS_BUS: bool;
 
-    /// The SPI clock that was asked for, Hz.
+    /// The requested SPI clock, Hz.
     fn hz(&self) -> u32;
 
-    /// Sets the SPI clock, and returns the clock that was set, Hz.
+    /// Sets the SPI clock, and returns the actual clock, Hz.
     fn set_clock(&self, hz: u32) -> Result<u32>;
 
-    /// The self-test pins, on the line `gpio` if this computer has one.
+    /// The self-test pins. `gpio` names their line if this computer drives them.
     fn self_test_pin(&self, gpio: &str, names: SettingNames) -> Result<Self::Pin>;
 
-    /// Starts the thread that reads.
+    /// Starts the thread that reads samples.
     fn start(&self, live: Box<Live<Self::Spi, Self::Edges>>) -> Result<Reader>;
 
-    /// Adds the remedy to an error whose cause is the connection.
+    /// Adds advice to an error that the connection caused.
     fn explain(&self, error: anyhow::Error) -> anyhow::Error;
 
     /// Number of frames that arrived damaged.
@@ -48,13 +48,14 @@ pub trait Connection {
         0
     }
 
-    /// The warnings since the last call.
+    /// Returns the warnings since the last call.
     fn take_notes(&self) -> Vec<SourceWarning> {
         Vec::new()
     }
 }
 
-/// The part, and the thread that reads it. Dropping it ends the thread before the connection.
+/// A part and, once samples are requested, the thread that reads it. Dropping it ends the thread before the
+/// connection.
 pub struct ConnectedPart<C: Connection> {
     state: State<C>,
     connection: C,
@@ -81,7 +82,7 @@ impl<C: Connection> ConnectedPart<C> {
         Self { state: State::Ready(Box::new(live)), connection, facts }
     }
 
-    /// Asks the part through the driver.
+    /// Sends a request to the part through the driver.
     fn ask<T>(&mut self, ask: impl FnOnce(&mut Live<C::Spi, C::Edges>, &C) -> Result<T>) -> Result<T> {
         let live = self.state.ready()?;
         ask(live, &self.connection).map_err(|error| self.connection.explain(error))
@@ -100,7 +101,7 @@ impl<C: Connection> ConnectedPart<C> {
     }
 }
 
-/// Tries faster and faster clocks, and times a read at the requested clock. Leaves the part configured.
+/// Tests increasing clock rates, and times a read at the requested clock. Leaves the part configured.
 fn try_bus<C: Connection>(live: &mut Live<C::Spi, C::Edges>, connection: &C) -> Result<Bus> {
     let fastest_clean_hz = live.fastest_clean_hz(|hz| connection.set_clock(hz))?;
     let sclk_hz = connection.set_clock(connection.hz())?;

@@ -6,13 +6,14 @@ use std::time::Duration;
 
 /// A source of data-ready edges.
 pub trait Edges {
-    /// The newest edge that was not returned yet, or else the next one; `None` if none comes within this time, ns.
+    /// Returns the newest edge that was not returned yet, or waits for the next one. `None` if none comes within
+    /// `timeout_ns`.
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;
 
-    /// The time in words, for messages.
+    /// The current time on the clock of the edges, as text for messages.
     fn now(&self) -> String;
 
-    /// Waits for this time, ns.
+    /// Pauses for `ns` nanoseconds.
     fn pause(&mut self, ns: u64) {
         std::thread::sleep(Duration::from_nanos(ns));
     }

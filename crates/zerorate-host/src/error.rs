@@ -1,4 +1,4 @@
-//! The error of a device: a cause for programs, and a text for people.
+//! The errors of devices: a cause for programs, and a text for people.
 
 use adis16130::Fault;
 use std::error::Error;
@@ -8,7 +8,8 @@ use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 use zerorate_record::admission::Disbelief;
 
-/// The error of a device that cannot be read. Its text and the texts of its sources say what was seen and what to do.
+/// The error of a device that cannot be read. Its text, with the texts of its sources, says what was observed and
+/// what to do.
 #[derive(Debug)]
 pub struct DeviceError {
     cause: Cause,
@@ -23,11 +24,11 @@ pub enum Cause {
     Request,
     /// The device is not there.
     Missing,
-    /// We do not have the permission to open the device.
+    /// Permission to open the device is missing.
     Permission,
     /// Another program has the device open.
     Busy,
-    /// The device has gone: a cable was pulled, or a driver unbound.
+    /// The device has disappeared: a cable was pulled, or a driver was unbound.
     Gone,
     /// The device does not answer.
     Silent,
@@ -35,11 +36,11 @@ pub enum Cause {
     Part,
     /// The recording cannot be read, or is damaged.
     File,
-    /// The content must not become a measurement. The code names the reason.
+    /// The samples must not become a measurement. The code states the reason.
     Refused(&'static str),
     /// A stop was requested.
     Stopped,
-    /// Anything else.
+    /// Any other cause.
     Other,
 }
 
@@ -52,7 +53,7 @@ impl DeviceError {
 }
 
 impl DeviceError {
-    /// A copy of the error, for another reader of the device.
+    /// A copy of the error, for another reader of the same device.
     pub(crate) fn again(&self) -> Self {
         Self { cause: self.cause, told: anyhow::anyhow!("{:#}", self.told) }
     }
@@ -106,7 +107,7 @@ impl From<CaptureError> for DeviceError {
     }
 }
 
-/// The text of a failure whose cause is known.
+/// An error text with a known cause.
 #[derive(Debug, thiserror::Error)]
 #[error("{words}")]
 pub(crate) struct UserError {
@@ -123,7 +124,7 @@ impl UserError {
         Self::new(Cause::Request, words).into()
     }
 
-    /// An error of the system about a file.
+    /// An operating system's error about a file, with the cause derived from it.
     pub fn of_system(error: &io::Error, words: impl Into<String>) -> Self {
         Self::new(of_system(error), words)
     }

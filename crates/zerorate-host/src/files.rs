@@ -1,4 +1,4 @@
-//! Captures and logs on disk.
+//! Opens captures and logs on disk.
 
 use crate::RowReader;
 use std::fs::File;
@@ -10,8 +10,8 @@ use zerorate_input::{Input, InputError};
 use zerorate_logs::{ColumnOptions, LogError, Parts};
 use zerorate_record::{CaptureError, CaptureReader};
 
-/// Opens a file for reading. Pipes, sockets and devices have no length, and may have no end. They are refused before
-/// they are opened, because opening them may block for ever.
+/// Opens a regular file. Pipes, sockets and devices are refused before opening, because that may block forever, and
+/// because they have no length and maybe no end.
 ///
 /// # Errors
 /// Returns an error if the file is not a regular file or cannot be opened.
@@ -27,11 +27,11 @@ pub fn open(path: &Path) -> Result<Input, InputError> {
     Ok(Input::from(file).with_holes(holes))
 }
 
-/// Largest number of stretches of a file that are searched for holes. The rest counts as one hole.
+/// Largest number of data areas of a file that are searched for holes. The rest counts as one hole.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 const STRETCHES: usize = 1 << 16;
 
-/// Number of bytes of a file that read as zeros and take no space on the disk.
+/// Number of bytes in holes: they read as zeros and take no space on the disk.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 fn holes(mut file: &File) -> std::io::Result<u64> {
     use rustix::fs::{SeekFrom, seek};
@@ -40,9 +40,9 @@ fn holes(mut file: &File) -> std::io::Result<u64> {
     for _ in 0..STRETCHES {
         let start = match seek(file, SeekFrom::Data(at)) {
             Ok(start) => start,
-            // no more data follows
+            // no data follows
             Err(rustix::io::Errno::NXIO) => break,
-            // a file system without holes
+            // a file system without support for holes
             Err(_) => return file.rewind().map(|()| 0),
         };
         at = seek(file, SeekFrom::Hole(start))?;
@@ -52,14 +52,14 @@ fn holes(mut file: &File) -> std::io::Result<u64> {
     Ok(length.saturating_sub(stored))
 }
 
-/// On other systems holes count as bytes.
+/// Holes are not detected on other systems.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 fn holes(_: &File) -> std::io::Result<u64> {
     Ok(0)
 }
 
-/// Reads a small text file whole. A device, a pipe or a file with holes may have any number of bytes, so at most
-/// `most` bytes are read, and one more to detect a larger file.
+/// Reads a small text file whole. A device, a pipe or a sparse file may be endless, so at most `most` bytes are
+/// read, plus one to detect a larger file.
 ///
 /// # Errors
 /// Returns [`ErrorKind::FileTooLarge`] for a larger file, [`ErrorKind::InvalidData`] if it is not text, or the error
@@ -77,8 +77,8 @@ pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
 /// The name of a log that means standard input.
 pub const STDIN: &str = "-";
 
-/// Opens a log: a file, standard input (`-`), or the folder of a ROS 2 bag with several files. Each file comes with
-/// its name.
+/// Opens a log: a file, standard input (`-`), or the folder of a ROS 2 bag with several files. Returns each file
+/// with its name.
 ///
 /// # Errors
 /// Returns an error if the log cannot be opened.
@@ -95,7 +95,7 @@ pub fn log(path: &Path) -> Result<Parts, InputError> {
     Ok(Parts { files: files.collect::<Result<_, InputError>>()?, messages: stated(&description) })
 }
 
-/// The files that are read for the name of a log: the log itself, or the files of a folder.
+/// The files behind the path of a log: the log itself, or the files of a folder.
 #[must_use]
 pub fn listed(path: &Path) -> Vec<PathBuf> {
     match path.read_dir() {
@@ -104,7 +104,7 @@ pub fn listed(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// Bytes of a log on disk, without holes. A pipe may hold any number, so it counts as the largest.
+/// Length of a log on disk, without holes, bytes. A pipe may have any length and counts as the largest.
 pub fn log_length(path: &Path) -> u64 {
     let length = |path: &Path| open(path).ok().and_then(|input| input.stored().ok()).unwrap_or(0);
     match path {
@@ -117,13 +117,13 @@ pub fn log_length(path: &Path) -> u64 {
     }
 }
 
-/// The error of a file that is missing, or the better one of an address in its place.
+/// Replaces the error of a missing file by a better one if the path is a URL.
 fn not_an_address(path: &Path, error: std::io::Error) -> std::io::Error {
     let is_address = path.to_str().is_some_and(|text| text.contains("://"));
     if is_address { std::io::Error::other("addresses are not fetched; download the file first") } else { error }
 }
 
-/// Copies a pipe to a file without a name, because several forms are not read from start to end.
+/// Copies a pipe to a temporary file, because several formats are not read sequentially.
 fn spooled(mut piped: impl Read) -> std::io::Result<Input> {
     let mut file = tempfile::tempfile()?;
     std::io::copy(&mut piped, &mut file)?;
@@ -131,13 +131,13 @@ fn spooled(mut piped: impl Read) -> std::io::Result<Input> {
     Ok(Input::nameless(file))
 }
 
-/// The description of a bag of ROS 2, in its folder.
+/// The name of the description file in the folder of a ROS 2 bag.
 const METADATA: &str = "metadata.yaml";
 
-/// Largest number of bytes of the description that are read.
+/// Largest part of the description that is read, bytes.
 const MAX_METADATA: u64 = 1 << 20;
 
-/// The description of a bag of ROS 2; empty if there is none.
+/// The description of a ROS 2 bag; empty if there is none.
 fn description(folder: &Path) -> Result<String, InputError> {
     let mut text = String::new();
     if let Ok(file) = open(&folder.join(METADATA)) {
@@ -147,7 +147,7 @@ fn description(folder: &Path) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// The files of a bag of ROS 2 in the order of its description, or the only bag in a folder without one.
+/// The files of a ROS 2 bag in the order of its description, or the only bag in a folder without a description.
 fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     let failed = |error| InputError::io("read", folder, error);
     let listed: Vec<PathBuf> = described(description).map(|name| folder.join(name)).collect();
@@ -169,8 +169,8 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     Err(InputError::not_a_log(folder, why))
 }
 
-/// Bags in the order of their numbers, if these are consecutive and the rest of their names differs in digits alone:
-/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME.
+/// Sorts split bags by their numbers, if these are consecutive and the rest of the names differs in digits only.
+/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME. `None` for other names.
 fn split_bags(bags: &[PathBuf]) -> Option<Vec<PathBuf>> {
     let numbered = |path: &PathBuf| {
         path.extension().filter(|ending| *ending == "bag")?;
@@ -184,8 +184,8 @@ fn split_bags(bags: &[PathBuf]) -> Option<Vec<PathBuf>> {
     (all.len() > 1 && all.windows(2).all(is_next)).then(|| all.into_iter().map(|(.., path)| path).collect())
 }
 
-/// The names of files in the description of a bag: the list of `relative_file_paths`. A folder before a name is the
-/// folder of the bag.
+/// The file names in the description of a bag: the list `relative_file_paths`. Folders in the paths are dropped,
+/// since all files are in the folder of the bag.
 fn described(metadata: &str) -> impl Iterator<Item = &str> {
     let lines = metadata.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
     let names = lines.map_while(|line| line.strip_prefix("- "));
@@ -193,8 +193,8 @@ fn described(metadata: &str) -> impl Iterator<Item = &str> {
     bare.filter_map(|name| Path::new(name).file_name()?.to_str())
 }
 
-/// The number of messages of each topic, by the description of a bag: the list `topics_with_message_count`. Writers
-/// differ in the order of a topic's name and its count.
+/// The number of messages of each topic, by the description of a bag: the list `topics_with_message_count`. Topic
+/// name and count may come in either order.
 fn stated(metadata: &str) -> Vec<(String, u64)> {
     let indent = |line: &str| line.len() - line.trim_start().len();
     let mut lines = metadata.lines().skip_while(|line| line.trim() != "topics_with_message_count:").skip(1).peekable();
@@ -219,7 +219,7 @@ fn stated(metadata: &str) -> Vec<(String, u64)> {
     found
 }
 
-/// Opens a capture, in any of its forms.
+/// Opens a capture in any supported format.
 ///
 /// # Errors
 /// Returns an error if the file cannot be opened, or if its description is not valid.

@@ -1,4 +1,4 @@
-//! Lines of the Linux GPIO character device: the edges of RDY, and outputs to the self-test pins.
+//! Lines of the Linux GPIO character device: RDY as an input of edges, and outputs to the self-test pins.
 
 use crate::edges::Edges;
 use crate::error::{Cause, UserError};
@@ -12,12 +12,12 @@ use rustix::io::Errno;
 use std::path::Path;
 use std::time::Duration;
 
-/// Edges that the kernel keeps until they are read, which is the most that it allows for one line.
+/// Size of the kernel's queue of edges: the most that it allows for one line.
 const KERNEL_EDGES: u32 = 1024;
-/// Number of edges that are fetched at once.
+/// Number of edges that are read at once.
 const EDGES_AT_ONCE: usize = 64;
 
-/// The RDY line at the GPIO character device.
+/// The RDY line as a source of edges.
 pub struct GpioEdges {
     request: Request,
     name: String,
@@ -45,11 +45,11 @@ impl GpioEdges {
         Ok(Self { request, name: format!("{} line {line}", chip.display()), buffer, first_ns: None, last_ns: 0 })
     }
 
-    /// The newest edge in the kernel's queue. Its number counts all edges, dropped ones included.
+    /// Returns the newest edge in the kernel's queue. Its number counts all edges, also dropped ones.
     fn newest(&mut self) -> Result<Option<Edge>> {
         let size = self.request.edge_event_u64_size();
         let mut newest = None;
-        // at most as many as the kernel keeps; new edges that come meanwhile can wait
+        // reads one full queue at most; edges that arrive meanwhile can wait
         for _ in 0..KERNEL_EDGES as usize / EDGES_AT_ONCE {
             let words = self.request.read_edge_events_into_slice(&mut self.buffer)?;
             if let Some(last) = words.checked_sub(size) {
@@ -86,7 +86,7 @@ impl Edges for GpioEdges {
     }
 }
 
-/// A line that drives the self-test pins, inactive at first. The kernel releases it when the program ends.
+/// An output line to the self-test pins, initially inactive. The kernel releases it when the program ends.
 pub struct GpioOutput {
     request: Request,
     line: u32,
@@ -144,7 +144,7 @@ fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error 
     anyhow::Error::new(error).context(UserError::new(cause, remedy))
 }
 
-/// The error number of the system.
+/// The operating system's error number.
 pub fn errno(error: &gpiocdev::Error) -> Option<Errno> {
     match error {
         gpiocdev::Error::Os(errno) | gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => {

@@ -1,8 +1,9 @@
-//! One thread reads a device for all readers.
+//! One thread reads a device and distributes the samples to all readers.
 //!
-//! A reader that must have every sample (a recorder, the procedure) subscribes to [`LosslessReader`], and the thread
-//! waits for it. Samples that are lost meanwhile are lost in front of the thread, and later samples count them. The
-//! thread never waits for a [`Watcher`]. It misses samples for which its queue has no room, and learns their number.
+//! A reader that needs every sample (a recorder, the procedure) uses a [`LosslessReader`], for which the thread
+//! waits. If that takes too long, samples are lost before they reach the thread, and later samples count them. The
+//! thread never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and is told their
+//! number.
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
@@ -19,29 +20,29 @@ use std::vec::IntoIter;
 use zerorate_record::admission::Admission;
 use zerorate_record::{CaptureWarning, Row};
 
-/// Largest number of samples of a batch: 0.7 s at the full rate.
+/// Largest number of samples in a batch: 0.7 s at the full rate.
 const BATCH: usize = 4096;
-/// Longest wall time of a batch, if part time follows it. A watcher sees samples this late.
+/// Longest wall-clock time of a batch of a live device. It limits the delay of a watcher's samples.
 const LIVE_BATCH: Duration = Duration::from_millis(20);
-/// Number of batches that wait for a reader of every sample.
+/// Number of batches that can wait for a lossless reader.
 const QUEUE: usize = 16;
 
 /// Consecutive samples.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// The samples in order of time, as a capture may hold them.
+    /// The samples in order of time, checked so that a capture can hold them.
     pub rows: Vec<Row>,
-    /// The warnings since the batch before.
+    /// The warnings since the previous batch.
     pub notes: Vec<SourceWarning>,
-    /// The warnings about the times of all samples so far.
+    /// The warnings about the timestamps of all samples so far.
     pub doubts: Vec<CaptureWarning>,
-    /// Losses between the part and here, since the beginning.
+    /// Losses between the part and this thread, since the start.
     pub losses: Losses,
-    /// The twin's truth for each axis after the last sample.
+    /// The twin's true state of each axis after the last sample.
     pub truths: Vec<Truth>,
 }
 
-/// Reads a device in a thread of its own.
+/// A thread that reads a device.
 #[derive(Debug)]
 pub struct Hub {
     facts: DeviceInfo,
@@ -54,22 +55,22 @@ pub struct Hub {
     thread: Option<JoinHandle<()>>,
 }
 
-/// A reader that gets every sample: the thread waits for it.
+/// A subscription to every sample. The thread waits for its reader.
 #[derive(Debug)]
 pub struct LosslessReader(Receiver<BatchResult>);
 
-/// A reader that may miss samples: the thread never waits for it.
+/// A subscription that may miss samples. The thread never waits for its reader.
 #[derive(Debug)]
 pub struct Watcher(Receiver<WatchedBatch>);
 
-/// The samples that a watcher gets, and the number of samples that it missed.
+/// A batch for a watcher, with the number of samples that it missed before.
 #[derive(Clone, Debug)]
 pub struct WatchedBatch {
     /// The samples.
     pub batch: Arc<Batch>,
-    /// Number of samples that were dropped before this batch.
+    /// Number of samples that were dropped before this batch because the queue was full.
     pub missed: u64,
-    /// Number of samples that were lost in front of the hub before the dropped ones. No other count has them.
+    /// Number of samples that the device had lost before the dropped ones. It is in addition to all other counts.
     pub lost: u64,
 }
 
@@ -97,7 +98,7 @@ impl<T> Poll<T> {
     }
 }
 
-/// The error that ended the reading, if it failed.
+/// The error that ended the reading; `None` without an error.
 type Failure = Arc<Mutex<Option<DeviceError>>>;
 
 type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
@@ -110,15 +111,15 @@ enum Subscriber {
 
 type Work = Box<dyn FnOnce(&mut dyn Source) + Send>;
 
-/// Work for the thread before it reads samples.
+/// A request to the thread before it reads samples.
 enum Request {
     Do(Work),
     Read { marks_ns: Vec<u64> },
 }
 
 impl Hub {
-    /// Opens the device in a thread of its own, and sends nothing to the part yet. `stop` ends the reading as if the
-    /// recording ended there.
+    /// Opens the device in a new thread. Nothing is sent to the part yet. `stop` ends the reading as if a recording
+    /// ended there.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -127,7 +128,7 @@ impl Hub {
         Self::start(move || spec.open(&setup, &inner), stop)
     }
 
-    /// Starts a hub for a source that `open` makes in the thread, so it need not be `Send`.
+    /// Starts a hub for the source that `open` returns. It is made in the thread, so it need not be `Send`.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -169,13 +170,14 @@ impl Hub {
         &self.stop
     }
 
-    /// The speed of simulated or recorded time. [`Hub::read`] sets it; from then on it may change at any time.
+    /// The speed of simulated or replayed time. [`Hub::read`] sets it first; afterwards it may be changed at any
+    /// time.
     #[must_use]
     pub fn speed(&self) -> &Speed {
         &self.speed
     }
 
-    /// The error that ended the samples, if the device cannot be read any more.
+    /// The error that ended the samples; `None` if the device did not fail.
     #[must_use]
     pub fn failure(&self) -> Option<DeviceError> {
         lock(&self.failure).as_ref().map(DeviceError::again)
@@ -203,7 +205,7 @@ impl Hub {
         LosslessReader(batches)
     }
 
-    /// Subscribes from now on to the samples that fit into a queue of this many batches.
+    /// Subscribes to samples from now on. The queue holds this many batches; samples that do not fit are missed.
     #[must_use]
     pub fn watch(&self, queue: usize) -> Watcher {
         let (queue, batches) = sync_channel(queue.max(1));
@@ -215,8 +217,8 @@ impl Hub {
         lock(&self.subscribers).push(subscriber);
     }
 
-    /// Begins to read samples. A batch ends at the first sample after each of `marks_ns`: times since the very first
-    /// sample, in ascending order. The truth of the batch then belongs to that sample.
+    /// Starts reading samples. A batch ends at the first sample after each of `marks_ns`: times since the first
+    /// sample, ascending. The `truths` of that batch belong to that sample.
     ///
     /// # Errors
     /// Returns an error if the thread has ended.
@@ -245,15 +247,15 @@ fn died() -> anyhow::Error {
 }
 
 impl LosslessReader {
-    /// Waits for the next samples. `None` at the end of a recording, and when the reading was stopped.
+    /// Waits for the next batch. `None` at the end of a recording or after a stop.
     ///
     /// # Errors
-    /// Returns an error if the device cannot be read any more.
+    /// Returns an error if reading the device failed.
     pub fn next(&self) -> Result<Option<Arc<Batch>>> {
         self.0.recv().map_or(Ok(None), |given| given.map(Some))
     }
 
-    /// Waits for the next samples, for `patience` at most.
+    /// Waits for the next batch, for `patience` at most.
     ///
     /// # Errors
     /// Returns the errors of [`LosslessReader::next`].
@@ -267,13 +269,14 @@ impl LosslessReader {
 }
 
 impl Watcher {
-    /// Waits for the next samples. `None` at the end; [`Hub::failure`] has the reason.
+    /// Waits for the next batch. `None` at the end; [`Hub::failure`] tells whether an error was the reason.
     #[must_use]
     pub fn next(&self) -> Option<WatchedBatch> {
         self.0.recv().ok()
     }
 
-    /// Waits for the next samples, for `patience` at most. After the end [`Hub::failure`] has the reason.
+    /// Waits for the next batch, for `patience` at most. After the end, [`Hub::failure`] tells whether an error was
+    /// the reason.
     #[must_use]
     pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         Poll::of(self.0.recv_timeout(patience))
@@ -282,21 +285,22 @@ impl Watcher {
 
 /// Collects rows into batches.
 struct BatchBuilder {
-    /// The clock of simulated or recorded time.
+    /// The wall clock that paces simulated or replayed time; `None` for a real device.
     clock: Option<WallClock>,
-    /// Times since the first row at which batches must end.
+    /// Times since the first row at which a batch must end, ns.
     marks: Peekable<IntoIter<u64>>,
     admission: Admission,
     start_ns: Option<u64>,
 }
 
 impl BatchBuilder {
-    /// Longest part time of a batch, ns; `None` if time stands still while nobody reads.
+    /// Longest duration of a batch in the part's time, ns; `None` if the part's time is not paced.
     fn longest_ns(&self) -> Option<u64> {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
     }
 
-    /// Fills a batch until it is large, late or at a mark. Otherwise returns how the reading ended.
+    /// Fills a batch until it is full, long enough or marked; returns `None` then. Otherwise returns how the reading
+    /// ended.
     fn fill(&mut self, batch: &mut Batch, source: &mut dyn Source, is_over: impl Fn() -> bool) -> Option<Result<()>> {
         let longest_ns = self.longest_ns().unwrap_or(u64::MAX);
         loop {
@@ -320,14 +324,14 @@ impl BatchBuilder {
     }
 }
 
-/// The state of the thread.
+/// The thread's state.
 struct Worker {
     subscribers: Subscribers,
     speed: Speed,
     failure: Failure,
-    /// Asked when the reading should end.
+    /// Requests the end of the reading.
     stop: Stop,
-    /// Asked when the hub is gone.
+    /// Set when the hub was dropped.
     ended: Stop,
 }
 
@@ -371,10 +375,10 @@ impl Worker {
         self.stop.asked() || self.ended.asked()
     }
 
-    /// Returns false if there are no subscribers.
+    /// Sends a batch to all subscribers. Returns false if there are none left.
     fn give(&self, batch: Batch) -> bool {
         let batch = Arc::new(batch);
-        // wait for readers that must have everything, but not while new subscribers wait for the lock
+        // waits for lossless readers without the lock, so that new subscribers need not wait
         let mut subscribers = std::mem::take(&mut *lock(&self.subscribers));
         subscribers.retain_mut(|subscriber| subscriber.give(&batch, &self.ended));
         let mut all = lock(&self.subscribers);
@@ -383,7 +387,7 @@ impl Worker {
         !all.is_empty()
     }
 
-    /// Sends the error to readers of every sample. Watchers may ask the hub.
+    /// Sends the error to lossless readers. Watchers can ask the hub.
     fn fail(&self, error: &DeviceError) {
         *lock(&self.failure) = Some(error.again());
         for subscriber in std::mem::take(&mut *lock(&self.subscribers)) {
@@ -394,7 +398,7 @@ impl Worker {
     }
 }
 
-/// Waits until the queue has room. Returns false if the reader or the hub is gone.
+/// Waits until the queue has space and sends. Returns false if the reader or the hub is gone.
 fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &Stop) -> bool {
     let mut given = given;
     loop {
@@ -407,11 +411,11 @@ fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &St
     }
 }
 
-/// Time to sleep while a queue is full: short compared with the samples in the queue.
+/// Sleep between attempts while a queue is full: short compared with the samples in the queue.
 const FULL_QUEUE: Duration = Duration::from_micros(200);
 
 impl Subscriber {
-    /// Returns false once the subscriber is gone.
+    /// Sends a batch. Returns false if the subscriber is gone.
     fn give(&mut self, batch: &Arc<Batch>, ended: &Stop) -> bool {
         match self {
             Self::LosslessReader(queue) => wait_for_room(queue, Ok(Arc::clone(batch)), ended),
@@ -430,7 +434,7 @@ impl Subscriber {
     }
 }
 
-/// The next sample that a capture may hold.
+/// Reads the next sample that is valid for a capture.
 #[inline]
 fn admitted(source: &mut dyn Source, admission: &mut Admission) -> Result<Option<Row>> {
     while let Some(row) = source.next()? {

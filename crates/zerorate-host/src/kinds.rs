@@ -17,14 +17,14 @@ use crate::{iio::IioAddress, spi::SpiAddress};
 /// A kind of device.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// Start of the addresses of this kind, before the colon.
+    /// The prefix of the addresses, before the colon.
     pub name: &'static str,
-    /// The form of the addresses.
+    /// The syntax of the addresses.
     pub form: &'static str,
     parse: fn(&str) -> ParseResult,
 }
 
-/// All kinds of devices. A new kind is a file with its address and its source, and a row here.
+/// All kinds of devices. To add a kind, add a file with its address and its source, and a row here.
 pub const KINDS: &[Kind] = &[
     Kind { name: "twin", form: "twin:, twin:KEY=VALUE,…", parse: TwinAddress::parse },
     Kind { name: "replay", form: "replay:FILE", parse: ReplayAddress::parse },
@@ -50,7 +50,7 @@ fn only_linux(_: &str) -> ParseResult {
 /// The device that `--device` names.
 #[derive(Clone, Debug)]
 pub struct DeviceSpec {
-    /// The text as it was given.
+    /// The address as the user wrote it.
     text: String,
     address: Arc<dyn Address>,
 }
@@ -62,19 +62,19 @@ impl DeviceSpec {
         Self { text: format!("replay:{}", path.display()), address: Arc::new(ReplayAddress { path }) }
     }
 
-    /// The file that is read, if the device is a recording.
+    /// The path of the recording; `None` for any other device.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         self.address.file()
     }
 
-    /// Whether the device is a simulated part, which takes the air of its [`Setup`].
+    /// Whether the device is simulated and follows the ambient temperature of its [`Setup`].
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         self.address.is_simulated()
     }
 
-    /// Opens the device, and sends nothing to the part yet. `stop` ends every long wait.
+    /// Opens the device. Nothing is sent to the part yet. `stop` ends every long wait.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -104,7 +104,7 @@ impl FromStr for DeviceSpec {
     }
 }
 
-/// The address that was probably meant, if the kind of device is missing before a port, a bus or a host.
+/// Suggests the full address if the user left out the kind before a port, a bus or a host.
 fn meant(text: &str) -> Option<String> {
     let is_number = |text: &str| text.parse::<u16>().is_ok();
     let ports = ["/dev/tty", "/dev/cu.", "/dev/serial/", "/dev/rfcomm"];
@@ -119,7 +119,7 @@ fn meant(text: &str) -> Option<String> {
         return Some(format!("iio:{name}"));
     }
     let (host, port) = text.rsplit_once(':')?;
-    // `usb:1` is an unknown kind; a host has a dot or is this computer
+    // a host has a dot or is this computer; `usb:1` is an unknown kind
     let is_host = host == "localhost" || host.contains('.');
     (is_host && is_number(port)).then(|| format!("tcp:{text}"))
 }

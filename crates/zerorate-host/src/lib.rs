@@ -1,7 +1,8 @@
-//! Gyroscopes at a computer: the device that `--device` names, and the [`Hub`] that reads it for all readers.
+//! Reads gyroscopes that are connected to a computer. `--device` names the device, and the [`Hub`] reads it for all
+//! readers.
 //!
-//! This crate has no argument parser, no output and no global state. All messages are values, and a [`Stop`] ends the
-//! work that it was given to.
+//! This crate has no argument parser, no output and no global state. All messages are values, and a [`Stop`] ends
+//! the work that received it.
 
 #![deny(clippy::print_stderr, clippy::print_stdout, reason = "what there is to say comes as values")]
 
@@ -51,5 +52,5 @@ pub use source::{Bus, DeviceInfo, Losses, Registers, Sampling, Setup, Source};
 pub use stop::Stop;
 pub use warning::SourceWarning;
 
-/// The result of an operation that may fail at a device.
+/// The result of an operation with a device.
 pub type Result<T, E = DeviceError> = std::result::Result<T, E>;

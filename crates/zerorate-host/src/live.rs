@@ -1,4 +1,4 @@
-//! A part that is read as it converts: the driver, and a source of edges of its data-ready line.
+//! Reads a part while it converts, through its driver and a source of data-ready edges.
 
 use crate::Stop;
 use crate::edges::Edges;
@@ -15,7 +15,7 @@ use embedded_hal::spi::SpiDevice;
 use std::cell::RefCell;
 use std::fmt::Debug;
 
-/// The driver with its edges and the count of losses.
+/// The driver with its source of edges and the sampler that counts losses.
 pub struct Live<S, E> {
     part: Adis16130<S, ()>,
     pub edges: E,
@@ -24,29 +24,30 @@ pub struct Live<S, E> {
     sampler: Sampler,
     mclk_hz: u32,
     stop: Stop,
-    /// Time of the last sample, if there was one since the initialisation.
+    /// Time of the last sample since the initialisation, ns; `None` before the first.
     alive_ns: Option<u64>,
 }
 
-/// SPI clocks that are tried, Hz, up to the part's fastest (F-21).
+/// SPI clocks that are tested, Hz, up to the part's fastest (F-21).
 const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_000, 8_000_000, MAX_SCLK_HZ];
-/// Whole configurations that must be read back correctly at each clock.
+/// Number of times that the whole configuration must be read back correctly at each clock.
 const READ_BACKS: u32 = 20;
 
-/// Number of samples at each level of the self-test: batches of 64, which are long against the bandwidth (F-03).
+/// Number of samples with the self-test on, and with it off: batches of 64, which are long compared with the
+/// bandwidth (F-03).
 const SELF_TEST_SAMPLES: u16 = 1024;
 
-/// A silence of this length without a data-ready edge is a failure.
+/// Time without a sample that is an error, ns.
 const SILENCE_NS: u64 = 1_000_000_000;
 
-/// Length of that silence in periods of the part, for a part with a slow clock.
+/// The same time in sample periods, for a part with a slow clock.
 const SILENT_PERIODS: f64 = 20.0;
 
-/// Time in which an initialised part shows many edges (F-32).
+/// Time in which an initialised part produces many edges (F-32), ns.
 const SIGN_OF_LIFE_NS: u64 = 100_000_000;
 
 impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
-    /// Makes a part whose master clock is nominally `mclk_hz`. Sends nothing.
+    /// A part whose master clock is nominally `mclk_hz`. Sends nothing to the part.
     pub fn new(spi: S, edges: E, config: Config, sampling: SamplerConfig, mclk_hz: u32, stop: &Stop) -> Self {
         let part = Adis16130::new(spi, (), config);
         let sampler = Sampler::new(sampling, &config, mclk_hz);
@@ -72,8 +73,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(self.part.revision()?.bits())
     }
 
-    /// The fastest of some clocks at which, as at all slower ones, the configuration reads back right. `set` sets a
-    /// clock and returns the clock that was set, Hz.
+    /// Finds the fastest tested clock at which, as at all slower ones, the configuration reads back correctly. `set`
+    /// sets a clock and returns the actual clock, Hz.
     pub fn fastest_clean_hz(&mut self, mut set: impl FnMut(u32) -> Result<u32>) -> Result<Option<u32>> {
         let mut fastest = None;
         for hz in CLOCKS_HZ {
@@ -90,14 +91,14 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(fastest)
     }
 
-    /// Measures the change of the rate under self-test (F-11). The pin is released in every case, also with Ctrl-C.
+    /// Measures the change of the rate under self-test (F-11). The pin is released in any case, also after Ctrl-C.
     /// Leaves the part configured.
     pub fn self_test<P>(&mut self, pin: &mut P) -> Result<SelfTest>
     where
         P: OutputPin<Error: Debug + Send + Sync + 'static>,
     {
         let edges = RefCell::new(&mut self.edges);
-        // for either edge: RDY is observed as edges
+        // any edge setting works here, because RDY is observed as edges
         let config = self.config.with_rdy_edge(RdyEdge::Falling);
         let mut part = Adis16130::new(self.part.bus_mut(), Ready { edges: &edges, stop: &self.stop }, config);
         part.reset()?;
@@ -107,7 +108,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(tested)
     }
 
-    /// Reads a register this many times.
+    /// Reads a register this many times, to be timed.
     pub fn read_often(&mut self, times: u32) -> Result<()> {
         for _ in 0..times {
             self.part.adc_status()?;
@@ -115,12 +116,12 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(())
     }
 
-    /// Reads all registers. The edge at which they are read gives no sample.
+    /// Reads all registers. This uses up one edge, which gives no sample.
     pub fn registers(&mut self) -> Result<Registers> {
         Ok(Registers { config: self.config, values: self.part.read_all()?.to_vec() })
     }
 
-    /// The next sample.
+    /// Reads the next sample.
     #[inline]
     pub fn next(&mut self) -> Result<Sample> {
         loop {
@@ -138,7 +139,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         }
     }
 
-    /// Counts a failed read whose cause is gone as a lost sample. Any other error ends the measurement.
+    /// Counts a failed read as a lost sample if the cause was temporary. Any other error is returned.
     #[cold]
     fn require_transient(&mut self, error: SampleError<S::Error>, now_ns: u64) -> Result<()> {
         if matches!(error, SampleError::Bus(_)) && self.is_alive(now_ns) {
@@ -154,29 +155,30 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         }
     }
 
-    /// Checks whether the part lives if edges bring no new data: the part may be gone, and its line floating.
+    /// Returns an error if there are edges but no new samples for long: the part may be gone and its RDY line
+    /// floating.
     #[inline]
     fn require_alive(&mut self, now_ns: u64) -> Result<()> {
         if self.is_alive(now_ns) { Ok(()) } else { Err(self.why_silent()) }
     }
 
-    /// Whether a sample came recently. The first edge after an initialisation counts as a sample.
+    /// Whether there was a sample recently. The first edge after an initialisation counts as a sample.
     fn is_alive(&mut self, now_ns: u64) -> bool {
         let alive_ns = *self.alive_ns.get_or_insert(now_ns);
         now_ns.saturating_sub(alive_ns) < self.silence_ns()
     }
 
-    /// Time without a sample that is a failure, ns.
+    /// Time without a sample that is an error, ns.
     pub fn silence_ns(&self) -> u64 {
         let edges = u64::from(self.sampling.divider.max(1)) * u64::from(self.sampling.divided.max(1));
-        // 1024 edges at 11.4 kHz are 0.09 s, so this is ten times the time from one sample to the next
+        // 1024 edges at 11.4 kHz take 0.09 s, so this is more than ten times the sample period
         let nominal_ns = SILENCE_NS * (1 + edges / 1024);
         let (rate, temp) = self.config.conversion_cycles();
         let period_ns = f64::from(rate + temp) * 1e9 / f64::from(self.mclk_hz);
         nominal_ns.max((SILENT_PERIODS * period_ns * edges as f64) as u64)
     }
 
-    /// The fault that the part shows if no sample came in time.
+    /// The error if no sample came in time, with the part's diagnosis.
     #[cold]
     pub fn why_silent(&mut self) -> anyhow::Error {
         let fault = match self.part.diagnose() {

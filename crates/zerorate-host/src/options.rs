@@ -1,18 +1,18 @@
-//! Options in the addresses of devices: `/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000`.
+//! Parses the options in device addresses: `/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000`.
 
 use adis16130::{Config, ConversionTime, Framing, MAX_SCLK_HZ, RdyEdge, Width};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use zerorate::Axis;
 
-/// The options of an address for the part itself, on any connection.
+/// Options of an address about the part itself, for any kind of connection.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PartOptions {
     /// Configuration of the part, and the edge of its data-ready line.
     pub config: Config,
-    /// Number N of a counter in the line, which lets every N-th edge of RDY through (F-56).
+    /// The divisor N of a counter in the RDY line, which passes every N-th edge (F-56); 1 without a counter.
     pub divided: u16,
-    /// −3 dB frequency of the rate, Hz, if it is not the part's own (F-04).
+    /// −3 dB bandwidth of the rate, Hz, if it differs from the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
 }
 
@@ -25,26 +25,27 @@ pub fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     (name, options.split('&').filter(|option| !option.is_empty()))
 }
 
-/// The options that [`PartOptions::with`] knows, in words.
+/// Describes the options that [`PartOptions::with`] accepts.
 pub const PART_OPTIONS: &str = "framing=command|byte (F-22), width=24|16, fw=RATE or fw=RATE:TEMP (F-31), chop=0|1, \
      edge=falling|rising (F-32), divided=N (a counter passes every N-th edge, F-56), roa=none|10nf or \
      bandwidth_hz=HZ (F-04)";
-/// Filter words fit into seven bits.
+/// Allowed filter words, which have seven bits.
 const FW_RANGE: RangeInclusive<u32> = 0..=0x7F;
 const DIVIDED_RANGE: RangeInclusive<u32> = 1..=u16::MAX as u32;
 
 impl PartOptions {
-    /// The options that the note prescribes (F-22, F-30), without a counter in the line of RDY.
+    /// The settings of the application note (F-22, F-30), without a counter in the RDY line.
     pub const fn new() -> Self {
         Self { config: Config::new(), divided: 1, bandwidth_hz: None }
     }
 
-    /// The options of a host that cannot keep the note's framing at the full rate: CS low for a whole command (F-22).
+    /// Settings for a host that cannot use the note's framing at the full rate: CS stays low for a whole command
+    /// (F-22).
     pub const fn of_host() -> Self {
         Self { config: Config::new().with_framing(Framing::Command), ..Self::new() }
     }
 
-    /// Applies an option. `None` if the part has no such option.
+    /// Applies an option of an address. `None` if it is not an option of the part.
     pub fn with(self, option: &str) -> Result<Option<Self>, String> {
         if let Some(text) = option.strip_prefix("divided=") {
             let divided = number("divided", text, DIVIDED_RANGE)? as u16;
@@ -57,7 +58,7 @@ impl PartOptions {
     }
 }
 
-/// The bandwidth that an option sets, Hz, or `Some(None)` for the part's own. `None` if the option does not set it.
+/// The bandwidth that an option sets, Hz; `Some(None)` means the part's own. `None` if it is another option.
 pub fn bandwidth(option: &str) -> Result<Option<Option<f64>>, String> {
     match option.split_once('=') {
         Some(("roa", "none")) => Ok(Some(None)),
@@ -102,7 +103,7 @@ fn with_conversions(config: Config, change: impl Fn(ConversionTime) -> Conversio
     config.with_rate_conversion(rate).with_temp_conversion(temp)
 }
 
-/// Parses `gpiochip0:25` or `/dev/gpiochip0:25`.
+/// Parses a GPIO line: `gpiochip0:25` or `/dev/gpiochip0:25`.
 pub fn gpio_line(text: &str) -> Result<(PathBuf, u32), String> {
     let parts = text.rsplit_once(':').and_then(|(chip, line)| Some((chip, line.parse().ok()?)));
     let (chip, line) = parts

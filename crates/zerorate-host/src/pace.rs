@@ -1,21 +1,21 @@
-//! The speed of simulated or recorded time.
+//! Controls the speed of simulated or replayed time.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The speed of simulated or recorded time when reading begins.
+/// The initial speed of simulated or replayed time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// As fast as samples are taken.
+    /// As fast as the reader accepts samples.
     Free,
     /// No faster than the wall clock.
     RealTime,
 }
 
 impl Pace {
-    /// The pace as a [`Speed`].
+    /// The pace as a factor for [`Speed`].
     pub(crate) fn factor(self) -> f64 {
         match self {
             Self::Free => 0.0,
@@ -24,29 +24,29 @@ impl Pace {
     }
 }
 
-/// The speed of simulated or recorded time, as a multiple of the wall clock; 0 means as fast as samples are taken. All
-/// clones share one speed, which may change at any time.
+/// The speed of simulated or replayed time, as a multiple of real time; 0 means as fast as the reader accepts
+/// samples. Clones share one speed, which may change at any time.
 #[derive(Clone, Debug)]
 pub struct Speed(Arc<AtomicU64>);
 
 impl Default for Speed {
-    /// The speed 0: as fast as samples are taken.
+    /// The speed 0: as fast as the reader accepts samples.
     fn default() -> Self {
         Self(Arc::new(AtomicU64::new(0.0f64.to_bits())))
     }
 }
 
 impl Speed {
-    /// The largest factor.
+    /// The largest speed.
     pub const MOST: f64 = 1000.0;
 
-    /// Sets the factor, limited to 0 … [`Speed::MOST`].
+    /// Sets the speed, limited to 0 … [`Speed::MOST`].
     pub fn set(&self, factor: f64) {
         let factor = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::MOST) };
         self.0.store(factor.to_bits(), Ordering::Relaxed);
     }
 
-    /// The factor.
+    /// The speed.
     #[inline]
     #[must_use]
     pub fn factor(&self) -> f64 {
@@ -60,9 +60,9 @@ impl Speed {
     }
 }
 
-/// The clock that limits part time.
+/// A clock that paces simulated or replayed time.
 pub(crate) trait Clock {
-    /// Time since an arbitrary moment.
+    /// Time since an arbitrary origin.
     fn now(&self) -> Duration;
 
     /// Waits for this time.
@@ -82,20 +82,21 @@ impl Clock for Monotonic {
     }
 }
 
-/// Keeps part time from running ahead of the wall clock. It checks the clock once per [`PACE`] of wall time.
+/// Keeps the part's time from running ahead of the wall clock. It checks the clock every [`PACE`] of wall-clock
+/// time.
 pub(crate) struct WallClock<C = Monotonic> {
     clock: C,
     speed: Speed,
-    /// The bits of the speed since `started`.
+    /// The bits of the speed that has applied since `started`.
     bits: u64,
-    /// Wall time and part time, ns, when this speed began.
+    /// Wall-clock time and the part's time, ns, when this speed was set.
     started: Option<(Duration, u64)>,
     due_ns: u64,
 }
 
 /// Time between two checks of the clock.
 const PACE: Duration = Duration::from_millis(10);
-/// Longest time until a stop or a faster speed takes effect.
+/// Longest delay until a stop or a higher speed takes effect.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 
 impl WallClock {
@@ -110,7 +111,7 @@ impl<C: Clock> WallClock<C> {
         Self { clock, speed, bits, started: None, due_ns: 0 }
     }
 
-    /// Part time that passes in this wall time, ns; `None` if its speed is not limited.
+    /// The part's time that passes in this wall-clock time, ns; `None` if the speed is not limited.
     pub fn part_ns(&self, wall: Duration) -> Option<u64> {
         let factor = self.speed.factor();
         (factor > 0.0).then_some((wall.as_nanos() as f64 * factor) as u64)

@@ -1,5 +1,5 @@
-//! A log of a part as rows of a capture: columns are found by the names of the axes, values become codes, and gaps
-//! become losses.
+//! Reads a part's log as rows of a capture: finds the columns by the names of the axes, converts values to codes,
+//! and counts gaps as losses.
 
 use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};
@@ -10,22 +10,22 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Largest distance of a value from a code, in codes, at which the value is the code: the rounding error of a code
-/// that was written in decimals or in a unit.
+/// The largest distance from a code, in codes, that counts as a rounding error of a code that was written as a
+/// decimal or in a unit.
 const ON_GRID: f64 = 1e-4;
 
-/// A log whose columns are the axes of a part, and its temperature.
+/// A log whose columns are the axes and the temperature of a part.
 ///
-/// Integers without a unit are codes; values with a unit become the nearest codes. A row that lacks an axis is
-/// not a reading, and counts as lost with the row after it.
+/// Integers without a unit are codes; values with a unit are rounded to codes. A row that lacks an axis is not a
+/// reading. The row after it counts it as lost.
 #[derive(Debug)]
 pub struct PartLog {
     info: CaptureInfo,
     t_ns: Vec<u64>,
-    /// Codes of each axis and of the temperature; NaN if there is none.
+    /// The codes of each axis and of the temperature; NaN if a value is missing.
     axes: Vec<Vec<f64>>,
     temps: Vec<f64>,
-    /// Readings lost before rows.
+    /// The gaps: numbers of readings that were lost before a row.
     gaps: std::iter::Peekable<std::vec::IntoIter<Gap>>,
     next_row: usize,
     edge_seq: u32,
@@ -34,12 +34,12 @@ pub struct PartLog {
 }
 
 impl PartLog {
-    /// Reads a log of any form, and checks all of it; `path` names it in messages. If neither time column nor rate is
-    /// given, the time is the only other column whose name states a unit of time, as in `t_ns`.
+    /// Reads a log in any supported format, and checks all of it. `path` names it in messages. If neither a time
+    /// column nor a rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read, it lacks an axis, the temperature, a unit or the time, or the part
-    /// cannot have made its values.
+    /// Returns an error if the file cannot be read, it lacks an axis, the temperature, a unit or the time, or the
+    /// part cannot have measured its values.
     pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
@@ -76,13 +76,13 @@ impl PartLog {
         log.checked(path)
     }
 
-    /// The description for a reader of these rows. The caller that opened the log may know more.
+    /// The description of the rows as a capture. The caller may add facts that the log does not state.
     #[must_use]
     pub fn info(&self) -> &CaptureInfo {
         &self.info
     }
 
-    /// The warnings about the log: rounded values, rows that lack a value, a missing end.
+    /// The warnings about the log: rounded values, rows with missing values, an incomplete end.
     #[must_use]
     pub fn warnings(&self) -> &[LogWarning] {
         &self.warnings
@@ -135,7 +135,7 @@ impl Iterator for PartLog {
     }
 }
 
-/// The columns of the axes, then the column of the temperature.
+/// The columns to find: the axes, then the temperature.
 fn specs(part: &Part) -> Vec<ColumnSpec> {
     let column = |what: String, stated: Option<&str>, name: &str| ColumnSpec {
         what,
@@ -147,13 +147,13 @@ fn specs(part: &Part) -> Vec<ColumnSpec> {
     part.axes.iter().map(axis).chain([temp]).collect()
 }
 
-/// The quantity from the name of a column, or from the name that the part gives.
+/// The quantity and unit from the column's name, or from the column name in the part file.
 fn stated(column: &str, spec: &ColumnSpec) -> Option<(Quantity, f64)> {
     let by_part = || spec.without_unit().and_then(|_| Quantity::of_column(&spec.name));
     Quantity::of_column(column).or_else(by_part)
 }
 
-/// The size of a step of a column in °/s, if it is stated. Only a column in such a unit is a rate.
+/// The column's unit in °/s, if it is stated. Returns an error if the unit is not one of a rate.
 fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Result<Option<f64>> {
     match stated {
         Some((Quantity::AngularRate, dps)) => Ok(Some(dps)),
@@ -172,11 +172,11 @@ fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Resu
 struct Coding<'a> {
     path: &'a Path,
     scale: Scale,
-    /// The size of a step of 1, in the unit of the scale; `None` if the column holds codes.
+    /// The column's unit in units of the scale; `None` if the column holds codes.
     unit: Option<f64>,
     /// The unit of the scale.
     name: &'static str,
-    /// Advice on how a column states its unit.
+    /// Advice on how to state the unit.
     remedy: &'static str,
 }
 

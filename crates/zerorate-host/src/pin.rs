@@ -1,4 +1,4 @@
-//! The pins for the driver's self-test, for a part whose edges come as events.
+//! Adapts the pins for the driver's self-test to a part whose RDY edges arrive as events.
 
 use crate::Stop;
 use crate::edges::Edges;
@@ -10,7 +10,7 @@ use std::fmt;
 /// Longest single wait for an edge, ns.
 const LOOK_NS: u64 = 1_000_000;
 
-/// The error of a pin that cannot be set or read.
+/// The error of a pin.
 pub struct PinError(String);
 
 impl PinError {
@@ -31,7 +31,7 @@ impl Error for PinError {
     }
 }
 
-/// RDY as a level. It is low, as after a falling edge, if an edge has come that was not read yet.
+/// The level of RDY, derived from edges: low, as after a falling edge, if there is an unread edge.
 pub struct Ready<'a, E> {
     pub edges: &'a RefCell<&'a mut E>,
     pub stop: &'a Stop,
@@ -54,7 +54,7 @@ impl<E: Edges> InputPin for Ready<'_, E> {
     }
 }
 
-/// A delay in the time of the source of the edges.
+/// A delay on the clock of the edges, which may be simulated.
 pub struct Pause<'a, E>(pub &'a RefCell<&'a mut E>);
 
 impl<E: Edges> DelayNs for Pause<'_, E> {

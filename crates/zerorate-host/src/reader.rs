@@ -1,4 +1,4 @@
-//! Samples read in a thread of their own.
+//! Reads samples in a separate thread.
 
 use adis16130::Sample;
 use anyhow::{Context, Result, anyhow};
@@ -7,26 +7,26 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread::{self, JoinHandle};
 
-/// Number of samples that can wait: 11 s at the full rate, 2.6 MB.
+/// Capacity of the queue in samples: 11 s at the full rate, 2.6 MB.
 const QUEUE: usize = 1 << 16;
 
-/// The handling of a sample for which the queue has no room.
+/// What to do with a sample when the queue is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenFull {
-    /// The sample is dropped and counted, because reading the part cannot wait.
+    /// Drop and count the sample, because reading the part cannot wait.
     Drop,
-    /// The sample waits. The sender keeps or counts samples that come meanwhile.
+    /// Wait. The sender buffers or counts the samples that come meanwhile.
     Wait,
 }
 
-/// A thread that reads samples, and their queue.
+/// A thread that reads samples into a queue.
 pub struct Reader {
     samples: Option<Receiver<Result<Sample>>>,
     overflowed: Arc<AtomicU64>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// The thread has what it reads open, so that it must have ended before another can open it.
+/// Waits for the end of the thread, because it keeps the device open and nobody else can open it before.
 impl Drop for Reader {
     fn drop(&mut self) {
         self.samples = None;
@@ -35,8 +35,8 @@ impl Drop for Reader {
 }
 
 impl Reader {
-    /// Starts to read with `next`, after `prepare` in the same thread. The thread ends with the first error, or when
-    /// the reader is dropped.
+    /// Starts reading with `next`, after calling `prepare` in the same thread. The thread ends with the first error,
+    /// or when the reader is dropped.
     pub fn start(
         when_full: WhenFull,
         prepare: impl FnOnce() + Send + 'static,
@@ -69,7 +69,7 @@ impl Reader {
         sample.unwrap_or_else(|| Err(anyhow!("the reading thread has ended")))
     }
 
-    /// Number of samples that found the queue full. The sample after them counts them as lost.
+    /// Number of samples that were dropped because the queue was full. The next sample counts them as lost.
     pub fn overflowed(&self) -> u64 {
         self.overflowed.load(Ordering::Relaxed)
     }
@@ -80,7 +80,7 @@ struct Feeder {
     queue: SyncSender<Result<Sample>>,
     when_full: WhenFull,
     overflowed: Arc<AtomicU64>,
-    /// Number of lost samples that no sample has reported yet.
+    /// Number of dropped samples that no sample has reported yet.
     owed: u32,
 }
 
@@ -94,7 +94,7 @@ impl Feeder {
                     }
                 }
                 Err(error) => {
-                    // the end may wait for room: nothing is read any more
+                    // blocking is fine here: nothing else will be read
                     let _ = self.queue.send(Err(error));
                     return;
                 }
@@ -102,7 +102,7 @@ impl Feeder {
         }
     }
 
-    /// Returns false if nobody takes samples any more.
+    /// Sends a sample. Returns false if the receiver is gone.
     fn offer(&mut self, mut sample: Sample) -> bool {
         sample.lost = sample.lost.saturating_add(self.owed);
         if self.when_full == WhenFull::Wait {

@@ -1,4 +1,4 @@
-//! A recording in place of a part.
+//! Replays a recording as a device.
 
 use crate::address::{Address, ParseResult};
 use crate::error::UserError;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use zerorate::{Part, Setting};
 use zerorate_record::Row;
 
-/// The address `replay:FILE`, for a file of any name.
+/// The address `replay:FILE`, where FILE may have any name.
 #[derive(Clone, Debug)]
 pub struct ReplayAddress {
     pub path: PathBuf,

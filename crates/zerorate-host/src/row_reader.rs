@@ -1,4 +1,4 @@
-//! Rows of a part, from a recording of any form.
+//! Reads rows of samples from a recording in any supported format.
 
 use crate::PartLog;
 use crate::warning::of_capture;
@@ -9,17 +9,17 @@ use zerorate_input::{Input, InputError};
 use zerorate_logs::{ColumnOptions, LogError, LogWarning};
 use zerorate_record::{CaptureError, CaptureInfo, CaptureReader, Row};
 
-/// Reads the rows of a capture, or of the log of a part.
+/// A reader of rows, from a capture or from a part's log.
 pub enum RowReader {
-    /// A capture, which describes itself.
+    /// A capture, which describes its part.
     Capture(Box<CaptureReader>),
-    /// The log of a part that was described by the user.
+    /// A log of a part that the user described.
     Log(Box<PartLog>),
 }
 
 impl RowReader {
-    /// Opens a capture as such, and any other file as a log of `part`, if one is given. `path` names the file in
-    /// messages. `args` are for logs alone.
+    /// Opens a capture, or else a log of `part` if one is given. `path` names the file in messages. `args` are for
+    /// logs only.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or is damaged, or if it is not a capture and no part is given.
@@ -50,7 +50,7 @@ impl RowReader {
         }
     }
 
-    /// The warnings, once all rows were read.
+    /// The warnings, complete after all rows were read.
     #[must_use]
     pub fn warnings(&self) -> Vec<LogWarning> {
         match self {

@@ -1,4 +1,4 @@
-//! The interface of every kind of device.
+//! The interface that every kind of device implements.
 
 use crate::Result;
 use crate::chamber::AmbientProfile;
@@ -13,17 +13,17 @@ use zerorate::calibration::Notes;
 use zerorate::{Part, Setting, SettingNames};
 use zerorate_record::{CaptureInfo, Converter, Row};
 
-/// The sampling of a part. For a recording it is already decided.
+/// The requested sampling of a part. It does not apply to recordings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sampling {
-    /// Temperature with every N-th rate sample (F-55); `None`: with each.
+    /// Read the temperature with every N-th rate sample (F-55); `None` reads it with each.
     pub every_temp: Option<u16>,
-    /// Read on every N-th edge that is seen (F-56); `None`: on each.
+    /// Read on every N-th visible edge (F-56); `None` reads on each.
     pub divider: Option<u16>,
 }
 
 impl Sampling {
-    /// The configuration of the driver, behind a counter that lets every `divided`-th edge through.
+    /// The driver's configuration, with a counter in the RDY line that passes every `divided`-th edge.
     pub(crate) fn config(self, divided: u16) -> SamplerConfig {
         SamplerConfig::new()
             .with_every_temp(self.every_temp.unwrap_or(1))
@@ -37,11 +37,11 @@ impl Sampling {
 pub struct Setup {
     /// The sampling.
     pub sampling: Sampling,
-    /// The known facts about the part; `None`: an ADIS16130, or the part that a recording states.
+    /// The known facts about the part; `None` for an ADIS16130, or the part that a recording states.
     pub part: Option<Part>,
-    /// The temperature around a simulated part; `None`: as its address says.
+    /// The ambient temperature of a simulated part; `None` uses its address.
     pub ambient: Option<AmbientProfile>,
-    /// The names that the front end uses for the settings, for errors.
+    /// The front end's names for the settings, for error messages.
     pub names: SettingNames,
 }
 
@@ -51,18 +51,18 @@ impl Default for Setup {
     }
 }
 
-/// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in the thread that reads it.
+/// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in its own thread.
 pub trait Source {
     /// The facts that do not change while the device is read.
     fn facts(&self) -> DeviceInfo;
 
-    /// Resets the part, initialises it, and reads everything back. Returns the revision. A recording has none, and the
-    /// kernel's drivers do not tell it.
+    /// Resets the part, initialises it, and reads everything back. Returns the revision, or `None` if it is unknown,
+    /// as for a recording or a kernel driver.
     fn initialise(&mut self) -> Result<Option<u8>> {
         Ok(None)
     }
 
-    /// The next sample; `None` at the end of a recording.
+    /// Returns the next sample; `None` at the end of a recording.
     fn next(&mut self) -> Result<Option<Row>>;
 
     /// Tests the bus, if there is one, and leaves the part configured. Call it before the first sample.
@@ -70,31 +70,31 @@ pub trait Source {
         Ok(None)
     }
 
-    /// The registers of the part, if it has some and we can read them; for several parts, the registers of the first.
-    /// Call it before the first sample.
+    /// Reads the registers of the part, if it has registers and they are accessible. With several parts, those of
+    /// the first. Call it before the first sample.
     fn registers(&mut self) -> Result<Option<Registers>> {
         Ok(None)
     }
 
-    /// Measures the change of the rate under self-test (F-11). `gpio` is the line of the self-test pins, if this host
-    /// has one. Call it before the first sample. Errors call settings by `names`.
+    /// Measures the change of the rate under self-test (F-11). `gpio` is the line of the self-test pins, if this
+    /// host drives them. Call it before the first sample. Error messages use `names` for the settings.
     fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let _ = gpio;
         let option = names(Setting::SelfTest);
         Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())
     }
 
-    /// Losses between the part and this program.
+    /// Samples lost between the part and this program.
     fn losses(&self) -> Losses {
         Losses::default()
     }
 
-    /// The twin's truth about its slow bias now, for each axis; empty for a part that is not a twin.
+    /// The twin's true state for each axis, now; empty if the part is not a twin.
     fn truths(&self) -> Vec<Truth> {
         Vec::new()
     }
 
-    /// The warnings since the last call.
+    /// Returns the warnings since the last call.
     fn take_notes(&mut self) -> Vec<SourceWarning> {
         Vec::new()
     }
@@ -107,20 +107,20 @@ pub struct DeviceInfo {
     pub name: String,
     /// The description of the capture.
     pub info: CaptureInfo,
-    /// The known facts about the part, as configured.
+    /// The known facts about the part, with its current settings.
     pub part: Part,
-    /// Framing of the bytes by CS (F-22), if this program decides it.
+    /// How CS frames the bytes (F-22); `None` if this program does not control CS.
     pub framing: Option<Framing>,
-    /// Whether the time of the part is the time of the wall clock.
+    /// Whether the device runs in real time; false for simulated and replayed time.
     pub is_real: bool,
-    /// Nominal samples per second; `None` for a recording of any other part.
+    /// Nominal samples per second; `None` for a recording of a part other than the ADIS16130.
     pub rate_hz: Option<f64>,
     /// The nominal master clock of an ADIS16130, Hz.
     pub mclk_hz: u32,
 }
 
 impl DeviceInfo {
-    /// The facts of an ADIS16130 that the driver reads.
+    /// The facts about an ADIS16130 that is read through the driver.
     pub(crate) fn of_part(
         name: &str,
         options: &PartOptions,
@@ -152,13 +152,14 @@ impl DeviceInfo {
     }
 }
 
-/// The part of a device or a recording, with the other known facts about it.
+/// The part of a device or a recording. With `known`, it has the other known facts as well.
 pub(crate) fn part_of(info: &CaptureInfo, known: Option<&Part>) -> Result<Part> {
     let Some(known) = known else { return Ok(info.part()) };
     info.part_from(known).map_err(|error| UserError::request(error.to_string()).into())
 }
 
-/// The rate at the nominal master clock: one of 2/(N + 1) conversion pairs if every N-th edge is read (F-31, F-56).
+/// The sample rate at the nominal master clock: 2/(N + 1) conversion pairs per reading if every N-th edge is read
+/// (F-31, F-56).
 pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
     let set = info.converter?;
     let cycles = [set.rate_conversion, set.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
@@ -171,26 +172,26 @@ pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
 pub struct Registers {
     /// The configuration that was written to the part.
     pub config: Config,
-    /// Each register with its bits, in the order of their addresses.
+    /// Each register with its value, by ascending address.
     pub values: Vec<(Address, u32)>,
 }
 
-/// The findings about an SPI bus.
+/// The results of testing an SPI bus.
 #[derive(Clone, Copy, Debug)]
 pub struct Bus {
     /// The requested clock, Hz.
     pub sclk_hz: u32,
-    /// The fastest tried clock at which the configuration reads back right; `None` if there is no such clock.
+    /// The fastest tested clock at which the configuration reads back correctly, Hz; `None` if there is none.
     pub fastest_clean_hz: Option<u32>,
-    /// Time from one read of a register to the next, s; `None` behind a bridge.
+    /// Time from one register read to the next, s; `None` behind a bridge.
     pub read_s: Option<f64>,
 }
 
-/// Losses between the part and this program. The samples' `lost` counts them as well.
+/// Losses between the part and this program. They are included in the samples' `lost`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
-    /// Samples that were read but not taken in time.
+    /// Number of samples that were read but dropped because the queue was full.
     pub overflowed: u64,
-    /// Frames of a bridge that arrived damaged.
+    /// Number of frames from a bridge that arrived damaged.
     pub damaged: u64,
 }

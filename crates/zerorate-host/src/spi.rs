@@ -1,4 +1,4 @@
-//! The part on a Linux SPI bus.
+//! A part on a Linux SPI bus.
 
 use crate::Stop;
 use crate::address::{Address, ParseResult};
@@ -25,7 +25,7 @@ use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use zerorate::{Setting, SettingNames};
 
-/// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
+/// SCHED_FIFO priority of the reading thread: above ordinary threads, below the kernel's interrupt threads (50).
 const PRIORITY: i32 = 40;
 
 const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
@@ -35,9 +35,9 @@ const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
 pub struct SpiAddress {
     /// The spidev file.
     pub spi: PathBuf,
-    /// The file of the GPIO chip that RDY is connected to.
+    /// The GPIO chip of the RDY line.
     pub chip: PathBuf,
-    /// The line of that chip.
+    /// The number of the RDY line on that chip.
     pub line: u32,
     /// SPI clock, Hz.
     pub hz: u32,
@@ -88,21 +88,21 @@ impl Address for SpiAddress {
     }
 }
 
-/// Opens both files. Sends nothing.
+/// Opens the SPI and GPIO files. Nothing is sent to the part.
 fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<SpiConnection>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
     let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
     let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone(), setup.names)?;
     let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
-    // the commands go as one frame each; if CS must rise between bytes, the bus splits them
+    // the driver sends each command as one frame; if CS must rise between bytes, the bus splits it
     let config = address.part.config.with_framing(Framing::Command);
     let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
     let wired = SpiConnection { address: address.clone(), clock, failed, notes: Notes::default() };
     Ok(ConnectedPart::new(wired, live, facts))
 }
 
-/// The part on the bus of this computer.
+/// The connection to a part on this computer's bus.
 #[derive(Clone)]
 struct SpiConnection {
     address: SpiAddress,
@@ -152,7 +152,7 @@ impl Connection for SpiConnection {
     }
 }
 
-/// Sets priority and locks memory, or warns with advice on how to allow them.
+/// Sets real-time priority and locks memory. If either fails, adds a warning with advice.
 fn become_realtime(notes: &Notes) {
     let say = |warning| notes.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
     let priority = SchedulerParams { priority: PRIORITY };
@@ -164,7 +164,7 @@ fn become_realtime(notes: &Notes) {
     }
 }
 
-/// The last error number of a failed transfer. The driver's errors do not carry it.
+/// The error number of the last failed transfer, which the driver's errors do not carry.
 #[derive(Clone, Debug, Default)]
 struct LastErrno(Arc<AtomicI32>);
 
@@ -179,7 +179,7 @@ impl LastErrno {
     }
 }
 
-/// Names the file that failed and the remedy, if the system gave a reason.
+/// Adds the file that failed and advice, if the system gave a reason.
 fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> anyhow::Error {
     let spi = address.spi.display();
     let of_line = error.chain().find_map(|source| source.downcast_ref()).and_then(errno);
@@ -197,7 +197,7 @@ fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> an
     error.context(told)
 }
 
-/// A spidev file as an embedded-hal device.
+/// A spidev file as an `embedded-hal` SPI device.
 struct SpiBus {
     spi: Spidev,
     clock: Arc<AtomicU32>,
@@ -227,7 +227,7 @@ impl SpiBus {
         Ok(Self { spi, clock, failed, split: address.part.config.framing() == Framing::PerByte })
     }
 
-    /// Sends one message to the kernel: one frame of CS, or one per byte.
+    /// Sends one message to the kernel: with CS low throughout, or low for each byte.
     fn message(&self, operations: &mut [Operation<'_, u8>]) -> io::Result<()> {
         let mut transfers = Vec::with_capacity(8);
         for operation in operations.iter_mut() {
@@ -290,7 +290,7 @@ impl SpiDevice for SpiBus {
     }
 }
 
-/// The error of the system for a failed transfer.
+/// The operating system's error of a transfer.
 struct SpiError(io::Error);
 
 impl fmt::Debug for SpiError {

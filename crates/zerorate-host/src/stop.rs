@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Asks everything that has a clone of this to end cleanly.
+    /// Requests that all work that has a clone ends cleanly.
     pub fn ask(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

@@ -1,4 +1,4 @@
-//! The simulated part, in this process and on simulated time.
+//! The twin as a device: an ADIS16130 simulated in this process, on simulated time.
 
 use crate::address::{Address, ParseResult};
 use crate::chamber::ProfileFollower;
@@ -17,15 +17,15 @@ use zerorate::calibration::Notes;
 use zerorate::{Axis, NamedAxis, Part, Scale, Setting, SettingNames};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// The address `twin:KEY=VALUE,…`: the unit, and its configuration by the driver.
+/// The address `twin:KEY=VALUE,…`: the simulated units, and their configuration by the driver.
 #[derive(Clone, Debug)]
 pub struct TwinAddress {
-    /// The unit of each axis.
+    /// The simulated unit of each axis.
     units: Vec<Spec>,
     part: PartOptions,
 }
 
-/// The names of the axes of several twins on one clock.
+/// The names of the axes if there are several.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl TwinAddress {
@@ -37,7 +37,7 @@ impl TwinAddress {
                 axes = count.ok_or_else(|| format!("`axes={text}`: a twin has 1, 2 or 3 axes"))?;
                 continue;
             }
-            // the unit's own key says what is between its pins
+            // this key also belongs to the unit, and sets its real bandwidth
             let of_unit = ["roa=", "bandwidth_hz="].iter().any(|key| item.trim().starts_with(key));
             let changed = if of_unit { None } else { part.with(item.trim())? };
             match changed {
@@ -61,14 +61,14 @@ impl TwinAddress {
 }
 
 impl TwinAddress {
-    /// The nominal clock for the driver, which all axes share.
+    /// The nominal master clock for the driver, Hz, shared by all axes.
     fn mclk_hz(&self) -> u32 {
         told_mclk_hz(self.units[0].mclk_hz)
     }
 }
 
-/// The unit of an axis. It has its own random values, but shares the clock and the temperature with the first axis.
-/// With several axes the temperature does not wander.
+/// The simulated unit of an axis. It has its own random values, but shares clock and temperature with the first
+/// axis. With several axes, the temperature has no random part.
 fn unit_of(axis: usize, axes: usize, keys: &[&str]) -> Result<Spec, SpecError> {
     let first = Spec::parse_keys(&keys.join(","))?;
     if axes == 1 {
@@ -97,7 +97,7 @@ impl Address for TwinAddress {
         let sampling = setup.sampling.config(self.part.divided);
         let known = setup.part.as_ref().filter(|_| axes == 1);
         let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz(), known)?;
-        // its files depend on the seed alone, and state neither time nor computer
+        // recordings of a twin depend on the seed only, and state neither time nor computer
         let info = CaptureInfo { created: String::new(), notes: Notes::default(), ..facts.info };
         let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
@@ -114,7 +114,7 @@ impl Address for TwinAddress {
     }
 }
 
-/// A part with several axes of an ADIS16130, in codes of this width.
+/// A part with several axes, each like an ADIS16130, with codes of this width.
 fn several(axes: usize, width: Width) -> Part {
     let in_width = |scale: Scale| scale.without_low_bits(width.dropped_bits() as u8);
     let one = &Part::ADIS16130.axes[0];
@@ -124,7 +124,7 @@ fn several(axes: usize, width: Width) -> Part {
     Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
 }
 
-/// Several twins on one clock, as the axes of one part. The temperature and every other common value come from the
+/// Several twins on one clock, as the axes of one part. The temperature and all other common values are those of the
 /// first.
 struct Twins {
     facts: DeviceInfo,
@@ -146,7 +146,7 @@ impl Source for Twins {
         Ok(revision)
     }
 
-    /// If one twin has lost samples, samples of the others without a row are lost as well.
+    /// Reads the next row. If one twin lost samples, the samples of the others without a row count as lost too.
     fn next(&mut self) -> Result<Option<Row>> {
         if let (Some(follower), Some((first, others))) = (&mut self.follower, self.units.split_first()) {
             follower.before_sample(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
@@ -185,7 +185,7 @@ impl Source for Twins {
     }
 }
 
-/// The driver that reads the twin.
+/// A single twin that is read through the driver.
 struct TwinPart {
     facts: DeviceInfo,
     live: Live<TwinSpi, TwinEdges>,
@@ -237,7 +237,7 @@ impl Source for TwinPart {
     }
 }
 
-/// The warning about a simulated part in air where no such part operates.
+/// A warning if the ambient temperature is outside of the part's operating range.
 fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     let (low_c, high_c) = part.operating_c?;
     let is_beyond = unit.profile != Profile::Oven && !(low_c..=high_c).contains(&unit.ambient_c);
@@ -245,20 +245,20 @@ fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     is_beyond.then_some(SourceWarning::BeyondLimits { ambient_c: unit.ambient_c, part, low_c, high_c })
 }
 
-/// The nominal clock for the driver (F-31), or the unit's own clock if it is far from the nominal one.
+/// The master clock for the driver: the nominal one (F-31), or the unit's own clock if it differs by 5 % or more.
 fn told_mclk_hz(mclk_hz: f64) -> u32 {
     let nominal_hz = f64::from(MCLK_HZ);
     if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }
 }
 
-/// The data-ready line of the twin, with a counter in the line if there is one.
+/// The RDY line of the twin, optionally with a counter.
 struct TwinEdges {
     twin: Twin,
-    /// Whether the driver gets rising edges.
+    /// Whether the driver uses rising edges.
     rising: bool,
-    /// Number of edges of the part for one edge of the counter.
+    /// Number of the part's edges per edge of the counter.
     divided: u32,
-    /// Number of edges that the counter has passed on.
+    /// Number of edges that the counter has passed.
     counted: u32,
 }
 

@@ -5,18 +5,18 @@ use zerorate_allan::rows;
 use zerorate_logs::LogWarning;
 use zerorate_record::CaptureWarning;
 
-/// A warning of a device. Its samples remain valid.
+/// A warning about a device. Its samples are valid.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum SourceWarning {
-    /// A warning about a recording that is read as a device.
+    /// About a recording that is read as a device.
     Log(LogWarning),
     /// The reading thread has no real-time priority.
     NoRealtimePriority,
     /// The memory of the reading thread is not locked.
     MemoryNotLocked,
-    /// A simulated part is in air where no such part operates.
+    /// The ambient temperature of a simulated part is outside of the part's operating range.
     BeyondLimits { ambient_c: f64, part: String, low_c: f64, high_c: f64 },
 }
 
@@ -39,7 +39,7 @@ rows!(match SourceWarning {
 });
 
 impl SourceWarning {
-    /// The warning as scripts read it: `code: text`.
+    /// The warning as scripts receive it: `code: text`.
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())
@@ -64,7 +64,7 @@ impl From<CaptureWarning> for SourceWarning {
     }
 }
 
-/// The warning of a capture that is read as a log.
+/// Converts a warning about a capture to one about a log.
 pub fn of_capture(warning: &CaptureWarning) -> LogWarning {
     LogWarning::OfTable { code: warning.code(), text: warning.to_string() }
 }

@@ -1,4 +1,4 @@
-//! Carriers of the bytes: a serial port (USB CDC, UART) or a TCP connection.
+//! The byte stream to a bridge: a serial port (USB CDC or UART) or a TCP connection.
 
 use anyhow::{Context, Result};
 use serial2::SerialPort;
@@ -7,15 +7,15 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// Time limit for making a connection, and for sending a request.
+/// Time limit for connecting, and for sending a request.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// The address of the other end.
+/// The port of the bridge.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Port {
-    /// A serial port. USB ignores the baud rate.
+    /// A serial port. USB ports ignore the baud rate.
     Serial {
-        /// The file of the port, or its name on systems where ports are not files.
+        /// The path of the port, or its name on systems without port files.
         path: String,
         /// Baud rate of a UART.
         baud: u32,
@@ -24,7 +24,7 @@ pub enum Port {
     Tcp(String),
 }
 
-/// A connection that carries bytes both ways.
+/// An open connection.
 pub enum Wire {
     Serial(SerialPort),
     Tcp(TcpStream),
@@ -46,12 +46,12 @@ impl Wire {
         #[cfg(unix)]
         claim(&serial)?;
         serial.set_write_timeout(PATIENCE)?;
-        // USB bridges wait for DTR, and not all systems set it; a port without that line has no such bridge
+        // USB bridges wait for DTR, which not all systems set; without a DTR line the port is not USB
         let _ = serial.set_dtr(true);
         Ok(Self::Serial(serial))
     }
 
-    /// Waits for bytes, for `patience` at most, and takes all that are there.
+    /// Waits for bytes, for `patience` at most, and reads all that have arrived.
     pub fn read(&mut self, patience: Duration, into: &mut VecDeque<u8>) -> io::Result<()> {
         let mut bytes = [0; 4096];
         let read = match self {
@@ -96,13 +96,14 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Locks the port against other programs, and ignores its modem lines, which a bridge of three wires does not have.
+/// Locks the port against other programs, and ignores its modem lines, which a bridge with three wires does not
+/// have.
 #[cfg(unix)]
 fn claim(serial: &SerialPort) -> io::Result<()> {
     use rustix::fs::{FlockOperation, flock};
     use rustix::termios::{ControlModes, OptionalActions, ioctl_tiocexcl, tcgetattr, tcsetattr};
     ioctl_tiocexcl(serial)?;
-    // the other lock does not hold against root
+    // the lock of `ioctl_tiocexcl` does not apply to root
     flock(serial, FlockOperation::NonBlockingLockExclusive)?;
     let mut settings = tcgetattr(serial)?;
     settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;

@@ -1,4 +1,4 @@
-//! The address of a bridge, and the settings of its part.
+//! The address of a bridge, with the settings of its part.
 
 use super::open;
 use crate::Stop;
@@ -33,7 +33,7 @@ impl fmt::Display for BridgeAddress {
     }
 }
 
-/// Default baud rate: enough for the full sample rate with a temperature in every sample.
+/// Default baud rate. It is enough for the full sample rate with a temperature in every sample.
 const DEFAULT_BAUD: u32 = 3_000_000;
 const BAUD_RANGE: RangeInclusive<u32> = 9_600..=12_000_000;
 

@@ -1,4 +1,4 @@
-//! Requests, answers and samples over a wire.
+//! Exchanges requests, answers and samples with a bridge.
 
 use crate::wire::Wire;
 use adis16130::bridge::{Answer, Client, Command, Event, Pending, RequestError, Step};
@@ -35,7 +35,7 @@ impl Link {
         Self { wire, client: Client::default(), received: VecDeque::new(), since: Instant::now(), gone: None }
     }
 
-    /// Sends a request until it is answered.
+    /// Sends a request, repeatedly if necessary, and returns its answer.
     pub fn request<T>(
         &mut self,
         command: Command<'_>,
@@ -55,7 +55,7 @@ impl Link {
         }
     }
 
-    /// The next message; `None` if none comes until the deadline.
+    /// Returns the next message, or `None` if none comes before the deadline.
     pub fn next_event(&mut self, deadline: Instant) -> Result<Option<Event>, LinkError> {
         loop {
             let event = self.client.next_event(&mut std::iter::from_fn(|| self.received.pop_front()));
@@ -65,12 +65,12 @@ impl Link {
         }
     }
 
-    /// Number of frames that were damaged on the way here.
+    /// Number of frames that were damaged in transmission.
     pub fn damaged(&self) -> u64 {
         self.client.damaged
     }
 
-    /// Resets the count of damaged frames: the first frame after opening a port is often cut.
+    /// Resets the count of damaged frames, since the first frame after opening a port is often incomplete.
     pub fn forget_damage(&mut self) {
         self.client.damaged = 0;
     }

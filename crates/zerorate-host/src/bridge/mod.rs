@@ -1,4 +1,4 @@
-//! The part behind a bridge: a microcontroller that reads it and streams the samples (docs/formats/bridge.md).
+//! A part behind a bridge: a microcontroller that reads the part and streams its samples (docs/formats/bridge.md).
 
 mod address;
 mod link;
@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
-/// Opens the port, ends earlier work of the bridge, and sets the SPI clock of the bridge.
+/// Opens the port, stops what the bridge was doing, and sets its SPI clock.
 fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<BridgePart>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
@@ -100,7 +100,7 @@ impl Connection for BridgePart {
 
 impl Drop for BridgePart {
     fn drop(&mut self) {
-        // a bridge that is gone need not be stopped
+        // a failure does not matter: the bridge is gone then
         let _ = self.link.request(Command::Stop, |_| Some(()));
     }
 }
@@ -130,8 +130,8 @@ fn greet(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Res
     Ok(())
 }
 
-/// Tells the bridge of a counter in the RDY line, if there is one. Without a counter, old firmware need not know the
-/// command.
+/// Tells the bridge that a counter divides the RDY signal, if there is one. Otherwise sends nothing, since old
+/// firmware does not know the command.
 fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Result<()> {
     let edges = address.part.divided;
     if edges == 1 {
@@ -156,7 +156,7 @@ struct Stream {
 }
 
 impl Stream {
-    /// Waits no longer than the part may be silent, even if the bridge sends other messages meanwhile.
+    /// Returns the next sample. Waits no longer than the part may be silent, even if other messages arrive.
     fn next(&mut self) -> Result<Sample> {
         let asked = Instant::now();
         let deadline = asked + Duration::from_nanos(self.live.silence_ns());
@@ -176,7 +176,7 @@ impl Stream {
     }
 }
 
-/// The link that the bus and the edges of a part use in turn.
+/// The link, shared by the SPI bus and the source of edges.
 #[derive(Clone)]
 struct SharedLink(Arc<Mutex<Link>>);
 
@@ -201,7 +201,7 @@ impl SharedLink {
         self.lock().damaged()
     }
 
-    /// Names a bridge that is gone or silent as the cause.
+    /// Names the bridge as the cause if it is gone or silent.
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().why_gone() {
@@ -217,7 +217,7 @@ impl SharedLink {
     }
 }
 
-/// The bus behind the bridge: a transaction is one transfer.
+/// The SPI bus behind the bridge. Each SPI transaction is one transfer.
 struct Transfers(SharedLink);
 
 impl ErrorType for Transfers {
@@ -233,7 +233,7 @@ impl SpiDevice for Transfers {
                     bytes.copy_from_slice(&received);
                 }
                 Operation::Write(bytes) => drop(self.exchange(bytes)?),
-                // the driver does neither
+                // the driver uses neither
                 Operation::Read(_) | Operation::Transfer(..) => return Err(RequestError::Unsupported.into()),
                 Operation::DelayNs(ns) => std::thread::sleep(Duration::from_nanos((*ns).into())),
             }
@@ -251,7 +251,7 @@ impl Transfers {
     }
 }
 
-/// The self-test pins at the bridge. The bridge releases them by itself when the host is gone.
+/// The self-test pins of the bridge. The bridge releases them by itself when the host is gone.
 struct SelfTestWire(SharedLink);
 
 impl SelfTestWire {
@@ -274,7 +274,7 @@ impl OutputPin for SelfTestWire {
     }
 }
 
-/// The edges of RDY that the bridge reports while it does not sample.
+/// The RDY edges that the bridge reports while it does not sample.
 struct LastEdges {
     link: SharedLink,
     last: Option<Edge>,

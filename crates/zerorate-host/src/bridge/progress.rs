@@ -1,26 +1,25 @@
-//! Checks that the time of a bridge goes on. A capture ends by that time, so it would not end if the clock stood
+//! Checks that the bridge's clock advances. A capture ends by that clock, so it would never end if the clock stood
 //! still.
 
 use anyhow::{Result, ensure};
 use std::time::Duration;
 
-/// Waits for samples are judged together over this time.
+/// The waiting time after which the progress is checked.
 const WINDOW: Duration = Duration::from_secs(2);
-/// Ratio by which the bridge's time may be slower than the host's. An emulated bridge is slow, but not so slow.
+/// The largest allowed ratio of host time to bridge time. An emulated bridge is slow, but not that slow.
 const SLOWEST: u32 = 64;
 
-/// Progress of the samples in their own time, while the host waited for them.
+/// Compares the samples' own time with the time that the host spent waiting for them.
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// Time of the first sample of the window.
+    /// Time of the first sample in the current check, ns.
     since_ns: Option<u64>,
     waited: Duration,
     samples: u64,
 }
 
 impl Progress {
-    /// Takes the time of a sample, and how long the host waited for the sample. Time that the host spends otherwise
-    /// does not count.
+    /// Adds a sample with its time, and the time that the host waited for it. Other time of the host does not count.
     pub fn require(&mut self, t_ns: u64, waited: Duration) -> Result<()> {
         let since_ns = *self.since_ns.get_or_insert(t_ns);
         self.waited += waited;

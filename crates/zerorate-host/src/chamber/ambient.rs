@@ -1,4 +1,5 @@
-//! The temperature around a simulated part over its own simulated time. The part waits until the profile goes on.
+//! The ambient temperature of a simulated part over its own simulated time. The part pauses until the next segment
+//! is known.
 
 use crate::Stop;
 use adis16130_twin::Twin;
@@ -7,10 +8,10 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 /// The ambient temperature of a simulated part ([`Setup`](crate::Setup)). Clones share one profile. The
-/// [`ProfileWriter`] of a profile adds segments in order, and the part reads no sample beyond the last segment. So a
-/// measurement in a simulated chamber is the same each time, however fast the threads are.
+/// [`ProfileWriter`] adds segments in order, and the part reads no sample beyond the last segment. So a measurement
+/// in a simulated chamber is reproducible, whatever the timing of the threads.
 ///
-/// The first sample comes before the first segment, and the part waits with the second.
+/// The first sample comes before the first segment; the part pauses before the second sample.
 #[derive(Clone, Debug, Default)]
 pub struct AmbientProfile(Arc<SharedSegments>);
 
@@ -23,22 +24,22 @@ struct SharedSegments {
 #[derive(Debug, Default)]
 struct Segments {
     next: VecDeque<Segment>,
-    /// Whether no segment will follow.
+    /// Whether the profile is complete.
     ended: bool,
 }
 
-/// A straight line from the present temperature.
+/// A linear ramp from the current temperature.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     to_c: f64,
     until_ns: u64,
 }
 
-/// Adds segments to the profile. When it is dropped, the temperature stays and the part goes on.
+/// Adds segments to the profile. When it is dropped, the part continues at the last temperature.
 #[derive(Debug)]
 pub struct ProfileWriter(AmbientProfile);
 
-/// Longest time until a stop is noticed.
+/// Longest delay until a stop is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
 impl AmbientProfile {
@@ -46,7 +47,7 @@ impl AmbientProfile {
         self.0.segments.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next segment; `None` if no segment will follow, or a stop was requested.
+    /// Waits for the next segment; `None` if the profile is complete or a stop was requested.
     fn next(&self, stop: &Stop) -> Option<Segment> {
         let mut segments = self.segments();
         loop {
@@ -69,7 +70,7 @@ impl AmbientProfile {
 }
 
 impl ProfileWriter {
-    /// Adds a straight line to a temperature, °C, which is reached at the time `until_ns` of the part.
+    /// Adds a linear ramp that reaches `to_c`, °C, at the part's time `until_ns`.
     pub fn ramp_to(&self, to_c: f64, until_ns: u64) {
         self.0.segments().next.push_back(Segment { to_c, until_ns });
         self.0.0.changed.notify_all();
@@ -88,7 +89,7 @@ pub(crate) struct ProfileFollower {
     profile: AmbientProfile,
     stop: Stop,
     until_ns: u64,
-    /// Time of the last sample, if there was one.
+    /// Time of the last sample, ns; `None` before the first.
     last_ns: Option<u64>,
 }
 
@@ -97,8 +98,8 @@ impl ProfileFollower {
         Self { profile, stop: stop.clone(), until_ns: 0, last_ns: None }
     }
 
-    /// Call this before each sample of the units. They share the clock of the first. It waits if the last sample lies
-    /// beyond the last segment, because the writer of the profile sees samples and not the clock.
+    /// Call this before each sample. `first` gives the clock that all units share. It waits if the last sample is
+    /// beyond the last segment. It compares sample times, not the clock, because the writer only sees samples.
     #[inline]
     pub fn before_sample<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
         if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {
@@ -106,7 +107,7 @@ impl ProfileFollower {
         }
     }
 
-    /// Call this with the time of each sample.
+    /// Call this after each sample, with its time.
     #[inline]
     pub fn after_sample(&mut self, t_ns: u64) {
         self.last_ns = Some(t_ns);

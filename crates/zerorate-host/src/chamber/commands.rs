@@ -1,4 +1,4 @@
-//! A chamber that two command lines of the user control.
+//! A chamber that is controlled by two shell commands of the user.
 
 use super::{Chamber, SafeEnd, shell};
 use crate::error::{Cause, UserError};
@@ -18,18 +18,18 @@ pub struct ChamberCommands {
 
 /// The placeholder for the temperature in the command that sets it.
 const PLACEHOLDER: &str = "{temp_c}";
-/// Temperatures that a chamber may read, °C.
+/// Plausible readings of a chamber, °C.
 const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
-/// First wait before a failed command is run again. The wait doubles each time.
+/// First wait before a failed command is repeated. The wait doubles each time.
 const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
-/// Time between two checks for a stop.
+/// Period of the checks for a stop.
 const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {
-    /// Makes a chamber of two commands. `set` contains `{temp_c}` in place of the temperature. `read` prints the
-    /// temperature of the air, °C. A command that fails is run again for `retry`.
+    /// A chamber with two commands. `set` contains `{temp_c}` in place of the temperature. `read` prints the air
+    /// temperature, °C. A command that fails is repeated for the time `retry`.
     ///
     /// # Errors
     /// Returns an error if a command is empty, or if `set` does not contain `{temp_c}`.
@@ -43,38 +43,39 @@ impl ChamberCommands {
         Ok(Self { set: set.to_owned(), read: read.to_owned(), retry })
     }
 
-    /// The command that sets a temperature: one decimal, and never an exponent or a negative zero.
+    /// The command that sets a temperature, which is written with one decimal, never with an exponent or as a
+    /// negative zero.
     fn set_to(&self, temp_c: f64) -> String {
         let tenths = (temp_c * 10.0).round() / 10.0 + 0.0;
         self.set.replace(PLACEHOLDER, &format!("{tenths:.1}"))
     }
 }
 
-/// Bounds on time.
+/// Time limits.
 struct Limits {
     /// Time limit of a command.
     command: Duration,
-    /// Time limit of a command after a stop, and of the last try of the safe temperature.
+    /// Time limit of a command after a stop, and of the last attempt to set the safe temperature.
     grace: Duration,
-    /// The time for retries of the safe temperature.
+    /// Total time for attempts to set the safe temperature.
     ending: Duration,
 }
 
 const LIMITS: Limits =
     Limits { command: Duration::from_secs(10), grace: Duration::from_secs(1), ending: Duration::from_secs(10) };
 
-/// The chamber behind the commands.
+/// The running state of a chamber with commands.
 pub(super) struct CommandedChamber {
     commands: ChamberCommands,
     limits: Limits,
-    /// The stop of the user and the stop of the owner of the chamber. Either ends every wait.
+    /// The stop of the user, and the stop of this chamber's owner. Either one ends every wait.
     stops: [Stop; 2],
-    /// Whether a command that sets a temperature was run, so that the chamber may have obeyed.
+    /// Whether a set command was run. Even if it failed, the chamber may have followed it.
     is_touched: bool,
     air_c: Option<f64>,
 }
 
-/// The failure of a command.
+/// The error of a command.
 struct Failure(String);
 
 impl Failure {
@@ -115,7 +116,7 @@ impl CommandedChamber {
         Ok(air_c)
     }
 
-    /// Runs a command again until it succeeds, or the time for retries is over.
+    /// Repeats an operation until it succeeds or the time for retries is over.
     fn retry<T>(&mut self, what: impl Fn(&mut Self) -> Result<T, Failure>) -> Result<T> {
         let (until, mut wait) = (Instant::now() + self.commands.retry, FIRST_WAIT);
         loop {
@@ -188,7 +189,7 @@ impl Chamber for CommandedChamber {
         let (command, air_c) = (self.commands.set_to(safe_c), self.air_c);
         let (until, mut wait) = (Instant::now() + self.limits.ending, FIRST_WAIT);
         loop {
-            // the last try has time to obey, too
+            // the last attempt also gets its full time
             let latest = until.max(Instant::now() + self.limits.grace);
             let failed = shell::first_line(&command, || latest).err().map(|error| Failure::of(&command, error).0);
             if failed.is_none() || Instant::now() + wait >= until {

@@ -1,4 +1,4 @@
-//! Temperature chambers: set by hand, simulated, or controlled by two commands of the user.
+//! Temperature chambers: set by hand, simulated, or controlled by two shell commands of the user.
 
 mod ambient;
 mod commands;
@@ -16,24 +16,24 @@ use crate::{Result, Stop};
 use commands::CommandedChamber;
 use std::str::FromStr;
 
-/// A temperature chamber. It is started once and ended once.
+/// A temperature chamber. Call `start` once at first, and `end` once at last.
 pub trait Chamber: Send {
-    /// Checks that the chamber answers. It does not change the temperature.
+    /// Checks that the chamber responds. It does not change the temperature.
     ///
     /// # Errors
-    /// Returns an error if the chamber does not answer.
+    /// Returns an error if the chamber does not respond.
     fn start(&mut self) -> Result<()> {
         Ok(())
     }
 
-    /// Sets the temperature, °C. From here on [`Chamber::end`] must be called, even after an error: the chamber may
-    /// have obeyed a command that failed.
+    /// Sets the temperature, °C. Afterwards [`Chamber::end`] must be called, even after an error, because the
+    /// chamber may have followed a command that failed.
     ///
     /// # Errors
     /// Returns an error if the temperature cannot be set within the time for retries.
     fn set(&mut self, temp_c: f64) -> Result<()>;
 
-    /// Reads the temperature of the air, °C; `None` if there is no new reading.
+    /// Reads the air temperature, °C; `None` if there is no new reading.
     ///
     /// # Errors
     /// Returns an error if the temperature cannot be read within the time for retries.
@@ -42,33 +42,33 @@ pub trait Chamber: Send {
     /// Lets simulated time pass.
     fn pass(&mut self, _seconds: f64) {}
 
-    /// A stop that, once it is asked, cuts short every wait of this chamber except [`Chamber::end`].
+    /// A stop of this chamber alone. Once requested, it ends every wait except in [`Chamber::end`].
     fn halt(&self) -> Stop {
         Stop::default()
     }
 
-    /// Sets the temperature at which the chamber may stay, °C, however the measurement ended. `None` if no temperature
-    /// was ever set. Takes some ten seconds at most.
+    /// Sets the safe temperature, °C, however the measurement ended. `None` if no temperature was ever set. Takes
+    /// about ten seconds at most.
     fn end(&mut self, safe_c: f64) -> Option<SafeEnd>;
 }
 
-/// The result of the last set point.
+/// The outcome of setting the safe temperature.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SafeEnd {
     /// The reason why the chamber did not confirm the set point; `None` if it did.
     pub failed: Option<String>,
-    /// The last reading of the air, °C.
+    /// The last reading of the air temperature, °C.
     pub air_c: Option<f64>,
 }
 
-/// The control of a chamber.
+/// The kind of a chamber, from its option.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ChamberSpec {
-    /// Somebody sets the chamber by hand.
+    /// A person sets the chamber by hand.
     Hand,
     /// A simulated chamber, on simulated time.
     Simulated(SimulatedChamber),
-    /// A chamber that commands of the user set and read.
+    /// A chamber that the user's commands set and read.
     Commands(ChamberCommands),
 }
 
@@ -85,7 +85,8 @@ impl FromStr for ChamberSpec {
 }
 
 impl ChamberSpec {
-    /// The chamber, before its first command; `None` if it is set by hand. After `stop` only [`Chamber::end`] waits.
+    /// Makes the chamber; no command is run yet. `None` if it is set by hand. After `stop` only [`Chamber::end`] may
+    /// wait.
     #[must_use]
     pub fn chamber(&self, stop: &Stop) -> Option<Box<dyn Chamber>> {
         match self {

@@ -1,4 +1,4 @@
-//! Runs a command line of the user: by the shell, in a process group of its own, with bounds on time and output.
+//! Runs a shell command of the user in its own process group, with limits on time and output.
 
 use std::io::{self, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -6,16 +6,16 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Number of bytes that are kept: the first ones of stdout, and the last ones of stderr.
+/// Number of bytes that are kept of each stream: the first of stdout, the last of stderr.
 const KEPT: usize = 4096;
 /// Largest number of characters of stderr that an error shows.
 const SHOWN: usize = 200;
 /// Longest time between two checks of the time limit.
 const SLICE: Duration = Duration::from_millis(20);
-/// A process that the command left behind may hold its pipes. They are read for this long after the command's end.
+/// How long the pipes are read after the command ended. A process that it left behind may keep them open.
 const AFTERMATH: Duration = Duration::from_secs(1);
 
-/// The error of a command.
+/// The error of a shell command.
 #[derive(Debug, thiserror::Error)]
 pub enum ShellError {
     #[error("the shell cannot be started: {0}")]
@@ -26,10 +26,10 @@ pub enum ShellError {
     Late(Duration),
 }
 
-/// Runs a command line without input, and returns the first line of its stdout. `until` is called again and again for
-/// the end of the command's time, and then the process group of the command is killed.
+/// Runs a command without input, and returns the first line of its stdout. `until` is called repeatedly and returns
+/// the deadline, at which the command's process group is killed.
 ///
-/// The process group is not the terminal's, so Ctrl-C does not reach the command.
+/// The command is not in the terminal's process group, so Ctrl-C does not reach it.
 pub fn first_line(command: &str, mut until: impl FnMut() -> Instant) -> Result<String, ShellError> {
     let began = Instant::now();
     let mut child = shell(command).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
@@ -45,7 +45,7 @@ pub fn first_line(command: &str, mut until: impl FnMut() -> Instant) -> Result<S
         match chunks.recv_timeout(SLICE) {
             Ok(chunk) => output.push(chunk),
             Err(RecvTimeoutError::Timeout) => {}
-            // both pipes are closed: the command is about to end
+            // both pipes are closed, so the command is about to end
             Err(RecvTimeoutError::Disconnected) => thread::sleep(Duration::from_millis(1)),
         }
     };
@@ -78,13 +78,13 @@ fn shell(command: &str) -> Command {
     shell
 }
 
-/// Kills the command with all that it started in its process group.
+/// Kills the process group of the command.
 fn kill(mut child: Child) {
     #[cfg(unix)]
     let _ =
         rustix::process::kill_process_group(rustix::process::Pid::from_child(&child), rustix::process::Signal::KILL);
     let _ = child.kill();
-    // the kernel may keep a process for a while, and nobody waits for that
+    // reaps the process in a thread, since the kernel may take a while
     let _ = thread::Builder::new().spawn(move || child.wait());
 }
 
@@ -119,7 +119,7 @@ fn forward(
     thread::Builder::new().name("pipe".to_owned()).spawn(body).map(drop)
 }
 
-/// The kept part of the output.
+/// The output that is kept.
 #[derive(Default)]
 struct Output {
     stdout: Vec<u8>,
@@ -145,7 +145,7 @@ impl Output {
         String::from_utf8_lossy(&self.stdout).lines().next().unwrap_or_default().trim().to_owned()
     }
 
-    /// Returns `: ` and the start of the last line of stderr that is not blank, or an empty text without such a line.
+    /// Returns `: ` and the start of the last non-blank line of stderr, or an empty text if there is none.
     fn last_line(&self) -> String {
         let text = String::from_utf8_lossy(&self.stderr);
         let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());

@@ -3,10 +3,11 @@
 use super::{Chamber, SafeEnd};
 use crate::Result;
 
-/// Air that follows its set point as a damped oscillator does, and a door.
+/// A simulated chamber: its air follows the set point as a damped oscillator, and its door can open once.
 ///
-/// a″ = ω²(s − a) − 2ζω a′ with ω = 1/`lag_s` and the damping ζ that makes a step overshoot by `overshoot`:
-/// ln(overshoot) = −πζ/√(1 − ζ²). While the door is open, the air goes to the room's temperature with 60 s instead.
+/// a″ = ω²(s − a) − 2ζω a′ with ω = 1/`lag_s` and the damping ζ for which a step overshoots by `overshoot`:
+/// ln(overshoot) = −πζ/√(1 − ζ²). While the door is open, the air approaches the room temperature with a time
+/// constant of 60 s instead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedChamber {
     lag_s: f64,
@@ -44,7 +45,7 @@ impl Default for SimulatedChamber {
 }
 
 impl SimulatedChamber {
-    /// Reads `key=value` pairs, separated by commas.
+    /// Parses `key=value` pairs, separated by commas.
     ///
     /// # Errors
     /// Returns an error for an unknown key or an invalid value.
@@ -100,7 +101,7 @@ impl SimulatedChamber {
     }
 }
 
-/// Damping of an oscillator whose step overshoots by this share; critical for 0.
+/// The damping ratio ζ of an oscillator whose step response overshoots by this share; 1 (critical) for 0.
 fn damping(overshoot: f64) -> f64 {
     if overshoot <= 0.0 {
         return 1.0;

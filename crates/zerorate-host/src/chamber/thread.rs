@@ -1,4 +1,4 @@
-//! A chamber in a thread of its own, so that the reader of a sensor need not wait for it.
+//! Runs a chamber in its own thread, so that reading a sensor does not wait for the chamber.
 
 use super::{Chamber, SafeEnd};
 use crate::{DeviceError, Result, Stop};
@@ -6,14 +6,14 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Time between two readings of the chamber.
+/// Period at which the chamber is read.
 const PERIOD: Duration = Duration::from_secs(5);
 
-/// Time between two checks that the thread is still there.
+/// Period of the checks that the thread still runs.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// Any chamber, set and read every 5 s by a thread of its own. [`Chamber::read_c`] returns each reading once.
-/// [`Chamber::set`] fails some seconds after the chamber failed.
+/// A chamber in its own thread, which sets and reads it every 5 s. [`Chamber::read_c`] returns each reading once.
+/// [`Chamber::set`] reports a failure of the chamber some seconds later.
 pub struct ChamberThread {
     shared: Arc<SharedState>,
     halt: Stop,
@@ -60,7 +60,7 @@ impl SharedState {
             let air_c = chamber.read_c()?;
             let mut state = self.state();
             state.air_c = air_c;
-            // the first set point goes out at once, and so does the end
+            // the first set point and the end are handled at once
             let idle = |state: &mut State| !state.ended && (state.wanted_c == told_c || told_c.is_some());
             drop(self.changed.wait_timeout_while(state, PERIOD, idle).unwrap_or_else(PoisonError::into_inner));
         }
@@ -68,7 +68,7 @@ impl SharedState {
 }
 
 impl ChamberThread {
-    /// Starts the thread, and the chamber in it.
+    /// Starts the thread, which starts the chamber.
     ///
     /// # Errors
     /// Returns an error if no thread can be started.

@@ -1,7 +1,7 @@
-//! An ADIS16130 behind the kernel's own driver for it, polled through sysfs.
+//! An ADIS16130 read through the Linux kernel's own driver for it, by polling sysfs.
 //!
-//! The kernel's driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So
-//! nobody can tell whether a reading is new, or how many were never read. `lost` counts polls that came too late.
+//! The kernel's driver occupies the bus and gives single readings without data-ready signal, status or timestamp. So
+//! it is unknown whether a reading is new, or how many were never read. `lost` counts polls that came too late.
 
 use super::sysfs::read;
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
@@ -14,7 +14,8 @@ use zerorate_record::Row;
 
 const RATE: &str = "in_anglvel_z";
 const TEMP: &str = "in_temp0";
-/// The kernel prints scales with nine decimals, so the scale of the rate has only three digits.
+/// Relative tolerance of a scale. The kernel prints scales with nine decimals, so that of the rate has only three
+/// digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
 /// The part, read by polling.
@@ -22,7 +23,7 @@ pub struct Adis16130 {
     address: IioAddress,
     facts: DeviceInfo,
     sampling: Sampling,
-    /// Number that is added to a raw reading to give a 24-bit code.
+    /// Added to a raw reading to give a 24-bit code.
     rate_shift: i64,
     temp_shift: i64,
     polls: Polls,
@@ -30,7 +31,7 @@ pub struct Adis16130 {
 }
 
 impl Adis16130 {
-    /// Reads the driver's scales and offsets, and makes sure that its readings are codes of F-40 and F-41.
+    /// Reads the driver's scales and offsets, and checks that its readings are codes as in F-40 and F-41.
     pub fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
         let options = PartOptions { bandwidth_hz: address.bandwidth_hz, ..PartOptions::new() };
         let sampling = setup.sampling.config(options.divided);
@@ -44,13 +45,14 @@ impl Adis16130 {
         let hz = address.hz.unwrap_or(DEFAULT_POLL_HZ);
         let dps = std::f64::consts::PI / 180.0; // the kernel's unit is rad/s
         let rate_shift = shift(folder, RATE, dps / f64::from(RATE_LSB_PER_DPS), i64::from(ZERO_CODE))?;
-        // its unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code (F-41)
+        // the kernel's unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code
+        // (F-41)
         let temp_zero = i64::from(ZERO_CODE) - 25 * i64::from(TEMP_LSB_PER_C);
         let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
         Ok(Self { address: address.clone(), facts, sampling, rate_shift, temp_shift, polls: Polls::new(hz), taken: 0 })
     }
 
-    /// The next reading, with its time.
+    /// Waits for the next poll and reads.
     fn poll(&mut self) -> Result<Sample> {
         let Poll { slot, lost, t_ns } = self.polls.wait();
         let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);
@@ -79,7 +81,7 @@ impl Source for Adis16130 {
     }
 }
 
-/// Checks the scale. Returns the number to add to a raw reading so that the channel's zero is `zero`.
+/// Checks the scale. Returns the number that converts raw readings to codes whose zero is `zero`.
 fn shift(folder: &Path, channel: &str, expected_scale: f64, zero: i64) -> Result<i64> {
     let scale: f64 = read(folder, &format!("{channel}_scale"))?;
     let offset: i64 = read(folder, &format!("{channel}_offset"))?;

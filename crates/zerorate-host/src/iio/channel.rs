@@ -1,4 +1,4 @@
-//! Channels: the meaning of a raw value, and the layout of a channel in the buffer.
+//! IIO channels: the scale of raw values, and the layout in the buffer.
 
 use super::sysfs::{first, read, read_text};
 use anyhow::{Context, Result, ensure};
@@ -8,20 +8,20 @@ use zerorate::Scale;
 /// A channel of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// Start of the names of the channel's attributes: `in_anglvel_x`.
+    /// The common prefix of the channel's attributes: `in_anglvel_x`.
     pub name: String,
     /// Conversion of raw values to °/s, or to °C.
     pub scale: Scale,
-    /// The place in the buffer, if the driver has a buffer with this channel.
+    /// The layout in the buffer, if the driver has a buffer with this channel.
     pub element: Option<Element>,
 }
 
-/// The layout of a channel in a scan of the buffer.
+/// The layout of a channel in a scan, that is, one set of simultaneous samples in the buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Element {
     /// Position of the channel in the order of the scan.
     pub index: u32,
-    /// Size of the channel in bytes. Its offset is a multiple of the size.
+    /// Size of the channel in bytes. Its offset in the scan is a multiple of the size.
     pub bytes: usize,
     big_endian: bool,
     signed: bool,
@@ -30,8 +30,9 @@ pub struct Element {
 }
 
 impl Channel {
-    /// Reads the channel of this name, such as `in_anglvel_x`. `kind` is the name of the attributes that all channels
-    /// of a kind share (`in_anglvel`). `per_unit` is the number of the kernel's units in one of ours.
+    /// Reads the attributes of a channel. `name` is its name such as `in_anglvel_x`; `kind` is the prefix of
+    /// attributes that all channels of its kind share (`in_anglvel`). `per_unit` is one of our units in the kernel's
+    /// units.
     pub fn read(folder: &Path, name: &str, kind: &str, per_unit: f64) -> Result<Self> {
         let attribute = |what: &str| [format!("{name}_{what}"), format!("{kind}_{what}")];
         let number = |what: &str| first(folder, &attribute(what).each_ref().map(String::as_str));
@@ -39,7 +40,7 @@ impl Channel {
         ensure!(scale.is_finite() && scale != 0.0, "{name}_scale is {scale}, with which nothing can be converted");
         let offset: f64 = number("offset")?.unwrap_or(0.0);
         let element = Element::read(folder, name)?;
-        // without a type, as wide as the distance to the zero code fits into 32 bits
+        // without a stated type, any width for which the distance to the zero code fits into 32 bits
         let untyped = if offset == 0.0 { (32, true) } else { (31, true) };
         let (width_bits, signed) = element.map_or(untyped, |element| (element.bits.min(32) as u8, element.signed));
         // (raw + offset) · scale, in the kernel's unit
@@ -53,14 +54,14 @@ impl Channel {
         Ok(Self { name: name.to_owned(), scale, element })
     }
 
-    /// Reads the raw value now.
+    /// Reads the current raw value.
     pub fn poll(&self, folder: &Path) -> Result<i64> {
         read(folder, &format!("{}_raw", self.name))
     }
 }
 
 impl Element {
-    /// Reads the layout of a channel in the buffer. `None` if there is no buffer, or the buffer lacks the channel.
+    /// Reads the buffer layout of a channel. `None` if there is no buffer, or the buffer lacks the channel.
     pub fn read(folder: &Path, channel: &str) -> Result<Option<Self>> {
         let elements = folder.join("scan_elements");
         if !elements.join(format!("{channel}_type")).exists() {
@@ -92,7 +93,7 @@ impl Element {
         whole.then_some(Self { index, bytes: storage as usize / 8, big_endian, signed, bits, shift })
     }
 
-    /// Decodes the value of these bytes, as many as [`Element::bytes`].
+    /// Decodes the value in these bytes; their number must be [`Element::bytes`].
     pub fn value(&self, bytes: &[u8]) -> i64 {
         let fold = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
         let stored = if self.big_endian { bytes.iter().fold(0, fold) } else { bytes.iter().rev().fold(0, fold) };

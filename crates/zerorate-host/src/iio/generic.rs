@@ -1,4 +1,4 @@
-//! Any gyroscope that the kernel has a driver for, in the scales that its driver states.
+//! Any gyroscope that has a Linux kernel driver, read with the scales that the driver states.
 
 use super::channel::{Channel, Element};
 use super::sysfs::{first, read_text, write};
@@ -19,19 +19,19 @@ use zerorate::calibration::Notes;
 use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Number of scans that the kernel keeps until they are read.
+/// Number of scans that the kernel queues.
 const BUFFERED: u32 = 4096;
-/// A silence of this length and of [`SILENT_PERIODS`] periods is a failure.
+/// Silence for this time and for [`SILENT_PERIODS`] sample periods is an error.
 const SILENCE: Duration = Duration::from_secs(1);
 const SILENT_PERIODS: f64 = 20.0;
-/// A silence of this length is a failure if the driver does not state its rate.
+/// Silence for this time is an error if the driver does not state its sample rate.
 const UNKNOWN_SILENCE: Duration = Duration::from_secs(10);
-/// Longest time until a stop is noticed.
+/// Longest delay until a stop is noticed.
 const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
-/// The kernel clock for time stamps. It never steps back, as `t_ns` of a capture must not. Others may.
+/// The kernel clock of the timestamps. It is monotonic, as `t_ns` of a capture must be; other clocks may step.
 const CLOCK: &str = "monotonic";
 
-/// Opens the device, through its buffer if it has one and no polls were requested.
+/// Opens the device: through its buffer if it has one and no poll rate was given, otherwise by polling.
 pub fn open(
     address: &IioAddress,
     name: &str,
@@ -46,12 +46,12 @@ pub fn open(
     }
 }
 
-/// The file of a device in `/dev`, which has the name of its folder.
+/// The device file in `/dev`, which has the same name as the sysfs folder.
 fn dev_file(folder: &Path) -> PathBuf {
     Path::new("/dev").join(folder.file_name().unwrap_or_default())
 }
 
-/// A device as its driver shows it.
+/// The attributes of a device.
 struct Device {
     folder: PathBuf,
     rates: Vec<Channel>,
@@ -98,8 +98,8 @@ impl Device {
     }
 }
 
-/// The part as the driver states it. Drivers write the names of parts in small letters, and the file of a part has the
-/// proper name.
+/// The part as the driver describes it. Drivers write part names in lower case; the proper name comes from the
+/// `known` part file.
 fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, known: Option<&Part>) -> Part {
     const NO_TEMP: Scale = Scale { lsb_per_unit: 1.0, zero_code: 0, zero_value: 0.0, width_bits: 16, signed: true };
     let known = known.filter(|known| known.name.eq_ignore_ascii_case(driver));
@@ -117,7 +117,7 @@ fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, 
     }
 }
 
-/// Channels that are read one by one at even times. Whether a reading is new is unknown.
+/// A device whose channels are polled at regular times. Whether a reading is new is unknown.
 struct PolledChannels {
     device: Device,
     polls: Polls,
@@ -153,11 +153,11 @@ impl Source for PolledChannels {
     }
 }
 
-/// Scans as the kernel took them, with their time stamps.
+/// A device whose scans are read from the kernel's buffer, with timestamps.
 struct BufferedScans {
     device: Device,
     scans: File,
-    /// The places in a scan of each rate, of the temperature, and of the time.
+    /// The byte offset and layout of each rate, of the temperature, and of the timestamp in a scan.
     rates: Vec<(usize, Element)>,
     temp: Option<(usize, Element)>,
     time: (usize, Element),
@@ -172,7 +172,7 @@ struct BufferedScans {
 impl BufferedScans {
     fn open(device: Device, file: &Path, stop: &Stop) -> Result<Self> {
         let folder = device.folder.clone();
-        // before anything is set: the kernel opens it for one program at a time
+        // opened before anything is set, because the kernel allows only one program at a time
         let scans = File::open(file).map_err(|error| why_not_open(file, error))?;
         let time = Element::read(&folder, "in_timestamp")?;
         let time = time.context("its driver stamps no scan with its time; poll it with ?hz=N")?;
@@ -202,7 +202,7 @@ impl BufferedScans {
         Ok(Self { device, scans, rates, temp, time, scan, period_ns, silence, last_ns: None, taken: 0, stop })
     }
 
-    /// The next scan; `None` if a stop was requested.
+    /// Reads the next scan; `None` if a stop was requested.
     fn read(&mut self) -> Result<Option<Row>> {
         if !self.wait()? {
             return Ok(None);
@@ -212,7 +212,7 @@ impl BufferedScans {
         let t_ns = u64::try_from(value(&self.time)).context("a time stamp before the beginning of time")?;
         let codes: Vec<i64> = self.rates.iter().map(value).collect();
         let passed_ns = self.last_ns.map_or(0, |last_ns| t_ns.saturating_sub(last_ns));
-        // the kernel does not count scans that it had no room for
+        // the kernel does not count scans that did not fit into its queue
         let periods = self.period_ns.map_or(1.0, |period_ns| (passed_ns as f64 / period_ns).round());
         let lost = (periods - 1.0).max(0.0) as u32;
         self.last_ns = Some(t_ns);
@@ -221,7 +221,7 @@ impl BufferedScans {
         Ok(Some(row.with_temp_code(self.temp.as_ref().map(value)).with_lost(lost)))
     }
 
-    /// Waits for a scan, within bounds. Returns false if a stop was requested.
+    /// Waits for a scan, with a time limit. Returns false if a stop was requested.
     fn wait(&self) -> Result<bool> {
         let since = Instant::now();
         while !self.stop.asked() {
@@ -235,8 +235,7 @@ impl BufferedScans {
         Ok(false)
     }
 
-    /// Checks that the device is still there. The kernel does not wake a program that polls the buffer of a gone
-    /// device.
+    /// Checks that the device still exists. The kernel does not wake a program that waits for a removed device.
     fn require_alive(&self, silent: Duration) -> Result<()> {
         ensure!(self.device.folder.exists(), gone());
         if silent < self.silence {
@@ -251,7 +250,7 @@ impl BufferedScans {
     }
 }
 
-/// Configures scans of these channels and no others.
+/// Configures the buffer for scans of exactly these channels.
 fn set_up(folder: &Path, enabled: &[(&str, Element)]) -> Result<()> {
     write(folder, "buffer/enable", "0")?;
     if folder.join("current_timestamp_clock").exists() {
@@ -287,7 +286,7 @@ fn gone() -> UserError {
     )
 }
 
-/// Checks for a trigger, because only a trigger fills a buffer. Some drivers bring a trigger of their own.
+/// Checks that a trigger is set, because only a trigger fills a buffer. Some drivers set one of their own.
 fn require_trigger(folder: &Path) -> Result<()> {
     if !folder.join("trigger/current_trigger").exists() {
         return Ok(());
@@ -302,8 +301,8 @@ fn require_trigger(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The offset of each channel in a scan, and the length of a scan. Channels follow the order of their indices, each at
-/// a multiple of its size.
+/// The offset of each channel in a scan, and the length of a scan. Channels are in the order of their indices, each
+/// at a multiple of its size.
 fn places(enabled: &[(&str, Element)]) -> (Vec<usize>, usize) {
     let mut order: Vec<usize> = (0..enabled.len()).collect();
     order.sort_by_key(|at| enabled[*at].1.index);
@@ -330,7 +329,7 @@ impl Source for BufferedScans {
 
 impl Drop for BufferedScans {
     fn drop(&mut self) {
-        // a device that is gone need not be stopped
+        // a failure does not matter: the device is gone then
         let _ = write(&self.device.folder, "buffer/enable", "0");
     }
 }

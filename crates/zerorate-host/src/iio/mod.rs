@@ -1,8 +1,8 @@
-//! Gyroscopes behind drivers of the Linux kernel (Industrial I/O).
+//! Gyroscopes that are read through drivers of the Linux kernel (Industrial I/O).
 //!
-//! [`generic`] reads any of them in the scales that its driver states. Where the driver has a buffer, it reads samples
-//! with time stamps from there; otherwise it polls. [`adis16130`] reads the one part whose codes are known. It polls,
-//! because that driver has no buffer.
+//! [`generic`] reads any of them with the scales that its driver states: through the driver's buffer, with
+//! timestamps, or else by polling. [`adis16130`] polls the ADIS16130, whose codes are known and whose driver has no
+//! buffer.
 
 mod adis16130;
 mod channel;
@@ -20,14 +20,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use zerorate::Setting;
 
-/// A gyroscope that a driver of the kernel reads: `iio:iio:device0`.
+/// The address of a gyroscope with a kernel driver: `iio:iio:device0`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IioAddress {
     /// The device's folder in sysfs.
     pub folder: PathBuf,
     /// Polls per second; `None` reads through the buffer, if there is one.
     pub hz: Option<u32>,
-    /// −3 dB frequency of the rate, Hz, if it is not the part's own (F-04).
+    /// −3 dB bandwidth of the rate, Hz, if it differs from the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
 }
 
@@ -81,18 +81,18 @@ impl Address for IioAddress {
     }
 }
 
-/// Polls at even times.
+/// Times polls at a regular rate.
 struct Polls {
     period: Duration,
     started: Instant,
-    /// Number of the next poll.
+    /// Index of the next poll.
     next: u32,
 }
 
 /// A poll that is due.
 struct Poll {
     slot: u32,
-    /// Number of polls that came too late, and were left out.
+    /// Number of polls that were skipped because they were overdue.
     lost: u32,
     t_ns: u64,
 }

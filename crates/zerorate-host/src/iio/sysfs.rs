@@ -1,17 +1,17 @@
-//! Attributes of a device, as the kernel shows them.
+//! Reads and writes a device's attributes in sysfs.
 
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
-/// Reads a file that must be there.
+/// Reads and parses an attribute that must exist.
 pub fn read<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(folder: &Path, name: &str) -> Result<T> {
     let text = read_text(folder, name)?;
     text.parse().with_context(|| format!("{}/{name} reads {text:?}", folder.display()))
 }
 
-/// Reads the first of these attributes that exists.
+/// Reads and parses the first of these attributes that exists; `None` if none does.
 pub fn first<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(
     folder: &Path,
     names: &[&str],

@@ -1,4 +1,4 @@
-//! The protocol on a socket, and the samples of a buffer.
+//! Carries the protocol over a socket, and sends the samples of a buffer.
 
 use super::device::Device;
 use super::request::Errno;
@@ -10,23 +10,23 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Largest number of bytes of a line.
+/// Largest length of a line, bytes.
 const LONGEST_LINE: usize = 1024;
-/// Time limit for the rest of a line or a value that has begun.
+/// Time limit for the rest of a line or a value whose start has arrived.
 const LONGEST_LINE_TIME: Duration = Duration::from_secs(10);
-/// A client that sends no request for this time is gone.
+/// Time without a request after which a client counts as gone.
 const LONGEST_SILENCE: Duration = Duration::from_secs(3600);
-/// A client that takes no data for this time is gone.
+/// Time without accepting data after which a client counts as gone.
 const LONGEST_STALL: Duration = Duration::from_secs(10);
-/// Longest time until a stop is noticed.
+/// Longest delay until a stop is noticed.
 const POLL: Duration = Duration::from_millis(100);
-/// Number of batches that wait for a client: 2.5 s of a live part.
+/// Number of batches that are queued for a client: 2.5 s of a live part.
 pub const QUEUE: usize = 128;
 
-/// Serves a client until it hangs up or `stop` is asked.
+/// Serves a client until it hangs up or `stop` is requested.
 ///
 /// # Errors
-/// Returns an error if the client left in the middle of a request or exceeded a limit.
+/// Returns an error if the client disconnects in the middle of a request or exceeds a limit.
 pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io::Result<()> {
     let mut peer = Peer::new(stream, stop)?;
     let mut session = Session::new(device);
@@ -57,18 +57,18 @@ pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io:
     Ok(())
 }
 
-/// A client's buffer. It is a watcher of the hub and learns the number of missed samples.
+/// A client's open buffer. It watches the hub and is told the number of missed samples.
 struct Buffer<'a> {
     watcher: Watcher,
     device: &'a Device,
     scanner: Scanner,
     open: Open,
-    /// Bytes of samples. Those from `sent` on were not sent yet.
+    /// The samples as bytes. Those from `sent` on were not sent yet.
     bytes: Vec<u8>,
     sent: usize,
 }
 
-/// The end of a wait for samples.
+/// The result of waiting for samples.
 enum WaitEnd {
     Samples,
     Nothing,
@@ -80,7 +80,7 @@ impl<'a> Buffer<'a> {
         Self { watcher: hub.watch(QUEUE), device, scanner: device.scanner(), open, bytes: Vec::new(), sent: 0 }
     }
 
-    /// Sends samples as they come, up to this many bytes, or until none comes in time.
+    /// Sends samples as they come, until `bytes` are sent or none comes within `patience`.
     fn fill(&mut self, peer: &mut Peer<'_>, bytes: usize, patience: Option<Duration>) -> io::Result<()> {
         let mut left = bytes;
         while left > 0 {
@@ -100,7 +100,7 @@ impl<'a> Buffer<'a> {
         Ok(())
     }
 
-    /// Waits until there is a sample to be sent.
+    /// Waits until there are samples to send.
     fn wait(&mut self, patience: Option<Duration>, stop: &Stop) -> WaitEnd {
         let begun = Instant::now();
         while self.sent == self.bytes.len() {
@@ -134,7 +134,7 @@ impl<'a> Buffer<'a> {
     }
 }
 
-/// A client at its socket.
+/// The client at the other end of the socket.
 struct Peer<'a> {
     reader: BufReader<&'a TcpStream>,
     stop: &'a Stop,
@@ -149,7 +149,7 @@ impl<'a> Peer<'a> {
         Ok(Self { reader: BufReader::new(stream), stop })
     }
 
-    /// The next line, without its end; `None` if the client hung up.
+    /// Reads the next line, without its line end. `None` if the client hung up.
     fn line(&mut self) -> io::Result<Option<Vec<u8>>> {
         let (mut line, mut since, mut limit) = (Vec::new(), Instant::now(), LONGEST_SILENCE);
         loop {
@@ -189,7 +189,7 @@ impl<'a> Peer<'a> {
         Ok(value)
     }
 
-    /// The bytes that have come; empty if the client hung up.
+    /// Waits for received bytes; empty if the client hung up.
     fn more(&mut self, since: Instant, limit: Duration) -> io::Result<&[u8]> {
         loop {
             match self.reader.fill_buf() {
@@ -221,7 +221,7 @@ impl<'a> Peer<'a> {
     }
 }
 
-/// Whether the operation may be tried again after this error.
+/// Whether the operation may be repeated after this error.
 fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

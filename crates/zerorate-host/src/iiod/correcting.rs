@@ -1,10 +1,11 @@
-//! Rows that are judged before they are corrected.
+//! Corrects rows after checking their readings.
 
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
 use zerorate_record::{Layout, Row};
 
-/// Corrects the rows of a sensor: rates come out in the order of their rows, two rows later.
+/// Corrects the rows of a part. The corrected rates come in order, two rows later, because the checks need two more
+/// rows.
 #[derive(Clone, Debug)]
 pub struct Correcting {
     layout: Layout,
@@ -13,14 +14,14 @@ pub struct Correcting {
 }
 
 impl Correcting {
-    /// Makes the correction of a sensor with these axes, before the first row.
+    /// Starts the correction of a part with these axes, before the first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Corrector<Vec<Correction>>) -> Self {
         let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
         Self { layout: layout.clone(), axes, corrector }
     }
 
-    /// Takes a row, and returns the corrected rates of the row two before it, °/s. A rate is `None` if the reading is
-    /// not valid, and before the first temperature.
+    /// Adds a row. Returns the corrected rates of the row two before it, °/s; a rate is `None` if its reading is not
+    /// valid, or before the first temperature.
     pub fn push(&mut self, row: &Row) -> Option<[Option<f64>; MAX_AXES]> {
         let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
         for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {
@@ -36,17 +37,17 @@ impl Correcting {
         Some(corrected_dps)
     }
 
-    /// Begins in the middle of a recording. `temp_c` is the last temperature before, °C, if there was one.
+    /// Sets the last known temperature, °C, when starting in the middle of a recording.
     pub fn begin_at(&mut self, temp_c: Option<f64>) {
         self.corrector.read(temp_c);
     }
 
-    /// The temperature that was read last, °C.
+    /// The last temperature that was read, °C.
     pub fn temp_c(&self) -> Option<f64> {
         self.corrector.temp_c()
     }
 
-    /// The correction of the rate of an axis at the temperature that was read last, °/s.
+    /// The correction of an axis at the last temperature, °/s.
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
         self.corrector.correct(axis, Some(0.0))
     }

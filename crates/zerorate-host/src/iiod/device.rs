@@ -1,4 +1,4 @@
-//! The served device: the facts that it states, the present values of its attributes, and writes to them.
+//! The served device: its attributes, their current values, and writes to them.
 
 use super::request::{Errno, Place};
 use super::scan::{Scan, Scanner, corrected};
@@ -10,31 +10,31 @@ use zerorate::calibration::OtherPart;
 use zerorate::{Axis, Calibration, Correction, Corrector, MAX_AXES, Scale, Tally};
 use zerorate_record::Layout;
 
-/// The id of the first device in libiio.
+/// The id that libiio gives to the first device.
 pub const ID: &str = "iio:device0";
 
-/// Attributes of the device itself.
+/// The attributes of the device itself.
 pub const ATTRIBUTES: [&str; 4] = ["sampling_frequency", "samples_lost", "calibration", "current_timestamp_clock"];
 
-/// Attributes of the device's buffers.
+/// The attributes of the device's buffers.
 pub const BUFFER_ATTRIBUTES: [&str; 1] = ["samples_lost"];
 
-/// The only attribute that can be written, where writing is allowed at all.
+/// The only attribute that can be written, if writing is allowed.
 const WRITABLE: &str = "calibbias";
 
-/// Larger than any bias of any part, rad/s.
+/// A bound that no part's bias exceeds, rad/s.
 const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
 
-/// The device that the server shows to clients.
+/// The device as clients see it.
 #[derive(Debug)]
 pub struct Device {
-    /// The name for clients: the part in small letters.
+    /// The name for clients: the name of the part in lower case.
     pub name: String,
-    /// The attributes of the context, beside the channels.
+    /// The attributes of the libiio context.
     pub context: Vec<(&'static str, String)>,
     /// The channels.
     pub table: Table,
-    /// The meaning of the codes.
+    /// The layout and scales of the codes.
     pub layout: Layout,
     axes: Vec<Axis>,
     corrector: Option<Corrector<Vec<Correction>>>,
@@ -44,16 +44,16 @@ pub struct Device {
     live: Mutex<Live>,
 }
 
-/// The readings of the last sample.
+/// The readings of the last sample, and the counts so far.
 #[derive(Debug)]
 struct Live {
     scanner: Scanner,
     scan: Option<Scan>,
-    /// Counts of samples. Every sample that this reader did not see counts as lost.
+    /// Counts of samples. Samples that this reader did not see count as lost.
     tally: Tally,
-    /// Samples that were lost between the part and the hub.
+    /// Number of samples that were lost between the part and the hub.
     lost: u64,
-    /// Whether no further sample will come.
+    /// Whether the samples have ended.
     is_gone: bool,
     /// Number of samples dropped by full buffers.
     missed: u64,
@@ -62,7 +62,7 @@ struct Live {
 }
 
 impl Device {
-    /// The device that a hub reads, with its corrected rates if there is a calibration.
+    /// The device that a hub reads. With a calibration it also has channels of corrected rates.
     ///
     /// # Errors
     /// Returns [`OtherPart`] if the calibration belongs to another part.
@@ -107,7 +107,7 @@ impl Device {
         Self { may_be_written: true, ..self }
     }
 
-    /// Whether a client means this device by the name.
+    /// Whether a client's name or id of a device means this one.
     pub fn is_called(&self, name: &str) -> bool {
         name == ID || name == self.name
     }
@@ -117,13 +117,13 @@ impl Device {
         Scanner::new(&self.layout, &self.axes, self.corrector.clone()).with_temp_of(&self.live().scanner)
     }
 
-    /// Offsets added to corrected rates beside the calibration, °/s.
+    /// The offsets that clients added to the corrected rates, °/s.
     pub fn trims_dps(&self) -> [f64; MAX_AXES] {
         self.live().trims_dps
     }
 
-    /// Takes rows. Rows for which this watcher's own queue had no room were read: they count for the rate, and are not
-    /// lost.
+    /// Adds rows. Rows that did not fit into this watcher's own queue were read nevertheless: they count for the
+    /// rate, not as lost.
     pub fn take(&self, watched: &WatchedBatch) {
         let live = &mut *self.live();
         let (mut missed, mut lost) = (watched.missed, watched.lost);
@@ -138,31 +138,31 @@ impl Device {
         }
     }
 
-    /// Adds the number of samples that a full buffer dropped.
+    /// Adds to the number of samples that full buffers dropped.
     pub fn note_missed(&self, missed: u64) {
         let live = &mut *self.live();
         live.missed = live.missed.saturating_add(missed);
     }
 
-    /// Notes that no sample will come any more.
+    /// Notes that the samples have ended.
     pub fn note_gone(&self) {
         self.live().is_gone = true;
     }
 
-    /// Whether no sample will come any more.
+    /// Whether the samples have ended.
     pub fn is_gone(&self) -> bool {
         self.live().is_gone
     }
 
-    /// Whether a sample was read.
+    /// Whether any sample was read.
     pub fn has_readings(&self) -> bool {
         self.live().scan.is_some()
     }
 
-    /// The value of an attribute now.
+    /// Returns the current value of an attribute.
     ///
     /// # Errors
-    /// Returns an error if no attribute has this name, nothing was read yet, or the device is gone.
+    /// Returns an error if there is no such attribute, nothing was read yet, or the device is gone.
     pub fn read(&self, place: Place<'_>, attribute: &str) -> Result<String, Errno> {
         match place {
             Place::Device => self.read_own(attribute),
@@ -185,7 +185,7 @@ impl Device {
     /// Writes an attribute.
     ///
     /// # Errors
-    /// Returns an error if no attribute has this name, it cannot be written, writing is not allowed, or the value is
+    /// Returns an error if there is no such attribute, it cannot be written, writing is not allowed, or the value is
     /// not valid.
     pub fn write(&self, place: Place<'_>, attribute: &str, value: &[u8]) -> Result<(), Errno> {
         if !self.attributes(place).contains(&attribute) {
@@ -221,7 +221,7 @@ impl Device {
         }
     }
 
-    /// The id of the calibration that corrected rates carry.
+    /// The id of the applied calibration, marked if clients added offsets; `none` without a calibration.
     fn calibration_now(&self, live: &Live) -> String {
         let id = self.calibration.as_deref().unwrap_or("none");
         let is_shifted = live.trims_dps.iter().any(|dps| *dps != 0.0);
@@ -256,7 +256,7 @@ impl Device {
         value.ok_or(Errno::TRY_AGAIN)
     }
 
-    /// Scale and offset of a quantity: (raw + offset) · scale is in the units of the kernel, rad/s or 0.001 °C.
+    /// Scale and offset of a quantity. (raw + offset) · scale is in the kernel's unit, rad/s or 0.001 °C.
     fn scale(&self, quantity: Quantity) -> Option<(f64, f64)> {
         let scale_in = |scale: &Scale, per_unit: f64| {
             let zero = scale.zero_code as f64 - scale.zero_value * scale.lsb_per_unit;
@@ -269,16 +269,17 @@ impl Device {
         }
     }
 
-    /// The offset that is added to the rate of an axis now, °/s.
+    /// The offset that is currently added to the rate of an axis, °/s.
     fn bias_dps(&self, live: &Live, axis: usize) -> Result<f64, Errno> {
         Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
     }
 
-    /// Sets the correction at the present temperature. The correction follows the temperature as before.
+    /// Sets the correction at the current temperature, by an added offset. The correction still follows the
+    /// temperature.
     fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
         let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
         let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;
-        // written so that NaN fails as well
+        // this comparison also rejects NaN
         if wanted.abs() <= LARGEST_BIAS_RAD_PER_S {
             let live = &mut *self.live();
             live.trims_dps[axis] += wanted.to_degrees() - self.bias_dps(live, axis)?;

@@ -1,8 +1,8 @@
-//! A server for clients of libiio, as docs/libiio.md specifies it: they see the device of a [`Hub`] as one of the
-//! kernel's, with a buffer.
+//! A server for libiio clients, as docs/libiio.md specifies it. Clients see the device of a [`Hub`] like a device of
+//! the Linux kernel, with a buffer.
 //!
-//! `request.rs`, `session.rs`, `device.rs`, `table.rs`, `scan.rs` and `xml.rs` are the protocol, without a socket or a
-//! clock. `connection.rs` and this file bring bytes and samples.
+//! `request.rs`, `session.rs`, `device.rs`, `table.rs`, `scan.rs` and `xml.rs` are the protocol, without sockets or
+//! clocks. `connection.rs` and this file connect it to sockets and the hub.
 
 mod connection;
 mod correcting;
@@ -26,24 +26,24 @@ use std::time::{Duration, Instant};
 use zerorate::Calibration;
 use zerorate::calibration::OtherPart;
 
-/// The port at which clients look for a server.
+/// The TCP port of libiio servers.
 pub const PORT: u16 = 30431;
 
-/// Largest number of connections at a time. A client has one, and one more for a buffer.
+/// Largest number of simultaneous connections. A client has one, and another one for a buffer.
 const MOST_CONNECTIONS: usize = 64;
 /// Interval between two checks for new connections.
 const POLL: Duration = Duration::from_millis(20);
-/// A client reads all attributes at once, so the first one waits this long for a first sample.
+/// How long the first client waits for a first sample, because clients read all attributes at once.
 const FIRST_SAMPLE: Duration = Duration::from_secs(2);
 
-/// A server of a hub and of the facts of its device.
+/// A libiio server for the device that a hub reads.
 pub struct Server<'a> {
     hub: &'a Hub,
     device: Device,
 }
 
 impl<'a> Server<'a> {
-    /// Makes a server of the device that a hub reads. With a calibration, it serves corrected rates beside the codes.
+    /// Makes a server. With a calibration, it serves corrected rates as well as the codes.
     ///
     /// # Errors
     /// Returns [`OtherPart`] if the calibration belongs to another part.
@@ -51,18 +51,18 @@ impl<'a> Server<'a> {
         Ok(Self { hub, device: Device::new(hub.facts(), calibration)? })
     }
 
-    /// Lets clients write the only writable attribute, `calibbias`, which shifts the corrected rate of this server.
+    /// Allows clients to write `calibbias`, the only writable attribute, which shifts this server's corrected rate.
     #[must_use]
     pub fn writable(self) -> Self {
         Self { device: self.device.writable(), ..self }
     }
 
-    /// Serves clients until `stop` is asked. Each client has a thread of its own, and the server never waits for one.
-    /// The caller reads the hub.
+    /// Serves clients until `stop` is requested. Each client has its own thread, and the server never waits for one.
+    /// The caller must start the reading of the hub.
     ///
     /// # Errors
-    /// Returns an error if the listener accepts no more connections. It then asks `stop`, so that the error is known
-    /// at once and not when the last client has gone.
+    /// Returns an error if the listener cannot accept connections. It then requests `stop`, so that it returns at
+    /// once and not after the last client has left.
     pub fn serve(&self, listener: &TcpListener, stop: &Stop) -> io::Result<()> {
         listener.set_nonblocking(true)?;
         let (device, connections) = (&self.device, AtomicUsize::new(0));
@@ -75,7 +75,7 @@ impl<'a> Server<'a> {
                     Ok((stream, _)) => {
                         let taken = Place::take(&connections);
                         let body = move || taken.map(|_place| self.attend(&stream, stop));
-                        // if no thread can be started, the client sees a connection that ends
+                        // if no thread can be started, the connection is closed
                         drop(thread::Builder::new().name("iiod".to_owned()).spawn_scoped(scope, body));
                     }
                     Err(error) if is_passing(&error) => thread::sleep(POLL),
@@ -89,12 +89,12 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// Serves one client. A client that breaks off does not mean that the server failed.
+    /// Serves one client. An error of a client is not an error of the server.
     fn attend(&self, stream: &TcpStream, stop: &Stop) {
         let _ = connection::serve(stream, self.hub, &self.device, stop);
     }
 
-    /// Keeps the last reading for attributes.
+    /// Updates the readings that the attributes show.
     fn look_on(&self, stop: &Stop) {
         let watcher = self.hub.watch(connection::QUEUE);
         while !stop.asked() {
@@ -107,7 +107,7 @@ impl<'a> Server<'a> {
     }
 }
 
-/// One of the [`MOST_CONNECTIONS`] places.
+/// One of the [`MOST_CONNECTIONS`] connections, freed on drop.
 struct Place<'a>(&'a AtomicUsize);
 
 impl<'a> Place<'a> {
@@ -123,7 +123,7 @@ impl Drop for Place<'_> {
     }
 }
 
-/// Whether the error passes by itself: no connection waits, the client has gone, or resources are short right now.
+/// Whether the error is temporary: no connection is waiting, the client has left, or resources are short.
 fn is_passing(error: &io::Error) -> bool {
     let no_descriptor = [23, 24]; // ENFILE, EMFILE
     let kinds =

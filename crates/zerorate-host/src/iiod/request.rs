@@ -1,20 +1,20 @@
-//! The requests of clients, parsed from a line. `docs/libiio.md` has them all as a table.
+//! Parses the requests of clients. `docs/libiio.md` lists them all.
 
 use std::str::SplitAsciiWhitespace;
 use std::time::Duration;
 
-/// The reason why a request is refused, as Linux numbers it. A client gets the number with a minus sign.
+/// The reason of a refusal, as a Linux error number. The client receives its negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Errno(pub i32);
 
 impl Errno {
-    /// Nothing has this name.
+    /// There is nothing of this name.
     pub const NOT_FOUND: Self = Self(2);
-    /// No buffer is open that could be closed.
+    /// No buffer is open, so none can be closed.
     pub const NOT_OPENED: Self = Self(6);
-    /// No buffer is open that could be read.
+    /// No buffer is open, so none can be read.
     pub const NOT_OPEN: Self = Self(9);
-    /// No reading has come yet.
+    /// There is no reading yet.
     pub const TRY_AGAIN: Self = Self(11);
     /// The request would take too much memory.
     pub const TOO_LARGE: Self = Self(12);
@@ -22,17 +22,17 @@ impl Errno {
     pub const DENIED: Self = Self(13);
     /// A buffer is open already.
     pub const BUSY: Self = Self(16);
-    /// There is no such device, or it is gone.
+    /// There is no such device, or it has disappeared.
     pub const NO_DEVICE: Self = Self(19);
     /// The request is malformed.
     pub const NONSENSE: Self = Self(22);
     /// This server does not support the request.
     pub const NOT_DONE: Self = Self(38);
-    /// No sample came in time.
+    /// No sample came before the timeout.
     pub const TIMED_OUT: Self = Self(110);
 }
 
-/// A request.
+/// A request of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Request<'a> {
     Nothing,
@@ -40,15 +40,15 @@ pub enum Request<'a> {
     Exit,
     Version,
     Print,
-    /// Longest wait for samples; `None` waits as long as it takes.
+    /// Sets the longest wait for samples; `None` is without limit.
     Timeout(Option<Duration>),
     Read {
         device: &'a str,
         place: Place<'a>,
-        /// The attribute; `None` for all attributes.
+        /// The name of the attribute; `None` for all attributes.
         attribute: Option<&'a str>,
     },
-    /// A value of this many bytes follows, whether it is accepted or not.
+    /// A value of this many bytes follows, even if the request is refused.
     Write {
         device: &'a str,
         place: Place<'a>,
@@ -79,7 +79,7 @@ pub enum Request<'a> {
     },
 }
 
-/// The owner of an attribute.
+/// The object that an attribute belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place<'a> {
     Device,
@@ -93,7 +93,7 @@ impl<'a> Request<'a> {
     /// Parses a line, which may end in any white space.
     ///
     /// # Errors
-    /// Returns an error if the line is malformed, or asks for something that this server does not do.
+    /// Returns an error if the line is malformed, or requests something that this server does not support.
     pub fn parse(line: &'a [u8]) -> Result<Self, Errno> {
         let text = std::str::from_utf8(line).map_err(|_| Errno::NONSENSE)?;
         let mut words = Words(text.split_ascii_whitespace());
@@ -131,18 +131,18 @@ impl<'a> Request<'a> {
     }
 }
 
-/// A word that is written in capitals or in small letters.
+/// A keyword, in upper case or in lower case.
 struct Keyword(String);
 
 impl Keyword {
-    /// Makes a keyword. A word of mixed case does not match any keyword.
+    /// Normalises the case. A word in mixed case does not match any keyword.
     fn of(word: &str) -> Self {
         let is_small = word.bytes().all(|byte| byte.is_ascii_lowercase());
         Self(if is_small { word.to_ascii_uppercase() } else { word.to_owned() })
     }
 }
 
-/// The rest of a line.
+/// The remaining words of a line.
 struct Words<'a>(SplitAsciiWhitespace<'a>);
 
 impl<'a> Words<'a> {
@@ -163,7 +163,8 @@ impl<'a> Words<'a> {
         Ok((ms > 0).then(|| Duration::from_millis(ms.into())))
     }
 
-    /// Reads the owner of the attribute. For an attribute of the device itself, that word is the attribute.
+    /// Parses the object of an attribute. For the device itself there is no such word, and the attribute is returned
+    /// instead.
     fn place(&mut self) -> Result<(Place<'a>, Option<&'a str>), Errno> {
         let Some(word) = self.0.next() else { return Ok((Place::Device, None)) };
         Ok(match Keyword::of(word).0.as_str() {
@@ -175,7 +176,7 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// Parses eight hexadecimal digits for 32 channels: more channels than there are here.
+    /// Parses a channel mask: eight hexadecimal digits for 32 channels, more than there are here.
     fn mask(&mut self) -> Result<u32, Errno> {
         let word = self.next()?;
         let is_mask = word.len() == 8 && word.bytes().all(|byte| byte.is_ascii_hexdigit());

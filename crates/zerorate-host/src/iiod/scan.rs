@@ -1,4 +1,5 @@
-//! Rows of the hub as samples of a buffer: judged, corrected if there is a calibration, and with the losses before.
+//! Converts rows of the hub to samples of a buffer: checked, corrected if there is a calibration, and with a count
+//! of losses.
 
 use super::correcting::Correcting;
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
@@ -6,18 +7,19 @@ use std::collections::VecDeque;
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
 use zerorate_record::{Layout, Row};
 
-/// A sample of a buffer.
+/// One sample of a buffer: the values of all channels at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scan {
-    /// The row of the sample, with the last temperature that was read.
+    /// The row, with the last temperature that was read.
     pub row: Row,
-    /// The corrected rate of each axis, °/s; `None` if the reading is not valid, and before the first temperature.
+    /// The corrected rate of each axis, °/s; `None` if the reading is not valid, or before the first temperature.
     pub corrected_dps: [Option<f64>; MAX_AXES],
-    /// Number of samples that are missing since the beginning.
+    /// Number of samples lost since the start.
     pub lost: u64,
 }
 
-/// Turns rows into scans, in their order. Corrected rows come two rows later, because the judgement needs these two.
+/// Converts rows to scans, in order. With a correction they come two rows later, because the checks need two more
+/// rows.
 #[derive(Clone, Debug)]
 pub struct Scanner {
     correcting: Option<Correcting>,
@@ -27,13 +29,13 @@ pub struct Scanner {
 }
 
 impl Scanner {
-    /// Makes a scanner before the first row.
+    /// Starts before the first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
         let correcting = corrector.map(|corrector| Correcting::new(layout, axes, corrector));
         Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }
     }
 
-    /// Begins in the middle of another scanner's rows, with the temperature that was read last.
+    /// Continues from the current state of another scanner: takes over its last temperature.
     pub fn with_temp_of(mut self, other: &Self) -> Self {
         self.temp_code = other.temp_code;
         if let (Some(own), Some(others)) = (&mut self.correcting, &other.correcting) {
@@ -42,12 +44,12 @@ impl Scanner {
         self
     }
 
-    /// The correction of the rate of an axis at the temperature that was read last, °/s.
+    /// The correction of an axis at the last temperature, °/s.
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
         self.correcting.as_ref()?.correction_dps(axis)
     }
 
-    /// Takes a row before which `missed` rows were missed. `trims_dps` is added to each corrected rate.
+    /// Adds a row; `missed` rows were missed before it. `trims_dps` is added to each corrected rate.
     pub fn push(&mut self, row: &Row, missed: u64, trims_dps: &[f64; MAX_AXES]) -> Option<Scan> {
         self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
         self.waiting.push_back((*row, self.lost));
@@ -64,17 +66,17 @@ impl Scanner {
     }
 }
 
-/// The layout of samples in a buffer with some of the channels.
+/// The layout of a sample in a buffer that has some of the channels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packing {
-    /// Each quantity of a sample, and its offset.
+    /// Each quantity of a sample, and its offset in bytes.
     places: Vec<(Quantity, usize)>,
     /// Size of a sample in bytes.
     size: usize,
 }
 
 impl Packing {
-    /// The layout of a sample with the channels of `mask`; `None` if the mask is 0 or has a bit without a channel.
+    /// The layout with the channels of `mask`. `None` if the mask is 0 or has a bit without a channel.
     pub fn new(table: &Table, mask: u32) -> Option<Self> {
         let channels = table.channels();
         if mask == 0 || u64::from(mask) >> channels.len() != 0 {
@@ -87,7 +89,7 @@ impl Packing {
         Some(packing)
     }
 
-    /// Adds a channel at a multiple of its own length. No padding follows the last channel.
+    /// Adds a channel at a multiple of its own size. No padding follows the last channel.
     fn add(&mut self, channel: &Channel) {
         let at = self.size.next_multiple_of(channel.bytes);
         self.places.push((channel.quantity, at));
@@ -113,11 +115,11 @@ impl Packing {
     }
 }
 
-/// The type in which a channel is stored.
+/// The value of a channel, in its stored size.
 enum StoredValue {
-    /// In 32 bits.
+    /// 32 bits.
     Code(i64),
-    /// In 64 bits.
+    /// 64 bits.
     Wide(u64),
 }
 
@@ -131,7 +133,7 @@ fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> StoredValue {
     }
 }
 
-/// The corrected rate in units of [`CORRECTED_RAD_PER_S`]; the least integer if there is no rate.
+/// The corrected rate in units of [`CORRECTED_RAD_PER_S`]; the smallest integer means that there is no rate.
 pub fn corrected(rate_dps: Option<f64>) -> i64 {
     rate_dps.map_or(i64::MIN, |dps| (dps.to_radians() / CORRECTED_RAD_PER_S).round() as i64)
 }

@@ -1,4 +1,4 @@
-//! The protocol of one connection, without a socket: it takes a line, and returns the next step.
+//! The protocol of one connection, without a socket: it handles a line and returns the action to take.
 
 use super::device::Device;
 use super::request::{Errno, Place, Request};
@@ -6,14 +6,14 @@ use super::scan::Packing;
 use super::xml::{VERSION, describe};
 use std::time::Duration;
 
-/// Largest number of bytes of a written value.
+/// Largest size of a written value, bytes.
 pub const LONGEST_VALUE: usize = 4096;
 
-/// Largest buffer that a client may open, in samples. The server allocates no such buffer: it sends each sample as
-/// soon as it is read.
+/// The largest buffer that a client may open, in samples. The server allocates no memory for it, since it sends each
+/// sample as soon as it is read.
 const MOST_SAMPLES: usize = 1 << 24;
 
-/// Default of the longest wait for samples. A client of libiio 0.24 waits twice as long, and then hangs up.
+/// Default of the longest wait for samples. A client of libiio 0.24 hangs up after twice this time.
 const PATIENCE: Duration = Duration::from_millis(2500);
 
 /// The state of a connection.
@@ -22,7 +22,7 @@ pub struct Session<'a> {
     buffer: Option<Open>,
     /// Longest wait for samples.
     patience: Option<Duration>,
-    /// The attribute to which the next value belongs.
+    /// The attribute that the next value will be written to.
     writing: Option<(OwnedPlace, String)>,
 }
 
@@ -31,30 +31,30 @@ pub struct Session<'a> {
 pub struct Open {
     /// The layout of the samples.
     pub packing: Packing,
-    /// The mask, in the form in which it is sent.
+    /// The channel mask, as the client sent it.
     pub mask: u32,
 }
 
-/// The next step of a connection.
+/// The action that a connection has to take next.
 #[derive(Debug)]
 pub enum Step {
     /// Send nothing.
     Nothing,
     /// Send these bytes.
     Reply(Vec<u8>),
-    /// Take in this many bytes, whether they are accepted or not, and hand them to [`Session::written`].
+    /// Receive this many bytes and pass them to [`Session::written`], even if the value will be refused.
     Take(usize),
-    /// Begin to watch the device, then send 0.
+    /// Start to watch the device, then send 0.
     Open(Open),
-    /// Send samples of the open buffer, at most this many bytes.
+    /// Send samples of the open buffer, up to this many bytes.
     Fill(usize),
-    /// End watching, then send 0.
+    /// Stop watching, then send 0.
     Close,
     /// Send these bytes, and hang up.
     HangUp(Vec<u8>),
 }
 
-/// A [`Place`] that owns its text, kept until the value has come.
+/// A [`Place`] that owns its text, stored until the value arrives.
 enum OwnedPlace {
     Device,
     Debug,
@@ -64,12 +64,12 @@ enum OwnedPlace {
 }
 
 impl<'a> Session<'a> {
-    /// Makes a session before the first line.
+    /// Starts a session, before the first line.
     pub fn new(device: &'a Device) -> Self {
         Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
     }
 
-    /// Longest wait for samples; `None` waits as long as it takes.
+    /// Longest wait for samples; `None` is without limit.
     pub fn patience(&self) -> Option<Duration> {
         self.patience
     }
@@ -83,7 +83,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Handles a value that has come.
+    /// Handles a received value, and returns the answer.
     pub fn written(&mut self, value: &[u8]) -> Vec<u8> {
         let Some((place, attribute)) = self.writing.take() else { return refusal(Errno::NONSENSE) };
         match self.device.write(place.borrowed(), &attribute, value) {
@@ -132,8 +132,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Reads all attributes, one after the other. Each begins with the length of its value, or the error, in four
-    /// bytes with the highest first. The value follows with a NUL, filled up to a multiple of four bytes.
+    /// Reads all attributes of a place. Each one starts with the length of its value, or with the error, as four
+    /// bytes in big-endian order. The value follows with a NUL, padded to a multiple of four bytes.
     fn read_all(&self, place: Place<'_>) -> Vec<u8> {
         let mut all = Vec::new();
         for attribute in self.device.attributes(place) {
@@ -150,12 +150,12 @@ impl<'a> Session<'a> {
         all
     }
 
-    /// Prepares to write. The value is read even if it is not wanted, because the client sends it all the same.
+    /// Prepares to write. The client sends the value in any case, so it is read in any case.
     fn write(&mut self, device: &str, place: Place<'_>, attribute: &str, bytes: usize) -> Step {
         if bytes > LONGEST_VALUE {
             return Step::HangUp(refusal(Errno::TOO_LARGE));
         }
-        // another device has no attributes
+        // any other device has no attributes, so the write will be refused
         let place = if self.device.is_called(device) { OwnedPlace::of(place) } else { OwnedPlace::Debug };
         self.writing = Some((place, attribute.to_owned()));
         Step::Take(bytes)
@@ -183,7 +183,7 @@ impl<'a> Session<'a> {
         self.buffer.take().map(|_| Step::Close).ok_or(Errno::NOT_OPENED)
     }
 
-    /// Fills a buffer with whole samples.
+    /// Reads whole samples from the buffer, as many as fit into `bytes`.
     fn fill(&self, device: &str, bytes: usize) -> Result<Step, Errno> {
         self.named(device)?;
         let size = self.buffer.as_ref().ok_or(Errno::NOT_OPEN)?.packing.size();
@@ -216,7 +216,8 @@ impl OwnedPlace {
     }
 }
 
-/// Whether the line is from a browser that some page sent here. That page would choose the next lines.
+/// Whether the line is an HTTP request: a web page may have made a browser connect here, and would control the next
+/// lines.
 fn is_http(line: &[u8]) -> bool {
     line.windows(7).any(|word| word == b" HTTP/1")
 }
@@ -229,17 +230,17 @@ fn version() -> Vec<u8> {
     format!("{major}.{minor}.{git:<7.7}\n").into_bytes()
 }
 
-/// A line with a number that is not negative.
+/// A line with a number.
 pub fn number(value: usize) -> Vec<u8> {
     format!("{value}\n").into_bytes()
 }
 
-/// The line that refuses a request.
+/// A line with the negative error number.
 pub fn refusal(Errno(errno): Errno) -> Vec<u8> {
     format!("-{errno}\n").into_bytes()
 }
 
-/// A line with the length, and a line with the bytes.
+/// A line with the length, then the bytes and a line end.
 fn counted(bytes: &[u8]) -> Vec<u8> {
     [&number(bytes.len()), bytes, b"\n"].concat()
 }

@@ -4,16 +4,16 @@ use std::mem::size_of;
 use zerorate::{MAX_AXES, Scale};
 use zerorate_record::Layout;
 
-/// The channels, in the order of the bits of a mask and of a sample in the buffer.
+/// The channels, in the order of their bits in a mask and of their values in a sample.
 #[derive(Clone, Debug)]
 pub struct Table(Vec<Channel>);
 
 /// A channel.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// The id in libiio, whose start gives the type of the channel: `anglvel_z`.
+    /// The id in libiio, which begins with the type of the channel: `anglvel_z`.
     pub id: String,
-    /// A further name, if the id says too little.
+    /// An additional name, if the id is not enough.
     pub name: Option<&'static str>,
     /// The quantity of the channel.
     pub quantity: Quantity,
@@ -28,22 +28,22 @@ pub struct Channel {
 /// The quantity of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The code of an axis, as the part gave it.
+    /// The code of an axis, as measured.
     Rate(usize),
     /// The code of the temperature.
     Temp,
     /// The corrected rate of an axis.
     Corrected(usize),
-    /// Number of missing samples so far.
+    /// Number of lost samples so far.
     Lost,
     /// Time of the sample, ns.
     Time,
 }
 
-/// The unit of a corrected rate in a buffer, rad/s. It is finer than any code.
+/// The unit of corrected rates in a buffer, rad/s. It is finer than a code of any part.
 pub const CORRECTED_RAD_PER_S: f64 = 1e-9;
 
-/// A mask fits into one word.
+/// The mask of all channels fits into 32 bits.
 const _: () = assert!(2 * MAX_AXES + 3 <= u32::BITS as usize);
 
 const CODE: &[&str] = &["raw", "scale", "offset"];
@@ -52,7 +52,7 @@ const PLAIN: &[&str] = &["raw", "scale"];
 const COUNT: &[&str] = &["raw"];
 
 impl Table {
-    /// The channels of a part with this layout, with its corrected rates if there is a calibration.
+    /// The channels of a part with this layout. `is_corrected` adds the corrected rates.
     pub fn new(layout: &Layout, is_corrected: bool) -> Self {
         let ids = ids(layout);
         let attributes = if is_corrected { CODE_AND_BIAS } else { CODE };
@@ -76,7 +76,7 @@ impl Table {
         &self.0
     }
 
-    /// The channel of this id or name.
+    /// Finds the channel with this id or name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.0.iter().find(|channel| channel.id == name || channel.name == Some(name))
     }
@@ -99,14 +99,14 @@ impl Channel {
         Self { id, name, quantity, format: format.to_owned(), bytes: size_of::<u64>(), attributes }
     }
 
-    /// The file name of an attribute in a folder of all attributes: `in_anglvel_z_raw`.
+    /// The file name of an attribute as in the kernel's sysfs: `in_anglvel_z_raw`.
     pub fn file(&self, attribute: &str) -> String {
         let name = self.name.map(|name| format!("_{name}")).unwrap_or_default();
         format!("in_{}{name}_{attribute}", self.id)
     }
 }
 
-/// Ids such as `anglvel_z`, if the directions of the axes are known. Otherwise the ids are numbered.
+/// Ids such as `anglvel_z` if the directions of the axes are known, otherwise numbered ids.
 fn ids(layout: &Layout) -> Vec<String> {
     let by_letter = |direction: usize| format!("anglvel_{}", ['x', 'y', 'z'][direction]);
     match layout.directions() {

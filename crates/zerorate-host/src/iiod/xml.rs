@@ -1,13 +1,13 @@
-//! The description of the device, as clients parse it.
+//! The XML description of the device for clients.
 
 use super::device::{ATTRIBUTES, BUFFER_ATTRIBUTES, Device, ID};
 use super::table::Channel;
 use std::fmt::Write;
 
-/// The release of libiio whose protocol the server speaks.
+/// The version of libiio whose protocol the server implements.
 pub const VERSION: (u32, u32, &str) = (0, 24, "v0.24");
 
-/// The document type. Without it clients print an error, and go on.
+/// The document type. Without it, clients print an error and continue.
 const DOCTYPE: &str = concat!(
     "<!DOCTYPE context [<!ELEMENT context (device | context-attribute)*><!ELEMENT context-attribute EMPTY>",
     "<!ELEMENT device (channel | attribute | debug-attribute | buffer-attribute)*>",
@@ -23,7 +23,7 @@ const DOCTYPE: &str = concat!(
     "<!ATTLIST debug-attribute name CDATA #REQUIRED><!ATTLIST buffer-attribute name CDATA #REQUIRED>]>",
 );
 
-/// The description in one line, as the library's own server sends it.
+/// The description in one line, as libiio's own server sends it.
 pub fn describe(device: &Device) -> String {
     let (major, minor, git) = VERSION;
     let title = escaped(&format!("{}, {}", zerorate::SOFTWARE, device.name));
@@ -42,7 +42,7 @@ pub fn describe(device: &Device) -> String {
     xml + "</device></context>"
 }
 
-/// Describes a channel. The place in the buffer comes first, as the document type requires.
+/// Describes a channel. The scan element comes first, as the document type requires.
 fn describe_channel(xml: &mut String, index: usize, channel: &Channel) {
     let Channel { id, name, format, attributes, .. } = channel;
     let name = name.map(|name| format!(" name=\"{name}\"")).unwrap_or_default();
@@ -54,7 +54,7 @@ fn describe_channel(xml: &mut String, index: usize, channel: &Channel) {
     *xml += "</channel>";
 }
 
-/// Escapes text for a value of an XML attribute. Characters that XML cannot hold become question marks.
+/// Escapes text for the value of an XML attribute. Characters that XML forbids become question marks.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
