@@ -1,25 +1,26 @@
-//! Admits the samples of a device to a capture, except those that a reader of the file would refuse
+//! Filters the samples of a device, so that a recorded capture satisfies the checks of its readers
 //! (docs/formats/capture.md, "What must agree").
 
 use super::row::Row;
 use super::succession::{Break, Succession};
 use super::warning::CaptureWarning;
 
-/// Recording stops after this many samples in a row whose time does not increase: 0.7 s at the full rate.
+/// The number of consecutive samples without increasing time after which the recording stops: 0.7 s at the full
+/// rate.
 const STANDING: u32 = 4096;
 
-/// Judges the samples of a live device, and counts those as lost that cannot be recorded.
+/// Filters the samples of a live device. Samples that cannot be recorded count as lost.
 #[derive(Clone, Debug, Default)]
 pub struct Admission {
     succession: Succession,
-    /// Number of samples left out since the last admitted one, including the losses that they counted.
+    /// Number of samples left out since the last admitted one, including the losses that those samples reported.
     owed: u32,
     standing: u32,
     left_out: u64,
     jumped: u64,
 }
 
-/// The data of the device is not valid.
+/// The reasons why the device's data cannot be recorded.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Disbelief {
     /// The clock stands still or went back.
@@ -28,13 +29,14 @@ pub enum Disbelief {
          ({1}); check its time source, and start again"
     )]
     Clock(u32, Break),
-    /// The count of losses is impossible.
+    /// The device's count of losses is impossible.
     #[error("the device cannot be believed: {0}; reset it, and start again")]
     Losses(Break),
 }
 
 impl Admission {
-    /// The row as it may be recorded. `None` if it must be left out; the next row then counts it as lost.
+    /// Returns the row to record, with a corrected count of losses. `None` if the row must be left out; the next row
+    /// then counts it as lost.
     pub fn admit(&mut self, row: Row) -> Result<Option<Row>, Disbelief> {
         let lost = row.lost.saturating_add(self.owed);
         let lost = match self.succession.follow(row.with_lost(lost).mark()) {
@@ -57,7 +59,7 @@ impl Admission {
         if self.standing >= STANDING { Err(Disbelief::Clock(self.standing, what)) } else { Ok(()) }
     }
 
-    /// The warnings about samples that were not recorded as they came.
+    /// The warnings about samples that were left out or changed.
     pub fn warnings(&self) -> impl Iterator<Item = CaptureWarning> {
         let left_out = (self.left_out > 0).then_some(CaptureWarning::ClockStands(self.left_out));
         let jumped = (self.jumped > 0).then_some(CaptureWarning::ClockJump(self.jumped));

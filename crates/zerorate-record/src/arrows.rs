@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 use zerorate_input::messages::with_note;
 use zerorate_input::table::{BATCH_CHECK, END};
 
-/// Size of the write buffer in bytes: a batch of any capture fits, so that it is written in one piece.
+/// Size of the write buffer, bytes. A batch of any capture fits, so that it is written in one piece.
 const WRITE_BUFFER: usize = 1 << 20;
 
-/// Writes a stream.
+/// Writes an Arrow IPC stream.
 pub struct StreamSink {
     path: PathBuf,
     schema: SchemaRef,
@@ -24,7 +24,7 @@ pub struct StreamSink {
 }
 
 impl StreamSink {
-    /// Writes the schema, so that even a capture without a row can be read.
+    /// Starts the stream by writing the schema, so that even a capture without rows can be read.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let wrong = |error| CaptureError::arrow("write", path, error);
         let mut writer = StreamWriter::try_new(BufWriter::with_capacity(WRITE_BUFFER, out), schema).map_err(wrong)?;
@@ -34,7 +34,7 @@ impl StreamSink {
 }
 
 impl StreamSink {
-    /// Writes a batch in one piece, with a note about it.
+    /// Writes a batch in one piece, with a metadata entry.
     fn write_noted(&mut self, batch: &RecordBatch, key: &str, note: &str) -> Result<(), CaptureError> {
         let options = IpcWriteOptions::default();
         let mut no_dictionaries = DictionaryTracker::new(true);

@@ -1,4 +1,4 @@
-//! The common parts of all forms of a capture: blocks of rows, written and read.
+//! Common parts of all formats of a capture: writing and reading blocks of rows.
 
 use crate::CaptureError;
 use crate::chain::End;
@@ -10,16 +10,16 @@ use zerorate_input::InputWarning;
 /// The destination of a capture.
 pub type Out = Box<dyn Write + Send>;
 
-/// Takes blocks of rows in one of the forms.
+/// Writes blocks of rows in one of the formats.
 pub trait BlockSink {
-    /// Writes rows, and passes them to the operating system as far as the form allows. `check` ends the block.
+    /// Writes rows, and passes them to the operating system if the format allows it. With `check`, they end a block.
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError>;
 
-    /// Ends the block of the rows before, if `check` is given, and writes the end of the file.
+    /// Ends the open block if `check` is given, and writes the end of the file.
     fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
 }
 
-/// The warning about a capture that lacks its end, with the number of rows without a check.
+/// The warning about a capture without its end. `rows` is the number of unchecked rows, which are dropped.
 pub fn cut_off(path: &Path, rows: usize) -> InputWarning {
     let path = path.display();
     InputWarning::Torn(format!("{path} was not closed; {rows} rows after its last whole block are dropped"))

@@ -1,4 +1,5 @@
-//! The checks of a capture: each block has a check over everything up to its end (docs/formats/capture.md, "Checks").
+//! The checks of a capture: each block ends with a hash over everything before it (docs/formats/capture.md,
+//! "Checks").
 
 use super::columns::Rows;
 use super::hash::{SampleHash, hex};
@@ -17,10 +18,10 @@ pub const HEAD: &str = "zerorate.check.head";
 const PREFIX: &[u8] = b"zerorate.capture.v2\n";
 const END_MARK: &[u8] = b"end\n";
 
-/// Hexadecimal digits of a check: one change in 2⁶⁴ is missed.
+/// Number of hexadecimal digits of a check. It misses one change in 2⁶⁴.
 const DIGITS: usize = 16;
 
-/// The statement in a file after its last row.
+/// The statement at the end of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct End {
     /// Number of rows in the file.
@@ -32,7 +33,7 @@ pub struct End {
 }
 
 impl End {
-    /// The text in the file, which always has the same length.
+    /// The text in the file. It has a constant length.
     pub fn to_text(&self) -> String {
         format!("{:020} {} {}", self.rows, self.samples_sha256, self.check)
     }
@@ -50,7 +51,7 @@ impl End {
     }
 }
 
-/// Computes the checks over a growing table.
+/// Computes the checks of a table while rows are added.
 pub struct Chain {
     link: [u8; 32],
     samples: SampleHash,
@@ -60,7 +61,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// A chain without rows. Its first link is the digest of the description.
+    /// Starts without rows. The chain begins with the hash of the description.
     pub fn new(schema: &Schema, layout: &Layout) -> Self {
         let raw = layout.raw_fields().iter().map(|field| field.name().clone()).collect();
         let (link, samples) = (head_digest(schema), SampleHash::new(layout));
@@ -81,7 +82,7 @@ impl Chain {
         }
     }
 
-    /// Ends a block, and returns the check over the description and all rows up to here.
+    /// Ends a block. Returns the check over the description and all rows so far.
     pub fn seal(&mut self) -> String {
         let mut digest = Sha256::new_with_prefix(self.link);
         digest.update(self.samples.digest());
@@ -90,7 +91,7 @@ impl Chain {
         hex(&self.link)[..DIGITS].to_owned()
     }
 
-    /// The end statement of a table that ends here.
+    /// The end statement, if the table ends here.
     pub fn end(&self) -> End {
         let samples_sha256 = self.samples.hex();
         let mut digest = Sha256::new_with_prefix(self.link);
@@ -100,13 +101,13 @@ impl Chain {
         End { rows: self.rows, samples_sha256, check: hex(&digest.finalize())[..DIGITS].to_owned() }
     }
 
-    /// The sample hash of the rows up to here.
+    /// The sample hash of all rows so far.
     pub fn samples_sha256(&self) -> String {
         self.samples.hex()
     }
 }
 
-/// The check of a description: of its metadata, and of its columns with their types.
+/// The check of a description: of its metadata and its columns with their types.
 pub fn head(schema: &Schema) -> String {
     hex(&head_digest(schema))[..DIGITS].to_owned()
 }
@@ -118,7 +119,7 @@ pub fn checked_schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
     Arc::new(schema.with_metadata(metadata))
 }
 
-/// Whether a metadata entry is a part of the description.
+/// Whether a metadata entry is part of the description.
 pub fn describes(key: &str) -> bool {
     key.starts_with(DESCRIPTION) && !key.starts_with(CHECKS)
 }
@@ -135,7 +136,7 @@ fn head_digest(schema: &Schema) -> [u8; 32] {
     digest.finalize().into()
 }
 
-/// The name of a type in the format; the Arrow name for a type that no capture has.
+/// The name of a column type in the format; the Arrow name if no capture has such a column.
 fn type_name(data_type: &DataType) -> String {
     let short = match data_type {
         DataType::UInt8 => "u8",
@@ -150,7 +151,8 @@ fn type_name(data_type: &DataType) -> String {
     short.to_owned()
 }
 
-/// A column encoded for the checks: for each row, a byte that is 1 if there is a value, then the value, little endian.
+/// A column encoded for the checks. Each row has a byte, 1 if there is a value and 0 for a null, and then the value
+/// in little-endian order.
 struct Cells {
     bytes: Vec<u8>,
     stride: usize,

@@ -1,4 +1,4 @@
-//! Reads a capture and checks it: its description, each block, its end, and whether its rows agree with each other.
+//! Reads a capture and checks it: its description, each block, its end, and the consistency of successive rows.
 
 use super::CaptureError;
 use super::chain::{self, Chain, End};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use zerorate_input::InputWarning;
 use zerorate_input::table::{BatchSource, END};
 
-/// Reads a table that claims to be a capture.
+/// Reads a table that claims to be a capture, and checks it.
 pub struct Checked {
     path: PathBuf,
     info: CaptureInfo,
@@ -30,7 +30,7 @@ enum Checks {
     Absent,
     /// Schema 2: each block is checked.
     Chained(Box<Chain>),
-    /// Schema 2, rewritten by other software: description and columns are kept, the checks of the rows are lost.
+    /// Schema 2, rewritten by other software, which keeps description and columns but drops the checks of the rows.
     Stripped,
 }
 
@@ -41,14 +41,14 @@ pub struct Found {
     pub rows: u64,
     /// Sum of the rows' losses.
     pub lost: u64,
-    /// `t_ns` of the first row, and of the last.
+    /// `t_ns` of the first and of the last row.
     pub span_ns: Option<(u64, u64)>,
-    /// Number of rows whose `edge_seq` contradicts the time, in a file that is otherwise valid.
+    /// Number of rows whose `edge_seq` contradicts the time, in an otherwise valid file.
     edges_out_of_place: u64,
 }
 
 impl Checked {
-    /// Starts to read a table, and checks its description.
+    /// Opens a table and checks its description.
     pub fn new(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
         let schema = source.stated().schema.clone();
         let info = CaptureInfo::from_metadata(path, schema.metadata())?;
@@ -82,7 +82,7 @@ impl Checked {
         &self.info
     }
 
-    /// Columns and metadata.
+    /// The columns and the metadata.
     pub fn schema(&self) -> SchemaRef {
         self.source.stated().schema.clone()
     }
@@ -94,7 +94,7 @@ impl Checked {
         entries.map(|(key, value)| (key.clone(), value.clone())).collect()
     }
 
-    /// Totals of the rows that were read so far.
+    /// Totals of the rows read so far.
     pub fn found(&self) -> &Found {
         &self.found
     }
@@ -104,18 +104,18 @@ impl Checked {
         matches!(self.checks, Checks::Chained(_))
     }
 
-    /// Whether the file ends before the end of the capture.
+    /// Whether the file ends before the end of the capture, as after a power cut.
     pub fn is_torn(&self) -> bool {
         self.source.stated().torn
     }
 
-    /// The warning about bytes after the end, known once all rows were read.
+    /// The warning about bytes after the end. Known once all rows were read.
     pub fn behind_end(&self) -> Option<&InputWarning> {
         let warning = self.source.stated().warning.as_ref();
         warning.filter(|warning| matches!(warning, InputWarning::BytesBehindEnd { .. }))
     }
 
-    /// The warnings, complete once all rows were read.
+    /// The warnings. Complete once all rows were read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         let path = || self.path.display().to_string();
         let unchecked = match self.checks {
@@ -129,7 +129,7 @@ impl Checked {
         of_file.into_iter().chain(unchecked).chain(edges).collect()
     }
 
-    /// The next rows, with their batch.
+    /// Reads the next rows. Returns them with their record batch.
     pub fn next_rows(&mut self) -> Result<Option<(RecordBatch, Rows)>, CaptureError> {
         if self.ended {
             return Ok(None);
@@ -198,7 +198,7 @@ impl Checked {
         CaptureError::damaged(&self.path, format!("end, after row {}", self.found.rows), what)
     }
 
-    /// Checks that the rows agree with each other, and counts them.
+    /// Checks that successive rows are consistent, and counts them.
     fn count(&mut self, place: &str, rows: &Rows) -> Result<(), CaptureError> {
         let strict = self.info.schema == 1;
         for mark in rows.marks() {
@@ -231,7 +231,7 @@ impl Checked {
         }
     }
 
-    /// The statement at the end of the file, known once all rows were read.
+    /// The statement at the end of the file; `None` before all rows were read, or if there is none.
     ///
     /// # Errors
     /// Returns an error if the statement is malformed.

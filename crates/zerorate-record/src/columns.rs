@@ -1,4 +1,4 @@
-//! The columns of a capture in memory: converts rows to record batches, and back.
+//! Converts rows of a capture to record batches, and back.
 
 use super::CaptureError;
 use super::layout::{CodedAxis, Layout};
@@ -14,13 +14,13 @@ use std::sync::Arc;
 use zerorate::{MAX_AXES, Reading, Scale};
 use zerorate_input::cells::integers;
 
-/// Largest number of rows in a batch: a bound on memory.
+/// Largest number of rows in a batch, which bounds the memory.
 pub const MAX_ROWS: usize = 8192;
 
-/// Longest time that a batch spans, ns: the loss if the process is killed.
+/// Longest time span of a batch, ns. It is the most that is lost if the process is killed.
 const MAX_SPAN_NS: u64 = 1_000_000_000;
 
-/// The rows of the open batch.
+/// The rows that were collected for the next batch.
 pub(crate) struct OpenBatch {
     fields: Vec<Field>,
     t_ns: Vec<u64>,
@@ -85,7 +85,7 @@ where
     Arc::new(PrimitiveArray::<T>::new(values.into(), None))
 }
 
-/// The status in the type of its column.
+/// Converts the status to the type of its column.
 fn narrowed(status: &ArrayRef, fields: &[Field]) -> Result<ArrayRef, ArrowError> {
     let field = fields.iter().find(|field| field.name() == "status");
     Ok(match field.map(Field::data_type) {
@@ -95,7 +95,7 @@ fn narrowed(status: &ArrayRef, fields: &[Field]) -> Result<ArrayRef, ArrowError>
     })
 }
 
-/// A growing column of codes.
+/// A column of codes that is being built.
 enum CodeBuilder {
     Unsigned(PrimitiveBuilder<UInt32Type>),
     Signed(PrimitiveBuilder<Int32Type>),
@@ -110,7 +110,7 @@ impl CodeBuilder {
         }
     }
 
-    /// The cast is exact: a code of the layout has at most 32 bits.
+    /// Appends a code. The conversion is exact, because codes have at most 32 bits.
     fn append(&mut self, code: Option<i64>) {
         match self {
             Self::Unsigned(codes) => codes.append_option(code.map(|code| code as u32)),
@@ -164,7 +164,7 @@ impl Codes {
         }
     }
 
-    /// The first value that is not a code of this scale.
+    /// The first value that is outside of the scale's codes.
     fn misfit(&self, scale: &Scale) -> Option<i64> {
         let (first, last) = scale.codes();
         let outside = |code: &i64| !(first..=last).contains(code);
@@ -175,7 +175,7 @@ impl Codes {
     }
 }
 
-/// The raw rows of a batch that was read, checked and typed.
+/// The raw rows of a batch, checked and converted.
 pub struct Rows {
     t_ns: ScalarBuffer<u64>,
     edge_seq: ScalarBuffer<u32>,
@@ -187,7 +187,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// The raw columns of a batch of the capture at `path`; `place` names the batch in errors.
+    /// Reads the raw columns of a batch. `path` names the capture and `place` the batch in errors.
     pub fn from_batch(path: &Path, place: &str, batch: &RecordBatch, layout: &Layout) -> Result<Self, CaptureError> {
         let found = Batch { path, place, batch };
         let codes = layout.axes().iter().map(|axis| found.required_codes(&axis.code_column(), &axis.scale));
@@ -232,7 +232,7 @@ impl Rows {
             .with_temp_code(self.temp_code.get(i))
     }
 
-    /// All rows, in order.
+    /// All rows in order.
     pub fn iter(&self) -> impl Iterator<Item = Row> {
         (0..self.len()).map(|i| self.row(i))
     }
@@ -265,7 +265,7 @@ impl Rows {
     }
 }
 
-/// A batch, with its file and place for errors.
+/// A batch, with file name and place for errors.
 struct Batch<'a> {
     path: &'a Path,
     place: &'a str,
@@ -273,7 +273,7 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// A column by name, in the type of the format: other software may have widened it.
+    /// A column by its name, converted to the type of the format, since other software may have widened it.
     fn column<T: ArrowPrimitiveType<Native: TryFrom<i128>>>(
         &self,
         name: &str,
@@ -285,7 +285,7 @@ impl Batch<'_> {
         integers(found).map_err(|error| self.damaged(format!("column {name}: {error}")))
     }
 
-    /// As [`Self::column`], but a null is an error.
+    /// Like [`Self::column`], but a null is an error.
     fn required<T: ArrowPrimitiveType<Native: TryFrom<i128>>>(
         &self,
         name: &str,
@@ -295,7 +295,7 @@ impl Batch<'_> {
         Ok(column.values().clone())
     }
 
-    /// A column of codes of this scale.
+    /// A column of codes in this scale.
     fn codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
         let codes = if scale.signed {
             Codes::Signed(self.column::<Int32Type>(name)?)
@@ -311,7 +311,7 @@ impl Batch<'_> {
         }
     }
 
-    /// As [`Self::codes`], but a null is an error.
+    /// Like [`Self::codes`], but a null is an error.
     fn required_codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
         let codes = self.codes(name, scale)?;
         self.check_whole(name, codes.null_count())?;

@@ -1,4 +1,4 @@
-//! The CSV form: the description as comment lines, a header, then the rows.
+//! The CSV format of a capture: the description as comment lines, a header, then the rows.
 
 use super::CaptureError;
 use super::blocks::cut_off;
@@ -22,7 +22,7 @@ use zerorate_input::{Input, InputError, InputWarning};
 /// The start of every CSV capture.
 pub const PREAMBLE: &str = "# zerorate.";
 
-/// Size of the write buffer in bytes, for a few batches.
+/// Size of the write buffer, bytes. It holds a few batches.
 const WRITE_BUFFER: usize = 1 << 20;
 
 /// Writes a CSV capture.
@@ -32,7 +32,7 @@ pub struct CsvSink {
 }
 
 impl CsvSink {
-    /// Writes the description and the header.
+    /// Starts a file with the description and the header.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let mut sink = Self { path: path.to_owned(), out: BufWriter::with_capacity(WRITE_BUFFER, out) };
         schema.metadata().iter().try_for_each(|(key, value)| sink.state(key, value))?;
@@ -41,7 +41,7 @@ impl CsvSink {
         Ok(sink)
     }
 
-    /// Writes a comment line.
+    /// Writes a metadata entry as a comment line.
     fn state(&mut self, key: &str, value: &str) -> Result<(), CaptureError> {
         self.text(&format!("# {key} = {value}\n"))
     }
@@ -89,11 +89,11 @@ impl BlockSink for CsvSink {
 pub struct CsvReader {
     path: PathBuf,
     lines: Lines,
-    /// A builder for each column of the file, in order; `None` for an unknown name.
+    /// The name and builder of each column in the file, in order. The builder is `None` for an unknown name.
     columns: Vec<NamedColumn>,
-    /// Whether the rows have checks: version 2 of the format.
+    /// Whether the rows have checks, as in version 2 of the format.
     is_checked: bool,
-    /// Bytes in the file, and up to the end statement once that was read.
+    /// Length of the file, and of its part up to the end statement once that was read, bytes.
     length: u64,
     end: u64,
     stated: Stated,
@@ -101,15 +101,15 @@ pub struct CsvReader {
 
 /// A line below the header.
 enum Entry {
-    /// A row, which was added to the columns.
+    /// A row. It was added to the columns.
     Row,
-    /// The check of the rows before.
+    /// The check over all rows before it.
     Check(String),
     /// The end statement.
     End(String),
     /// Any other comment.
     Comment,
-    /// The file ends, possibly with a line that is cut short.
+    /// The end of the file, possibly after an incomplete line.
     Nothing,
 }
 
@@ -151,7 +151,7 @@ impl CsvReader {
         })
     }
 
-    /// Reads a line. A row goes into the columns.
+    /// Reads a line. A row is added to the columns.
     fn read_entry(&mut self) -> Result<Entry, InputError> {
         let Some(line) = self.lines.next_line()? else {
             return Ok(Entry::Nothing);
@@ -180,7 +180,7 @@ impl CsvReader {
         Ok(Entry::Row)
     }
 
-    /// Notes that the file lacks the end of the capture.
+    /// Marks the file as incomplete.
     fn torn(&mut self, rows: usize) {
         self.stated.torn = true;
         self.stated.warning = Some(cut_off(&self.path, rows));
@@ -191,7 +191,7 @@ impl CsvReader {
     }
 }
 
-/// The statement in a comment; `None` if it is malformed.
+/// Parses the statement in a comment; `None` if it is malformed.
 fn statement(comment: &str) -> Option<Entry> {
     let entry = comment.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
     match entry {
@@ -267,7 +267,7 @@ impl BatchSource for CsvReader {
     }
 }
 
-/// Writes a cell of a column into a line; nothing for a null.
+/// A function that writes the cell of a row into a line; it writes nothing for a null.
 type WriteCell<'a> = Box<dyn Fn(usize, &mut String) + 'a>;
 
 fn written(column: &ArrayRef) -> Result<WriteCell<'_>, ArrowError> {
@@ -291,7 +291,7 @@ fn written(column: &ArrayRef) -> Result<WriteCell<'_>, ArrowError> {
     }
 }
 
-/// Writes a number with as many digits as are needed to read the same number back, and always with a decimal point.
+/// Writes the shortest decimal that reads back as the same number, always with a decimal point.
 fn push_float(value: f64, line: &mut String) {
     let plain = value == 0.0 || (1e-5..1e9).contains(&value.abs());
     let text = if plain || !value.is_finite() { value.to_string() } else { format!("{value:e}") };
@@ -303,7 +303,7 @@ fn push_float(value: f64, line: &mut String) {
 
 /// A column that is built from cells of text.
 trait CellColumn {
-    /// Adds a cell; an empty cell is a null. Returns `false` if the cell is not a number of the type.
+    /// Adds a cell; an empty cell is a null. Returns `false` if the cell is not a number of the column's type.
     fn push(&mut self, cell: &str) -> bool;
 
     /// Returns the column, and empties the builder.

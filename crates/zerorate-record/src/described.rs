@@ -1,4 +1,5 @@
-//! A capture as a table that describes itself: codes have scales, invalid readings are null, lost rows are counted.
+//! Presents a capture as a self-describing table: codes have scales, invalid readings are null, and lost rows are
+//! counted.
 
 use crate::columns::Rows;
 use crate::layout::{CodedAxis, Layout};
@@ -16,13 +17,13 @@ use zerorate_input::Opened;
 use zerorate_input::table::{Described, DescribedTable, Source, describes_itself};
 use zerorate_input::{InputError, Quantity};
 
-/// The column of the temperature.
+/// The name of the temperature column.
 const TEMP_CODE: &str = "temp_code";
 
-/// Opens a capture as a described table; `None` if the file is not a capture.
+/// Opens a capture as a self-describing table; `None` if the file is not a capture.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or if its description is wrong.
+/// Returns an error if the file cannot be read, or if its description is not valid.
 pub fn open_described(path: &Path, source: Source) -> Result<Option<Box<dyn DescribedTable>>, InputError> {
     let opened = match source {
         Source::File(input) => recognise(path, input)?,
@@ -46,7 +47,7 @@ impl DescribedTable for DescribedCapture {
         self.capture.schema()
     }
 
-    /// The rates of all axes; the corrected ones if there are any.
+    /// The rates of all axes, corrected ones if there are any.
     fn default_columns(&self) -> Vec<usize> {
         let schema = self.schema();
         let position = |name: String| schema.index_of(&name).ok();
@@ -85,21 +86,22 @@ fn coded(warning: &CaptureWarning) -> (&'static str, String) {
     (warning.code(), warning.to_string())
 }
 
-/// A callback for checked rows.
+/// A callback that receives checked rows.
 type TakeRows<'a> = &'a mut (dyn FnMut(&RecordBatch, &Rows) -> Result<(), InputError> + Send);
 
-/// Largest number of batches that wait for the other thread.
+/// Largest number of batches that are queued for the other thread.
 #[cfg(not(target_family = "wasm"))]
 const AHEAD: usize = 4;
 
-/// Passes the rows of a capture to `take` on another thread while this one checks them, which takes as long.
+/// Passes the rows of a capture to `take` on another thread, while this thread checks the next rows. Both take about
+/// the same time.
 #[cfg(not(target_family = "wasm"))]
 fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputError> {
     std::thread::scope(|scope| {
         let (checked, to_take) = std::sync::mpsc::sync_channel(AHEAD);
         let taking = scope.spawn(move || to_take.into_iter().try_for_each(|(batch, rows)| take(&batch, &rows)));
         while let Some(next) = capture.next_rows()? {
-            // if the other thread failed, its result says why
+            // the other thread's result tells the error
             if checked.send(next).is_err() {
                 break;
             }
@@ -109,7 +111,7 @@ fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputErr
     })
 }
 
-/// Does both on one thread: a browser has no other.
+/// Passes the rows of a capture to `take`, on the same thread, because a browser has no other.
 #[cfg(target_family = "wasm")]
 fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputError> {
     while let Some((batch, rows)) = capture.next_rows()? {
@@ -118,12 +120,12 @@ fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputErr
     Ok(())
 }
 
-/// The columns that are passed on, with the validation of their readings.
+/// The requested columns, with the validation of their readings.
 struct Validation<'a> {
     path: &'a Path,
     columns: Vec<(usize, Option<Readings>)>,
     axes: Vec<AxisValidation>,
-    /// `None` if rows are not counted.
+    /// The count of rows and losses; `None` if it is not requested.
     count: Option<RowCount>,
 }
 
@@ -136,7 +138,7 @@ impl<'a> Validation<'a> {
         Self { path, columns, axes, count: validates.then(RowCount::default) }
     }
 
-    /// Adds rows. Returns the values of each column that are judged by now.
+    /// Adds rows. Returns the values of each column that are validated so far.
     fn take(&mut self, batch: &RecordBatch, rows: &Rows) -> Result<Vec<ArrayRef>, InputError> {
         if let Some(count) = &mut self.count {
             count.take(rows);
@@ -149,7 +151,7 @@ impl<'a> Validation<'a> {
         self.columns.iter_mut().map(judged).collect::<Result<_, _>>().map_err(|error| failed(self.path, &error))
     }
 
-    /// The values of each column that are judged only at the end.
+    /// Returns the remaining values of each column, which are validated only at the end.
     fn rest(&mut self) -> Result<Vec<ArrayRef>, InputError> {
         let valid: Vec<Valid> = self.axes.iter_mut().map(AxisValidation::rest).collect();
         let judged = |(_, readings): &mut (usize, Option<Readings>)| match readings {
@@ -175,7 +177,7 @@ impl<'a> Validation<'a> {
     }
 }
 
-/// Validates the readings of an axis, once for all columns that hold them.
+/// Validates the readings of an axis, once for all columns with its readings.
 struct AxisValidation {
     axis: usize,
     layout: Layout,
@@ -192,13 +194,13 @@ struct Valid {
 }
 
 impl AxisValidation {
-    /// Validation of an axis, by number; `None` if the part lacks it.
+    /// Starts the validation of an axis, by its index; `None` if the part has no such axis.
     fn new(axis: usize, info: &CaptureInfo) -> Option<Self> {
         let health = Health::new(&info.part().axes.get(axis)?.axis);
         Some(Self { axis, layout: info.layout.clone(), health, tally: Tally::default(), start_ns: None })
     }
 
-    /// Adds rows, and returns the readings judged by now: all so far except the last two.
+    /// Adds rows. Returns the readings that are validated so far: all except the last two.
     fn take(&mut self, rows: &Rows) -> Valid {
         let mut valid = Valid::with_capacity(rows.len());
         self.tally.samples += rows.len() as u64;
@@ -208,7 +210,7 @@ impl AxisValidation {
         valid
     }
 
-    /// The readings that are judged at the end of the capture.
+    /// Returns the remaining readings, which are validated only at the end.
     fn rest(&mut self) -> Valid {
         let mut valid = Valid::default();
         while let Some(judged) = self.health.finish() {
@@ -217,13 +219,13 @@ impl AxisValidation {
         valid
     }
 
-    /// The warnings about the readings, once all are judged.
+    /// The warnings about the readings. Complete once all are validated.
     fn warnings(&self) -> Vec<(&'static str, String)> {
         let found = valid::warnings(&self.health, &self.tally, self.start_ns.unwrap_or_default());
         found.iter().map(coded).collect()
     }
 
-    /// The refusal of a sensor that had stopped.
+    /// The refusal if the readings were frozen at the end; `None` if they were not.
     fn refusal(&self, path: &Path) -> Option<(&'static str, String)> {
         let why = valid::frozen_text(&self.health.frozen_at_end()?, self.start_ns.unwrap_or_default());
         Some(("frozen", format!("{}: {why}; or cut the recording before that", path.display())))
@@ -242,25 +244,25 @@ impl Valid {
     }
 }
 
-/// The readings that make a column.
+/// The kind of readings in a column.
 #[derive(Clone, Copy, Debug)]
 enum Channel {
     Rate,
     Temp,
 }
 
-/// A column of readings, in which readings that are not valid become null.
+/// A column of readings. Invalid readings become null.
 struct Readings {
-    /// Index of the column's axis among the validated axes.
+    /// Index of the axis among the validated axes.
     axis: usize,
     channel: Channel,
-    /// Values of rows that are not judged yet.
+    /// Values of rows that are not validated yet.
     tail: Option<ArrayRef>,
 }
 
 impl Readings {
-    /// The readings of the column of this name; `None` if it does not hold readings. Their axis is added to `axes` if
-    /// missing. A temperature is judged with the first axis.
+    /// The readings in the column of this name; `None` if it does not hold readings. Adds their axis to `axes` if it
+    /// is missing. A temperature is validated with the first axis.
     fn of_column(name: &str, info: &CaptureInfo, axes: &mut Vec<AxisValidation>) -> Option<Self> {
         let of_axis = info.layout.axes().iter().position(|axis| {
             [axis.code_column(), axis.rate_column(), axis.corrected_column()].contains(&name.to_owned())
@@ -280,7 +282,7 @@ impl Readings {
         Some(Self { axis, channel, tail: None })
     }
 
-    /// Adds the values of more rows. Returns the newly judged values, in order.
+    /// Adds the values of more rows. Returns the newly validated values, in order.
     fn take(&mut self, values: &ArrayRef, valid: &[Valid]) -> Result<ArrayRef, ArrowError> {
         let valid = self.of_channel(valid);
         let values = match self.tail.take() {
@@ -291,7 +293,7 @@ impl Readings {
         masked(&values.slice(0, valid.len()), valid)
     }
 
-    /// The values that are judged only at the end.
+    /// Returns the remaining values, which are validated only at the end.
     fn rest(&mut self, valid: &[Valid]) -> Result<ArrayRef, ArrowError> {
         let tail = self.tail.take();
         let empty = || Ok(arrow_array::new_empty_array(&arrow_schema::DataType::Int64));
@@ -318,7 +320,7 @@ fn failed(path: &Path, error: &ArrowError) -> InputError {
     InputError::damaged(path, "raw columns", error.to_string())
 }
 
-/// The time span of the rows, and the losses between them as the capture counts them.
+/// The time span and number of rows, and the losses between them.
 #[derive(Default)]
 struct RowCount {
     span_ns: Option<(u64, u64)>,
@@ -330,7 +332,7 @@ impl RowCount {
     fn take(&mut self, rows: &Rows) {
         for Mark { t_ns, lost, .. } in rows.marks() {
             self.span_ns = Some((self.span_ns.map_or(t_ns, |(start, _)| start), t_ns));
-            // losses of the first row were before the record
+            // the losses of the first row were before the recording
             if lost > 0 && self.rows > 0 {
                 self.lost.push((self.rows as usize, u64::from(lost)));
             }

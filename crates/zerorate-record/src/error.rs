@@ -1,4 +1,4 @@
-//! Errors of captures: each message names the file and says what to do.
+//! Errors of captures. Each message names the file and says what to do.
 
 use arrow_schema::ArrowError;
 #[cfg(feature = "parquet")]
@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use zerorate_input::{InputError, NotBuiltIn};
 
-/// The reason why a capture could not be written or read.
+/// The reasons why a capture cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum CaptureError {
@@ -19,7 +19,7 @@ pub enum CaptureError {
     #[error("{} is not a capture of zerorate: {why}", path.display())]
     NotACapture { path: PathBuf, why: String },
 
-    /// The name for a new capture does not state the form.
+    /// The file name's ending does not state the format of a new capture.
     #[error("{} has no ending of a capture: name it .arrows, .parquet or .csv", path.display())]
     UnknownEnding { path: PathBuf },
 
@@ -35,39 +35,39 @@ pub enum CaptureError {
 }
 
 impl CaptureError {
-    /// An I/O error, with the action and the file.
+    /// Makes an I/O error with the action and the file.
     pub fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         InputError::io(action, path, source).into()
     }
 
-    /// The error for a file that is not a capture.
+    /// Makes the error for a file that is not a capture.
     pub fn not_a_capture(path: &Path, why: impl Into<String>) -> Self {
         Self::NotACapture { path: path.to_owned(), why: why.into() }
     }
 
-    /// The error for a form that is missing in this build.
+    /// Makes the error for a format that is not in this build.
     pub fn not_built_in(path: &Path, missing: NotBuiltIn) -> Self {
         InputError::not_built_in(path, missing).into()
     }
 
-    /// The error for wrong content at `place`.
+    /// Makes the error for invalid content at `place`.
     pub fn damaged(path: &Path, place: impl Into<String>, what: impl Into<String>) -> Self {
         InputError::damaged(path, place, what).into()
     }
 
-    /// An error of the Arrow library. An I/O error inside it stays an I/O error.
+    /// Converts an error of the Arrow library. An I/O error inside it stays an I/O error.
     pub fn arrow(action: &'static str, path: &Path, error: ArrowError) -> Self {
         InputError::arrow(action, path, error).into()
     }
 
-    /// An error of the Parquet library. An I/O error inside it stays an I/O error.
+    /// Converts an error of the Parquet library. An I/O error inside it stays an I/O error.
     #[cfg(feature = "parquet")]
     pub fn parquet(action: &'static str, path: &Path, error: ParquetError) -> Self {
         InputError::parquet(action, path, error).into()
     }
 }
 
-/// Converts it to an error of the reader of a described table.
+/// Converts the error to one that readers of self-describing tables return.
 impl From<CaptureError> for InputError {
     fn from(error: CaptureError) -> Self {
         match error {

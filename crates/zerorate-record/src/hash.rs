@@ -5,15 +5,15 @@ use super::row::Row;
 use sha2::{Digest, Sha256};
 use zerorate::MAX_AXES;
 
-/// Hash prefix of the layout of one axis with a status of eight bits.
+/// Hash prefix for a capture with one axis and an 8-bit status.
 const ONE_AXIS: &str = "zerorate.samples.v1\n";
-/// Hash prefix of other layouts. The axis names follow it.
+/// Hash prefix for any other layout. The axis names follow it.
 const AXES: &str = "zerorate.samples.v2 ";
 
-/// Length of the longest encoded row, in bytes.
+/// Length of the longest encoded row, bytes.
 const LONGEST: usize = 8 + 4 + 4 * MAX_AXES + 4 + 4 + 4 + 1;
 
-/// SHA-256 over the canonical encoding of rows. It is the same for a live device and for any form of its capture.
+/// SHA-256 over the canonical encoding of rows. It is the same for a live device and for its capture in any format.
 #[derive(Clone, Debug)]
 pub struct SampleHash {
     digest: Sha256,
@@ -72,12 +72,12 @@ impl SampleHash {
     }
 }
 
-/// A code as in its column: u32, or i32 in two's complement.
+/// The low 32 bits of a code, as in its column: u32, or i32 in two's complement.
 fn low_bytes(code: i64) -> [u8; 4] {
     (code as u32).to_le_bytes()
 }
 
-/// Lower-case hexadecimal.
+/// Bytes in lower-case hexadecimal.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

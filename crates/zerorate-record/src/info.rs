@@ -1,4 +1,4 @@
-//! The description of a capture, and its metadata entries (docs/formats/capture.md).
+//! The description of a capture, and its entries in the file's metadata (docs/formats/capture.md).
 
 use super::CaptureError;
 use super::layout::{Layout, PART, number, number_or, stated};
@@ -8,7 +8,7 @@ use std::path::Path;
 use zerorate::calibration::{Notes, Origin, SIMULATED, is_rfc3339, is_twin};
 use zerorate::{Axis, NamedAxis, Part, Warning};
 
-/// Version of the format that this program writes, and the highest it reads.
+/// Version of the format that this program writes, and the highest version that it reads.
 pub const SCHEMA_VERSION: u32 = 2;
 
 /// Metadata key of the calibration id, which only a corrected capture has.
@@ -22,7 +22,7 @@ const DEVICE: &str = "zerorate.device";
 const SERIAL: &str = "zerorate.serial";
 const EVERY_TEMP: &str = "zerorate.every_temp";
 const DIVIDER: &str = "zerorate.divider";
-/// Left out if it is 1, as in all files of older programs.
+/// Omitted if it is 1, as in all files of older programs.
 const DIVIDED: &str = "zerorate.divided";
 const BANDWIDTH_HZ: &str = "zerorate.bandwidth_hz";
 const EARTH: &str = "zerorate.earth_dps";
@@ -38,40 +38,40 @@ const HOST: &str = "zerorate.host";
 pub struct CaptureInfo {
     /// Format version of the file.
     pub schema: u32,
-    /// The part, its axes, and the meaning of their codes.
+    /// The part, its axes, and the scales of their codes.
     pub layout: Layout,
-    /// The source of the samples, as given on the command line.
+    /// The source of the samples, as the user named it.
     pub device: String,
-    /// Serial number, as given on the command line.
+    /// Serial number, as the user stated it.
     pub serial: Option<String>,
     /// Converter settings of an ADIS16130; `None` for another part.
     pub converter: Option<Converter>,
-    /// Temperature was read with every N-th rate sample (F-55).
+    /// N, if the temperature was read with every N-th rate sample (F-55).
     pub every_temp: u16,
-    /// The part was read on every N-th data-ready edge that the host saw (F-56).
+    /// N, if the part was read on every N-th data-ready edge that the host saw (F-56).
     pub divider: u16,
-    /// The host saw every N-th data-ready edge, because a counter divided them (F-56).
+    /// N, if a counter passed only every N-th data-ready edge to the host (F-56).
     pub divided: u16,
-    /// −3 dB bandwidth of the rate, Hz, if it is not the part's default (F-04).
+    /// −3 dB bandwidth of the rate, Hz, if it differs from the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
-    /// Component of the Earth's rotation on the axis, °/s, as given for the measurement (F-16).
+    /// Component of the Earth's rotation along the axis, °/s, as stated for the measurement (F-16).
     pub earth_dps: Option<f64>,
     /// The software that wrote the capture.
     pub software: String,
     /// Time of creation, RFC 3339. Empty for a simulated device, whose files depend on the seed only.
     pub created: String,
-    /// Circumstances of the measurement.
+    /// Circumstances of the measurement, as the user described them.
     pub notes: Notes,
 }
 
 /// Converter settings of an ADIS16130.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Converter {
-    /// Width of both codes.
+    /// Width of the rate and temperature codes.
     pub width: Width,
-    /// RATECONV as configured: b7 chop, b6–0 FW (F-31).
+    /// The RATECONV register as configured: b7 chop, b6–0 FW (F-31).
     pub rate_conversion: u8,
-    /// TEMPCONV as configured, with the same bits.
+    /// The TEMPCONV register as configured, with the same bits.
     pub temp_conversion: u8,
 }
 
@@ -85,7 +85,7 @@ pub struct NotThePart {
 }
 
 impl CaptureInfo {
-    /// The description of a capture with this layout only: every reading has a temperature, and no edge is skipped.
+    /// A description with this layout and defaults: every reading has a temperature, and no edge is skipped.
     #[must_use]
     pub fn new(layout: Layout) -> Self {
         Self {
@@ -105,18 +105,18 @@ impl CaptureInfo {
         }
     }
 
-    /// The description of a capture of an ADIS16130 with these settings.
+    /// A description of a capture of an ADIS16130 with these settings.
     #[must_use]
     pub fn adis16130(converter: Converter) -> Self {
         Self { converter: Some(converter), ..Self::new(Layout::adis16130(converter.width)) }
     }
 
-    /// Number of data-ready edges from one reading to the next, by both dividers.
+    /// Number of data-ready edges from one reading to the next: the product of both dividers.
     pub fn edges_per_reading(&self) -> u16 {
         self.divider.max(1).saturating_mul(self.divided.max(1))
     }
 
-    /// Whether the samples come from the software twin, by the name of the device.
+    /// Whether the samples come from the twin, the simulated sensor, by the name of the device.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         is_twin(&self.device)
@@ -130,7 +130,8 @@ impl CaptureInfo {
         is_at_rest.then_some(Warning::TwinAtRest { earth_dps })
     }
 
-    /// The origin of a calibration from the samples with this digest ([`SampleHash`](super::SampleHash)).
+    /// The origin to state in a calibration that was made from these samples. `capture_sha256` is their
+    /// [`SampleHash`](super::SampleHash).
     #[must_use]
     pub fn origin(self, capture_sha256: String) -> Origin {
         let Self { converter, every_temp, divider, divided, bandwidth_hz, .. } = self;
@@ -217,14 +218,14 @@ impl CaptureInfo {
 }
 
 impl CaptureInfo {
-    /// The recorded part, with its settings. For a part that is not built in, only the facts in the capture are known:
-    /// the meaning of its codes, and its bandwidth if that was set.
+    /// The recorded part, with its settings. If the part is not built in, only the facts in the capture are known:
+    /// the scales of its codes, and its bandwidth if that was set.
     #[must_use]
     pub fn part(&self) -> Part {
         self.set(self.layout.part())
     }
 
-    /// The recorded part, completed by the facts of `known`. The meaning of codes, and the bandwidth if it was set,
+    /// The recorded part, completed by facts from `known`. The scales of the codes, and the bandwidth if it was set,
     /// come from the capture.
     ///
     /// # Errors
@@ -277,7 +278,7 @@ impl Converter {
     }
 }
 
-/// A number in the metadata; `None` if it is absent.
+/// A number in the metadata; `None` if the entry is absent.
 fn if_stated(
     path: &Path,
     metadata: &Metadata,
@@ -293,17 +294,17 @@ fn if_stated(
     }
 }
 
-/// Whether `metadata` has an entry of a capture, of any version.
+/// Whether `metadata` has entries of a capture, of any version of the format.
 pub fn is_capture(metadata: &Metadata) -> bool {
     metadata.iter().any(|(key, _)| key.starts_with("zerorate."))
 }
 
-/// A value that every form can hold: CSV has one line for it, without blanks around.
+/// Converts a value to a single trimmed line, which every format can hold.
 fn one_line(value: &str) -> String {
     value.replace(['\r', '\n'], " ").trim().to_owned()
 }
 
-/// Checks that the metadata of an ADIS16130 has the values of its layout.
+/// Checks that the metadata of an ADIS16130 states the axes and scales of its layout.
 fn check_layout(path: &Path, metadata: &Metadata, layout: &Layout) -> Result<(), CaptureError> {
     let wrong = layout.to_metadata().find(|(key, expected)| metadata.get(key) != Some(expected));
     wrong.map_or(Ok(()), |(key, expected)| {

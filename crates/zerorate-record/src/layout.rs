@@ -1,4 +1,4 @@
-//! The columns of a capture: the axes of its part, and the meaning of their codes (docs/formats/capture.md, "Axes").
+//! The columns of a capture: the axes of its part, and the scales of their codes (docs/formats/capture.md, "Axes").
 
 use super::CaptureError;
 use super::row::Row;
@@ -18,24 +18,25 @@ pub(super) const PART: &str = "zerorate.part";
 const STATUS_BITS: &str = "zerorate.status_bits";
 const TEMP: &str = "zerorate.temp";
 
-/// The longest name of a part or of an axis, in bytes (docs/formats/part.md).
+/// The longest name of a part or of an axis, bytes (docs/formats/part.md).
 const LONGEST_NAME: usize = 40;
 
-/// The axes of a part, and the meaning of its codes.
+/// The axes of a part, and the scales of its codes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     part: String,
     axes: Vec<CodedAxis>,
     temp: Scale,
     status_bits: u8,
-    /// Low bits that codes lack compared with those of a [`Reading`]: 8 for the 16-bit codes of an ADIS16130 (F-43).
+    /// Number of low bits that the recorded codes lack compared with a [`Reading`]: 8 for the 16-bit codes of an
+    /// ADIS16130 (F-43).
     dropped_bits: u8,
 }
 
 /// A recorded axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CodedAxis {
-    /// Name of the axis, with which the names of its columns begin.
+    /// Name of the axis. The names of its columns begin with it.
     pub name: String,
     /// The unit of the scaled codes.
     pub unit: Unit,
@@ -43,7 +44,7 @@ pub struct CodedAxis {
     pub scale: Scale,
 }
 
-/// The reason why a layout is not possible.
+/// The reasons why a capture cannot have a layout.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum LayoutError {
@@ -56,13 +57,13 @@ pub enum LayoutError {
     /// Two columns have the same name.
     #[error("two columns would be called `{0}`: give the axes other names")]
     Column(String),
-    /// The codes are too far from the zero code for 32 bits.
+    /// Codes are too far from the zero code for 32 bits.
     #[error("the codes of `{name}` go from {first} to {last}: so far from the zero code {zero} none can be taken")]
     Codes { name: String, first: i64, last: i64, zero: i64 },
-    /// No column holds a status register of this width.
+    /// A status register cannot have this width.
     #[error("a status of {0} bits; it has 8, 16 or 32")]
     Status(u8),
-    /// The part has the name of the built-in part.
+    /// The part has the name of the built-in part, ADIS16130.
     #[error("an {0} is built in, and its captures state how its converter was set: give the part another name")]
     BuiltIn(String),
 }
@@ -87,10 +88,10 @@ impl Layout {
         }
     }
 
-    /// The layout of another part, with the scales of the part. The status has 8 bits.
+    /// The layout of any other part, with the scales of the part. The status has 8 bits.
     ///
     /// # Errors
-    /// Returns [`LayoutError`] if the part has a property that a capture cannot have.
+    /// Returns [`LayoutError`] if a capture cannot hold the part.
     pub fn of_part(part: &Part) -> Result<Self, LayoutError> {
         if part.name == Part::ADIS16130.name {
             return Err(LayoutError::BuiltIn(part.name.to_string()));
@@ -155,8 +156,8 @@ impl Layout {
         &self.axes
     }
 
-    /// The direction of each axis: 0, 1 or 2 for x, y or z, by the last letter of its name. The only axis of a part is
-    /// on z if its name does not end in such a letter. `None` if the names do not give each axis its own direction.
+    /// The direction of each axis: 0, 1 or 2 for x, y or z, by the last letter of its name. A single axis without
+    /// such a letter is z. `None` if the names do not give each axis its own direction.
     #[must_use]
     pub fn directions(&self) -> Option<Vec<usize>> {
         let direction = |axis: &CodedAxis| {
@@ -183,7 +184,7 @@ impl Layout {
         self.status_bits
     }
 
-    /// The part, with the scales of its codes. All other properties are unknown, except for an ADIS16130.
+    /// The part, with the scales of its codes. All other properties are unknown, except those of an ADIS16130.
     #[must_use]
     pub fn part(&self) -> Part {
         if self.is_adis16130() {
@@ -215,7 +216,7 @@ impl Layout {
         let axes = rates.iter_mut().zip(&self.axes).zip(row.codes());
         axes.for_each(|((rate, axis), code)| *rate = self.core_code(&axis.scale, *code));
         let scan = Scan::new(row.t_ns, row.edge_seq, &rates[..self.axes.len().min(row.codes().len())]);
-        // a scan has room for the axes of any row
+        // a scan can hold the axes of any row
         let scan = scan.unwrap_or_else(|| Scan::from(&NO_READING)).with_lost(row.lost);
         let axes = self.axes.iter().zip(row.codes()).enumerate();
         let outside = axes.filter(|(_, (axis, code))| self.is_out_of_range(axis, **code, row.status));
@@ -231,7 +232,7 @@ impl Layout {
         Some(self.reading_of(axis, code, row.temp_code, row.status, row.mark()))
     }
 
-    /// The reading from these cells of a row.
+    /// The reading that these cells of a row make.
     #[inline]
     pub(super) fn reading_of(
         &self,
@@ -256,8 +257,8 @@ impl Layout {
         ((code - scale.zero_code) << self.dropped_bits) as i32
     }
 
-    /// Whether a reading is out of range, by a code at the end of the scale or by the status of an ADIS16130 (OVR,
-    /// F-35).
+    /// Whether a reading is out of range: its code is at an end of the scale, or the status of an ADIS16130 says so
+    /// (OVR, F-35).
     #[inline]
     fn is_out_of_range(&self, axis: &CodedAxis, code: i64, status: Option<u32>) -> bool {
         let (first, last) = axis.scale.codes();
@@ -265,7 +266,7 @@ impl Layout {
         code <= first || code >= last || status.is_some_and(told)
     }
 
-    /// Checks that the row fits this layout. The error says what is wrong.
+    /// Checks that the row fits this layout. The error states what is wrong.
     #[inline]
     pub(super) fn check_row(&self, row: &Row) -> Result<(), String> {
         let fits = |scale: &Scale, code: i64| {
@@ -304,7 +305,7 @@ impl Layout {
         before.into_iter().chain(codes).chain(after).collect()
     }
 
-    /// The derived columns, which a corrected capture has after the raw columns.
+    /// The derived columns, which follow the raw columns in a corrected capture.
     #[must_use]
     pub fn derived_fields(&self) -> Vec<Field> {
         let rates = self.axes.iter().map(|axis| Field::new(axis.rate_column(), DataType::Float64, false));
@@ -314,7 +315,7 @@ impl Layout {
         rates.chain([temp]).chain(corrected).chain(flags).collect()
     }
 
-    /// Name of the column of the flags of an axis.
+    /// Name of the column with the fault flags of an axis.
     pub fn flags_column(&self, axis: usize) -> String {
         match &self.axes[..] {
             [_] => "flags".to_owned(),
@@ -322,7 +323,7 @@ impl Layout {
         }
     }
 
-    /// The metadata entries of the axes and of the meaning of their codes.
+    /// The metadata entries of the axes and the scales of their codes.
     pub(super) fn to_metadata(&self) -> impl Iterator<Item = (String, String)> {
         let scale = |key: String, unit: &str, scale: &Scale| {
             let signed = scale.signed.then(|| (format!("{key}.signed"), "true".to_owned()));
@@ -394,7 +395,7 @@ impl CodedAxis {
         format!("{}_dps", self.name)
     }
 
-    /// Name of the column of the corrected rate, °/s, which only a corrected capture has.
+    /// Name of the column of the corrected rate, °/s. Only a corrected capture has it.
     #[must_use]
     pub fn corrected_column(&self) -> String {
         format!("{}_corrected_dps", self.name)

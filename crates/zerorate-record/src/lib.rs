@@ -1,10 +1,10 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
-//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant memory.
-//! Each result computed from a live part comes out the same from its capture.
+//! [`CaptureWriter`] and [`CaptureReader`] write and read rows of any number of axes, in any of three formats, in
+//! constant memory. Every result computed from a live part can be computed again from its capture, and is the same.
 //!
-//! The form is recognised by content, not by file name. This crate never opens a file: the caller passes open bytes as
-//! [`Input`], so the same readers serve a browser.
+//! The format is recognised by content, not by file name. This crate never opens a file: the caller passes open
+//! bytes as [`Input`], so the same readers serve a browser.
 
 #[cfg(not(feature = "parquet"))]
 mod absent;
@@ -56,7 +56,7 @@ use zerorate_input::Input;
 use zerorate_input::Opened;
 use zerorate_input::table::BatchSource;
 
-/// Writes rows to a capture. A drop closes the file as well, but only [`CaptureWriter::finish`] reports errors.
+/// Writes rows to a capture. Dropping it also closes the file, but only [`CaptureWriter::finish`] reports errors.
 pub struct CaptureWriter {
     path: PathBuf,
     schema: SchemaRef,
@@ -71,7 +71,7 @@ pub struct CaptureWriter {
 pub struct CaptureSummary {
     /// Number of rows written.
     pub samples: u64,
-    /// Sum of the rows' lost-sample counters.
+    /// Number of samples lost, the sum over all rows.
     pub lost: u64,
 }
 
@@ -125,12 +125,12 @@ impl CaptureWriter {
 
 impl Drop for CaptureWriter {
     fn drop(&mut self) {
-        // the error that led here is the one to report
+        // the error that led here is reported instead
         let _ = self.close();
     }
 }
 
-/// Reads the rows of a capture, in any form, corrected or not. Each block is checked before its rows are returned.
+/// Reads the rows of a capture in any format, corrected or not. Each block is checked before its rows are returned.
 pub struct CaptureReader {
     calibration_id: Option<String>,
     table: Checked,
@@ -139,7 +139,7 @@ pub struct CaptureReader {
 }
 
 impl CaptureReader {
-    /// Opens a capture, whose form is recognised by content; `path` names it in messages.
+    /// Opens a capture. Its format is recognised by content; `path` names it in messages.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         match table::recognise(path, input)? {
             Opened::Table(source) => Self::from_source(path, source),
@@ -171,7 +171,7 @@ impl CaptureReader {
         self.calibration_id.as_deref()
     }
 
-    /// The warnings, complete once all samples were read: a missing end, a file without checks.
+    /// The warnings: a missing end, a file without checks. Complete once all samples were read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         self.table.warnings()
     }

@@ -1,4 +1,4 @@
-//! Writes a capture as Parquet: the smallest form, for archives.
+//! Writes a capture as Parquet: the smallest format, for archives.
 
 use crate::CaptureError;
 use crate::blocks::{BlockSink, Out};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub use zerorate_input::parquet::BLOCK;
 use zerorate_input::table::{BATCH_CHECKS, END};
 
-/// Rows per row group, the part of the file that is built in memory.
+/// Number of rows per row group. A row group is built in memory.
 const ROW_GROUP: usize = 1 << 20;
 
 /// Starts a Parquet file; `path` names it in messages.
@@ -53,7 +53,7 @@ impl BlockSink for ParquetSink {
     }
 }
 
-/// The metadata is also written as Parquet metadata, for readers without Arrow.
+/// The properties of the file. The metadata is also written as Parquet metadata, for readers without Arrow.
 fn properties(schema: &SchemaRef) -> WriterProperties {
     let metadata = schema.metadata().iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect();
     let start = WriterProperties::builder()
@@ -67,7 +67,8 @@ fn properties(schema: &SchemaRef) -> WriterProperties {
         .build()
 }
 
-/// Timestamps and codes differ little from row to row; f64 values hardly ever repeat.
+/// Chooses the encoding of a column. Timestamps and codes differ little from row to row; f64 values hardly ever
+/// repeat.
 fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataType) -> WriterPropertiesBuilder {
     let column = ColumnPath::from(name);
     match data_type {

@@ -1,11 +1,11 @@
-//! One row of a capture: one reading of all axes of a part at one time, in raw codes.
+//! A row of a capture: the readings of all axes of a part at one time, in raw codes.
 
 use super::succession::Mark;
 use adis16130::Sample;
 use zerorate::MAX_AXES;
 
-/// A row of raw codes. The [`Layout`](super::Layout) of the capture gives their meaning. A row always has room for
-/// [`MAX_AXES`] axes, so that it needs no allocation.
+/// A row of raw codes. The [`Layout`](super::Layout) of the capture gives their meaning. Its array has a fixed size
+/// of [`MAX_AXES`] axes, so that it needs no allocation.
 ///
 /// ```
 /// use zerorate_record::Row;
@@ -15,22 +15,23 @@ use zerorate::MAX_AXES;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// Time of the reading, ns, of a monotonic clock with any zero.
+    /// Time of the reading, ns, on a monotonic clock with an arbitrary zero.
     pub t_ns: u64,
-    /// Running number of the data-ready edge of this reading; it wraps. Without data ready, the number of the reading.
+    /// Running number of the reading's data-ready edge, which wraps around. Without a data-ready signal, the number
+    /// of the reading.
     pub edge_seq: u32,
-    /// Number of readings lost since the row before, for all axes together; `u32::MAX` means that many or more.
+    /// Number of readings lost since the previous row, the same for all axes; `u32::MAX` means that many or more.
     pub lost: u32,
     /// The status register, if it was read.
     pub status: Option<u32>,
-    /// The code of the temperature, if it was read.
+    /// The temperature code, if it was read.
     pub temp_code: Option<i64>,
     pub(super) codes: [i64; MAX_AXES],
     pub(super) axes: u8,
 }
 
 impl Row {
-    /// A row with the code of each axis, without status, temperature and losses. `None` if there are more than
+    /// A row with the code of each axis, without status, temperature or losses. `None` if there are more than
     /// [`MAX_AXES`] axes.
     #[must_use]
     #[inline]
@@ -40,7 +41,7 @@ impl Row {
         Some(Self::with_codes(t_ns, edge_seq, all, codes.len()))
     }
 
-    /// A row of `axes` axes, whose codes come first in `codes`.
+    /// A row of `axes` axes. Their codes are the first ones in `codes`.
     #[inline]
     pub(super) fn with_codes(t_ns: u64, edge_seq: u32, codes: [i64; MAX_AXES], axes: usize) -> Self {
         Self { t_ns, edge_seq, lost: 0, status: None, temp_code: None, codes, axes: axes.min(MAX_AXES) as u8 }
@@ -53,7 +54,7 @@ impl Row {
         Self { status, ..self }
     }
 
-    /// Sets the temperature.
+    /// Sets the temperature code.
     #[must_use]
     #[inline]
     pub fn with_temp_code(self, temp_code: Option<i64>) -> Self {

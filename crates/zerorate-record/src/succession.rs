@@ -1,27 +1,28 @@
-//! Compares `t_ns`, `edge_seq` and `lost` of successive rows (docs/formats/capture.md, "What must agree").
+//! Checks that `t_ns`, `edge_seq` and `lost` of successive rows agree (docs/formats/capture.md, "What must agree").
 //!
-//! All three columns count the samples from one row to the next. If they contradict each other, a rate or a gap
-//! computed from one of them would be wrong.
+//! From all three columns, the number of samples between two rows can be computed. If the numbers contradict each
+//! other, a rate or a gap computed from one of them would be wrong.
 
 use std::fmt;
 
-/// Number of first intervals from which the rate is learned.
+/// Number of intervals at the start from which the sample rate is learned.
 const LEARNED: usize = 64;
 
-/// Number of intervals before the first judgement of a new row.
+/// Number of intervals that are needed before a new row is checked.
 const NEEDED: usize = 16;
 
-/// Number of samples by which time and losses may differ if edges agree with neither: 11 ms at the full rate. Late
-/// edges of a busy host and a loss that is reported a few samples late cause far less.
+/// Number of samples by which time and losses may differ if the edges agree with neither: 11 ms at the full rate.
+/// Late edges on a busy host, or a loss that is reported a few samples late, cause far smaller differences.
 const UNSURE: f64 = 64.0;
 
-/// The same limit if the edges agree with the time.
+/// The same number if the edges agree with the time.
 const SURE: f64 = 8.0;
 
-/// Share of a gap by which time and losses may also differ: errors of the clock and of the learned period are less.
+/// Additional allowed difference of time and losses, as a share of the gap. Errors of the clock and of the learned
+/// period are smaller.
 const OF_GAP: f64 = 0.125;
 
-/// Edges per sample above which `edge_seq` cannot be a count of edges. A stuttering line causes only a few.
+/// Edges per sample above which `edge_seq` cannot be a count of edges. A bouncing line causes only a few.
 const EDGES_PER_SAMPLE: f64 = 64.0;
 
 /// The time, edge number and losses of a row.
@@ -35,13 +36,13 @@ pub struct Mark {
     pub lost: u32,
 }
 
-/// A contradiction between two rows.
+/// A contradiction between two successive rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum Break {
     /// The time does not increase.
     NotLater { from_ns: u64, to_ns: u64 },
-    /// Time and edges went on, and `lost` does not count it: rows were removed.
+    /// Time and edges advanced, but `lost` does not count it: rows were removed.
     RowsMissing { missing: u64, after_ns: u64 },
     /// The time jumped, and neither edges nor `lost` count it.
     ClockJump { missing: u64, after_ns: u64 },
@@ -88,7 +89,7 @@ impl Step {
     }
 }
 
-/// Judges successive rows. The result depends on earlier rows only, so a recorder and a reader of its file agree.
+/// Checks successive rows. The result depends on earlier rows only, so a recorder and a reader of its file agree.
 #[derive(Clone, Debug, Default)]
 pub struct Succession {
     last: Option<Mark>,
@@ -96,7 +97,7 @@ pub struct Succession {
     learned: Option<Pace>,
 }
 
-/// The duration and the edges of a sample: medians of the first steps.
+/// The period and the number of edges of a sample: medians over the first intervals.
 #[derive(Clone, Copy, Debug)]
 struct Pace {
     period_ns: f64,
@@ -104,7 +105,8 @@ struct Pace {
 }
 
 impl Succession {
-    /// Judges the next row. The next call compares with this row, unless its time does not increase.
+    /// Checks the next row against the previous one. The row replaces the previous one, unless its time does not
+    /// increase.
     pub fn follow(&mut self, mark: Mark) -> Result<(), Break> {
         let Some(last) = self.last else {
             self.last = Some(mark);
@@ -124,7 +126,7 @@ impl Succession {
         judged
     }
 
-    /// Raises `lost` of the last row by `missing`, and returns the sum.
+    /// Adds `missing` to the losses of the last row, and returns the sum.
     pub fn amend(&mut self, missing: u64) -> u32 {
         let lost = self.last.map_or(0, |last| last.lost);
         let amended = lost.saturating_add(u32::try_from(missing).unwrap_or(u32::MAX));
@@ -134,13 +136,14 @@ impl Succession {
         amended
     }
 
-    /// Judges the first rows again, by the rate that was learned from them.
+    /// Checks the first rows again, with the sample rate that was learned from them.
     pub fn review(&self) -> Result<(), Break> {
         let pace = self.learned;
         pace.map_or(Ok(()), |pace| self.first_steps.iter().try_for_each(|step| pace.judge(*step)))
     }
 
-    /// Whether the rate is still being learned, so that [`Succession::review`] may change with another row.
+    /// Whether the rate is still being learned. If so, the result of [`Succession::review`] may change with the next
+    /// row.
     pub fn is_learning(&self) -> bool {
         self.first_steps.len() < LEARNED
     }

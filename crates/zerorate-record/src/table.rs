@@ -1,4 +1,4 @@
-//! Tables in any form: recognises the form of a file, and reads and writes batches.
+//! Tables in any format: recognises the format of a file, and reads and writes batches.
 
 pub use crate::blocks::{BlockSink, Out, cut_off};
 
@@ -17,23 +17,23 @@ use std::path::{Path, PathBuf};
 use zerorate_input::{Input, InputError, NotBuiltIn};
 use zerorate_input::{Opened, open_table};
 
-/// The form of a capture on disk.
+/// The format of a capture file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Format {
-    /// Arrow IPC stream: survives a power cut.
+    /// Arrow IPC stream. A power cut leaves all complete blocks readable.
     Arrows,
-    /// Parquet: the smallest.
+    /// Parquet, the smallest format.
     Parquet,
     /// CSV with the description as comments.
     Csv,
 }
 
 impl Format {
-    /// The requested form, or else the form of the file name's ending. A name without an ending means a stream.
+    /// The requested format, or else the format of the file name's ending. A name without an ending means a stream.
     ///
     /// # Errors
-    /// Returns an error if the ending is not that of a capture, or if the form is not built in.
+    /// Returns an error if the ending is not that of a capture, or if the format is not in this build.
     pub fn choose(asked: Option<Self>, path: &Path) -> Result<Self, CaptureError> {
         let format = asked.map_or_else(|| Self::by_name(path), Ok)?;
         format.missing().map_or(Ok(format), |missing| Err(CaptureError::not_built_in(path, missing)))
@@ -49,7 +49,7 @@ impl Format {
         }
     }
 
-    /// The missing reader and writer of the form; `None` if they are built in.
+    /// The part of the build that the format lacks; `None` if the format is built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),
@@ -67,11 +67,11 @@ pub struct CheckedSink {
     layout: Layout,
 }
 
-/// The ends of blocks.
+/// The way in which blocks end.
 enum Blocks {
-    /// A block ends with each batch, which has at most this many rows.
+    /// A block ends with each batch, which has at most `rows` rows.
     Batches { rows: usize },
-    /// A block ends after `rows` rows, of which `open` are written.
+    /// A block ends after `rows` rows, of which `open` were written.
     Rows { rows: usize, open: usize },
 }
 
@@ -106,7 +106,7 @@ impl CheckedSink {
         Ok(())
     }
 
-    /// Writes rows that all belong to one block.
+    /// Writes rows that belong to one block.
     fn write_piece(&mut self, piece: &RecordBatch) -> Result<(), CaptureError> {
         let rows = Rows::from_batch(&self.path, "rows to be written", piece, &self.layout)?;
         self.chain.take(&rows, piece);
@@ -121,7 +121,7 @@ impl CheckedSink {
         self.form.write(piece, check.as_deref())
     }
 
-    /// Closes the file.
+    /// Ends the file.
     pub fn finish(mut self) -> Result<(), CaptureError> {
         let is_open = matches!(self.blocks, Blocks::Rows { open, .. } if open > 0);
         let check = is_open.then(|| self.chain.seal());
@@ -129,7 +129,7 @@ impl CheckedSink {
     }
 }
 
-/// Recognises the form of a file by content; `path` names it in messages.
+/// Recognises the format of a file by its content; `path` names it in messages.
 pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
     if input.is_directory().map_err(failed)? {

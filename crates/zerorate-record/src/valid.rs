@@ -4,12 +4,12 @@ use crate::warning::CaptureWarning;
 use zerorate::health::{Frozen, Health};
 use zerorate::{Tally, Warning};
 
-/// The warnings about a run of samples. `start_ns` is the time of its first sample.
+/// The warnings about the readings of one axis. `start_ns` is the time of the first sample.
 pub fn warnings(health: &Health, tally: &Tally, start_ns: u64) -> Vec<CaptureWarning> {
     of_axes([("", health)], tally, start_ns)
 }
 
-/// The warnings about each axis of a part. If there are several axes, each warning names its axis.
+/// The warnings about the readings of each axis. If there are several axes, each warning names its axis.
 pub fn of_axes<'a>(
     axes: impl IntoIterator<Item = (&'a str, &'a Health)>,
     tally: &Tally,
@@ -44,7 +44,7 @@ fn of_edges(tally: &Tally) -> Option<CaptureWarning> {
     tally.data_ready_stutters().then_some(CaptureWarning::DataReadyStutters { silent_gaps, gaps })
 }
 
-/// The text of a warning or refusal: which readings no longer change, since when, and what to do.
+/// The text about frozen readings: which of them no longer change, since when, and what to do.
 pub fn frozen_text(frozen: &Frozen, start_ns: u64) -> String {
     let since_s = frozen.since_ns.saturating_sub(start_ns) as f64 * 1e-9;
     let what = if frozen.both { "the readings have" } else { "the rate has" };

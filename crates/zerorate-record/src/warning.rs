@@ -5,34 +5,34 @@ use zerorate::Warning;
 use zerorate_allan::rows;
 use zerorate_input::InputWarning;
 
-/// A warning about a capture. The rows that were read are valid. `path` names the file.
+/// A warning about a capture. The rows that were read are valid. `path` is the name of the file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum CaptureWarning {
-    /// A warning about one of several axes.
+    /// About one of several axes.
     OfAxis { axis: String, warning: Box<Self> },
-    /// The readings no longer change. The text says since when, and what to do.
+    /// The readings no longer change. The text says since when and what to do.
     Frozen(String),
-    /// The part cannot have made some of the readings.
+    /// The part cannot have measured some of the readings.
     Impossible(Warning),
-    /// Number of readings beyond the range of the part.
+    /// Readings beyond the range of the part. The number counts them.
     OutOfRange(u64),
-    /// Bit errors cannot be told from motion.
+    /// Some or all readings cannot be checked for bit errors, because bit errors cannot be told from motion.
     Unjudged { can_judge: bool },
-    /// No data-ready edge came in some of the gaps.
+    /// In some of the gaps there was no data-ready edge.
     DataReadyStutters { silent_gaps: u64, gaps: u64 },
-    /// Number of samples that were not later than the one before.
+    /// Samples were not later than the previous one. The number counts them.
     ClockStands(u64),
-    /// Number of samples by which the time of the device jumped.
+    /// The time of the device jumped. The number is the jump in samples.
     ClockJump(u64),
-    /// A warning about the end of the file.
+    /// About the end of the file.
     File(InputWarning),
-    /// The file is of version 1.
+    /// The file is of version 1, which has no checks.
     Unchecked { path: String },
-    /// Other software has rewritten the file.
+    /// Other software has rewritten the file without its checks.
     Rewritten { path: String },
-    /// The count of edges contradicts the time in this many rows.
+    /// The count of edges contradicts the time. `rows` counts such rows.
     EdgesMisplaced { path: String, rows: u64 },
 }
 
@@ -83,7 +83,7 @@ rows!(match CaptureWarning {
 });
 
 impl CaptureWarning {
-    /// The warning as scripts read it: `code: text`.
+    /// The warning as scripts receive it: `code: text`.
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())

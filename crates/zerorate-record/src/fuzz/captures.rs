@@ -1,11 +1,11 @@
-//! Captures in every form.
+//! Damaged captures in every format.
 
 use super::edited;
 use crate::tests::FORMATS;
 use crate::{CaptureReader, Format, axes, tests as forms};
 use std::path::Path;
 
-/// Samples come out in order of time, for any content of the file.
+/// Reads damaged content. Samples must be in order of time, whatever the content.
 fn read(bytes: &[u8]) {
     let Ok(mut reader) = CaptureReader::open(Path::new("edited"), bytes.to_vec().into()) else { return };
     let samples: Vec<_> = reader.by_ref().map_while(Result::ok).collect();
@@ -13,7 +13,7 @@ fn read(bytes: &[u8]) {
     let _ = reader.warnings();
 }
 
-/// Three axes with signed codes.
+/// Captures with three axes of signed codes.
 #[test]
 fn axes() {
     let seeds: Vec<Vec<u8>> = FORMATS.iter().map(|form| axes::bytes(*form, 30)).collect();

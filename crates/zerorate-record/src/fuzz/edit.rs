@@ -1,12 +1,12 @@
-//! Edits of files that are independent of their form, and target common weak points: lengths, offsets, ends.
+//! Edits of files that do not depend on the format, aimed at common weak points: lengths, offsets, ends.
 
-/// The random bytes that edits are made of.
+/// The random bytes that determine the edits.
 pub type Draw = [u8; 1 + MOST_EDITS * EDIT_BYTES];
 
 const MOST_EDITS: usize = 4;
 const EDIT_BYTES: usize = 8;
 
-/// Largest number of bytes that all edits together add.
+/// Largest number of bytes that all edits together can add.
 pub const MOST_ADDED: usize = MOST_EDITS * 255;
 
 /// One to four edits, in order.
@@ -21,7 +21,7 @@ enum Edit {
     Byte { at: Place, byte: u8 },
     /// Overwrites a number with an extreme one.
     Number { at: Place, number: u64, width: usize, big_endian: bool },
-    /// Removes the rest.
+    /// Truncates the file.
     Truncate { at: Place },
     /// Removes some bytes.
     Remove { at: Place, length: u8 },
@@ -31,7 +31,7 @@ enum Edit {
     Fill { at: Place, byte: u8, length: u8 },
 }
 
-/// The place of an edit. Heads and ends decide how the rest is read.
+/// The place of an edit. The head and the end of a file often decide how the rest is read.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     Head(u8),
@@ -40,7 +40,7 @@ enum Place {
     Anywhere(u16),
 }
 
-/// Extreme numbers: zero, limits of signs and widths, hardly any memory and too much.
+/// Extreme numbers: zero, limits of integer types, and sizes that need hardly any or far too much memory.
 const NUMBERS: [u64; 16] = [
     0,
     1,
@@ -61,13 +61,13 @@ const NUMBERS: [u64; 16] = [
 ];
 
 impl Edits {
-    /// The edits that these random bytes encode.
+    /// Decodes the edits from random bytes.
     pub fn of(draw: &Draw) -> Self {
         let count = 1 + usize::from(draw[0]) % MOST_EDITS;
         Self(draw[1..].as_chunks::<EDIT_BYTES>().0.iter().take(count).map(Edit::of).collect())
     }
 
-    /// The bytes as edited.
+    /// Applies the edits.
     pub fn apply(&self, bytes: &[u8]) -> Vec<u8> {
         let mut edited = bytes.to_vec();
         self.0.iter().for_each(|edit| edit.apply(&mut edited));

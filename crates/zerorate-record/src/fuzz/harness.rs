@@ -1,10 +1,10 @@
-//! Damaged input, the same on every machine: the seed files of a target, edited at random.
+//! Runs a reader on damaged input that is the same on every machine: the seed files of a target, edited at random.
 
 use super::edit::{Draw, Edits, MOST_ADDED};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-/// Reads `seeds` with edits, `iterations` times unless the environment sets another number.
+/// Calls `read` with randomly edited `seeds`, `iterations` times unless the environment sets another number.
 pub fn edited(iterations: u64, seeds: &[Vec<u8>], read: impl Fn(&[u8])) {
     let seed = from_environment("ZERORATE_FUZZ_SEED").unwrap_or(1);
     let iterations = from_environment("ZERORATE_FUZZ_ITERATIONS").unwrap_or(iterations);
@@ -23,7 +23,7 @@ fn from_environment(name: &str) -> Option<u64> {
     std::env::var(name).ok()?.parse().ok()
 }
 
-/// Prints how to replay a failure.
+/// Prints how to replay a failure, if it is dropped by a panic.
 struct Replay<'a> {
     seed: u64,
     iteration: u64,
