@@ -1,22 +1,21 @@
-//! The first look at the twin, by a small module. It shows the twin until the whole session has been loaded and
-//! continues
-//! from there.
+//! A preview of the twin, from a small module that loads fast. It runs until the whole session is loaded and
+//! continues from there.
 
 use crate::live::Pace;
 use crate::message::DeviceState;
 use crate::session::{LiveView, encode};
 use crate::source::{Source, TwinSource};
 
-/// A unit of the twin that was just switched on.
+/// A preview of a simulated unit from its power-on.
 pub struct FirstLook {
     live_view: LiveView,
-    /// `None` if the twin can no longer be read; the session will say why.
+    /// `None` if the twin cannot be read any longer. The session will report the reason.
     source: Option<TwinSource>,
     pace: Pace,
 }
 
 impl FirstLook {
-    /// Opens the unit with these keys, as after `--device twin:`.
+    /// Opens the unit with these keys, in the syntax of `--device twin:`.
     ///
     /// # Errors
     /// Returns an error if a key is unknown, or the part does not answer.
@@ -29,7 +28,7 @@ impl FirstLook {
         Ok(Self { live_view, source: Some(source), pace })
     }
 
-    /// Takes readings whose time has come, for at most this long. `clock` tells the time of the page, ms.
+    /// Reads the samples that are due, for at most `budget_ms`. `clock` returns the page's time, ms.
     pub fn turn(&mut self, clock: &mut dyn FnMut() -> f64, budget_ms: f64) {
         let Some(source) = &mut self.source else { return };
         let until_ms = clock() + budget_ms;
@@ -42,20 +41,20 @@ impl FirstLook {
         }
     }
 
-    /// The frame with everything that changed, or `None` if nothing did.
+    /// The frame with all changes since the last call; `None` if nothing changed.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         let (frame, payload) = self.live_view.is_changed().then(|| self.live_view.news(None))?;
         Some(encode(&frame, &payload))
     }
 
-    /// The frame with everything, for a window that just opened.
+    /// The frame with everything, for a newly opened window.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
         let (frame, payload) = self.live_view.everything(None);
         encode(&frame, &payload)
     }
 
-    /// How long the twin was looked at, s of its time. [`Live::catch_up`](crate::live::Live::catch_up) continues
+    /// How long the preview has run, s of the twin's time. [`Live::catch_up`](crate::live::Live::catch_up) continues
     /// there.
     #[must_use]
     pub fn shown_s(&self) -> f64 {

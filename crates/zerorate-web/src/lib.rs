@@ -1,8 +1,8 @@
-//! The session behind the page of zerorate, for `zerorate serve` and for the browser alone. Readings and requests go
-//! in, frames and answers come out. It has no socket, no clock and no thread: the owner of the loop passes in what
-//! arrives.
+//! The session behind zerorate's page, for `zerorate serve` and for a browser without a server. Readings and
+//! requests go in, frames and answers come out. It has no socket, clock or thread: the owner of the event loop calls
+//! it.
 //!
-//! The messages are [`message`], specified in `docs/formats/page.md`.
+//! The messages are in [`message`], and specified in `docs/formats/page.md`.
 
 pub mod first;
 pub mod live;

@@ -1,27 +1,27 @@
-//! A session with its device, as a browser runs it. Readings are taken in turns, and the page is served between them.
+//! A session with its device in a browser. Readings are handled in short turns, so that the page stays responsive.
 
 use crate::message::DeviceState;
 use crate::session::{About, HostCommand, RequestResult, Session};
 use crate::source::{Next, Source};
 use zerorate_record::Row;
 
-/// Opens the device with a reset, at this time of the page, ms.
+/// A function that opens the device and resets it. Its argument is the page's time, ms.
 pub type Open = Box<dyn Fn(f64) -> Result<Box<dyn Source>, String>>;
 
 /// A session and its device.
 pub struct Live {
     session: Session,
     open: Open,
-    /// `None` if the device could not be opened or can no longer be read.
+    /// `None` if the device could not be opened or cannot be read any longer.
     source: Option<Box<dyn Source>>,
     pace: Pace,
 }
 
-/// Number of readings between two looks at the clock.
+/// Number of readings between two checks of the clock.
 const AT_ONCE: u32 = 64;
 
 impl Live {
-    /// Opens a device.
+    /// Opens a device and starts a session.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -34,10 +34,10 @@ impl Live {
         Ok(live)
     }
 
-    /// Continues the session with another device. Calibrations stay on file, and a running one ends without a result.
+    /// Continues the session with another device. Stored calibrations stay, and a running one ends without a result.
     ///
     /// # Errors
-    /// Returns an error if the device cannot be opened; then the old one goes on.
+    /// Returns an error if the device cannot be opened; the session then keeps the old one.
     pub fn instead(&mut self, open: Open, now_ms: f64) -> Result<(), String> {
         let source = open(now_ms)?;
         self.session.abort_calibration("another device was opened");
@@ -48,12 +48,12 @@ impl Live {
         Ok(())
     }
 
-    /// The session, for requests that need no device.
+    /// The session, for requests that do not need the device.
     pub fn session(&mut self) -> &mut Session {
         &mut self.session
     }
 
-    /// Takes readings whose time has come, for at most this long. `clock` tells the time of the page, ms.
+    /// Reads the samples that are due, for at most `budget_ms`. `clock` returns the page's time, ms.
     pub fn turn(&mut self, clock: &mut dyn FnMut() -> f64, budget_ms: f64) {
         let Some(mut source) = self.source.take() else { return };
         let began_ms = clock();
@@ -79,14 +79,14 @@ impl Live {
         }
     }
 
-    /// Continues where a [`FirstLook`](crate::first::FirstLook) at the same unit is, this long after its first
+    /// Continues where a [`FirstLook`](crate::first::FirstLook) at the same unit is, `shown_s` after its first
     /// reading.
     pub fn catch_up(&mut self, shown_s: f64, clock: &mut dyn FnMut() -> f64) {
         self.pace.begun_s = shown_s;
         self.turn(clock, f64::INFINITY);
     }
 
-    /// The answer to a request.
+    /// Answers a request, and acts on the device if necessary.
     pub fn ask(&mut self, request: &str, now_ms: f64) -> String {
         let (id, command) = match self.session.ask(request) {
             RequestResult::Answer(answer) => return answer,
@@ -103,19 +103,19 @@ impl Live {
         self.session.done(id, done)
     }
 
-    /// Takes bytes from the serial port.
+    /// Passes on bytes that the serial port received.
     pub fn received(&mut self, bytes: &[u8], now_ms: f64) {
         if let Some(source) = &mut self.source {
             source.received(bytes, now_ms);
         }
     }
 
-    /// The bytes to write to the serial port.
+    /// Takes the bytes to write to the serial port.
     pub fn to_send(&mut self) -> Vec<u8> {
         self.source.as_mut().map_or_else(Vec::new, |source| source.to_send())
     }
 
-    /// Reports that the serial port is gone.
+    /// Reports that the serial port was disconnected.
     pub fn unplugged(&mut self, why: &str) {
         if let Some(source) = &mut self.source {
             source.unplugged(why);
@@ -134,7 +134,7 @@ impl Live {
         self.session = before.reopened(about);
     }
 
-    /// A simulated or recorded part is ready at once; another one says when it is.
+    /// Marks a simulated or recorded part as ready. A real part reports that itself.
     fn begun(&mut self) {
         if self.pace.is_simulated {
             self.session.state(DeviceState::Reading);
@@ -142,21 +142,21 @@ impl Live {
     }
 }
 
-/// The pace of simulated time.
+/// Paces simulated time against the page's clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
-    /// The part is real and has its own time.
+    /// Whether the part's time is simulated; false for a real part.
     is_simulated: bool,
-    /// Runs this many times as fast as the clock; 0: as fast as possible.
+    /// Multiple of real time; 0 means as fast as possible.
     factor: f64,
-    /// The time that should have passed when it begins, s.
+    /// Simulated time that counts as passed at the start, s.
     begun_s: f64,
-    /// A simulated time, ns, and the time of the page at that moment, ms.
+    /// A simulated time, ns, and the page's time at which it was reached, ms; `None` before the first reading.
     since: Option<(u64, f64)>,
 }
 
 impl Pace {
-    /// The pace of the clock.
+    /// Real time for a device.
     pub fn of(about: &About) -> Self {
         Self { is_simulated: about.simulated, factor: 1.0, begun_s: 0.0, since: None }
     }
@@ -165,10 +165,10 @@ impl Pace {
         Self { factor, begun_s: 0.0, since: None, ..self }
     }
 
-    /// Takes readings whose time has come, up to this time. Returns whether there may be more.
+    /// Reads the samples that are due, until the page's time `until_ms`. Returns false if the device has no more.
     ///
     /// # Errors
-    /// Returns an error if the device can no longer be read.
+    /// Returns an error if the device cannot be read any longer.
     pub fn readings(
         &mut self,
         source: &mut (impl Source + ?Sized),
@@ -197,7 +197,7 @@ impl Pace {
         }
     }
 
-    /// Whether this time is still to come.
+    /// Whether a sample at `t_ns` is ahead of the pace.
     fn is_ahead(&mut self, t_ns: u64, now_ms: f64) -> bool {
         let begun_ms = 1000.0 * self.begun_s;
         let &mut (from_ns, from_ms) = self.since.get_or_insert((t_ns, now_ms - begun_ms));
@@ -205,7 +205,7 @@ impl Pace {
         self.is_simulated && self.factor > 0.0 && gone_ms > (now_ms - from_ms) * self.factor
     }
 
-    /// Lets a page that was too slow continue from where it is, without catching up.
+    /// Restarts the pace when the page was too slow, so that it does not have to catch up.
     fn fell_behind(&mut self) {
         (self.since, self.begun_s) = (None, 0.0);
     }

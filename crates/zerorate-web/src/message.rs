@@ -1,5 +1,5 @@
-//! The messages between the page and its session: `docs/formats/page.md`. `web/src/protocol.ts` is made from these
-//! types, which a test checks.
+//! The messages between the page and its session: `docs/formats/page.md`. `web/src/protocol.ts` is generated from
+//! these types.
 
 mod calibrating;
 mod statistics;
@@ -15,73 +15,73 @@ pub use statistics::{
 #[cfg(feature = "types")]
 use ts_rs::TS;
 
-/// A request of the page. The answer has the same `id`.
+/// A request of the page. Its answer has the same `id`.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Request {
-    /// The number of the request, chosen by the page.
+    /// The id of the request, chosen by the page.
     pub id: u32,
     /// The command.
     #[serde(flatten)]
     pub command: Command,
 }
 
-/// A command of the page.
+/// A command of the page. Answers are empty unless stated otherwise.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
 pub enum Command {
-    /// Begin a guided calibration. Answer: nothing.
+    /// Start a guided calibration.
     Calibrate(CalibrateCommand),
-    /// End the calibration without a result. Answer: nothing.
+    /// End the running calibration without a result.
     AbortCalibration,
-    /// End the recording of `warmup` or `cycle` now, with its result. Answer: nothing.
+    /// End the recording of `warmup` or `cycle` now, with its result.
     FinishCalibration,
-    /// Dismiss the result, refusal or abort of the last calibration. Answer: nothing.
+    /// Dismiss the result, refusal or abort of the last calibration.
     DismissCalibration,
-    /// Apply a calibration on file to the readings; none: show raw rates alone. Answer: nothing.
+    /// Apply a stored calibration to the readings; null: show raw rates only.
     Apply {
-        /// Its `id`.
+        /// The `id` of the calibration.
         calibration: Option<String>,
     },
-    /// Put a calibration on file, from its TOML. Answer: its [`CalibrationEntry`].
+    /// Store a calibration, from its TOML text. Answer: its [`CalibrationEntry`].
     AddCalibration {
         /// The text of the file.
         toml: String,
     },
-    /// Remove a calibration that is not applied. Answer: nothing.
+    /// Remove a stored calibration that is not applied.
     RemoveCalibration {
-        /// Its `id`.
+        /// The `id` of the calibration.
         calibration: String,
     },
-    /// Give a calibration as a file. Answer: [`Download`].
+    /// Get a stored calibration as a file. Answer: [`Download`].
     Download {
-        /// Its `id`.
+        /// The `id` of the calibration.
         calibration: String,
-        /// The form of the file.
+        /// The format of the file.
         #[cfg_attr(feature = "types", ts(type = "Form"))]
         form: String,
     },
-    /// Restart the statistics: Allan deviation, spectrum, bias over temperature. Answer: nothing.
+    /// Restart the statistics: Allan deviation, spectrum, bias over temperature.
     Restart,
-    /// Set the angle to zero. Answer: nothing.
+    /// Set the angle to zero.
     ZeroAngle,
-    /// Set the speed of a simulated part, in multiples of real time; 0: as fast as possible. Answer: nothing.
+    /// Set the speed of a simulated part, as a multiple of real time; 0: as fast as possible.
     Speed {
-        /// 0 … 1000.
+        /// 0 to 1000.
         factor: f64,
     },
-    /// Open the device again, to read its registers anew or after it was unplugged. Answer: nothing.
+    /// Open the device again, to read its registers anew or after it was disconnected.
     Reopen,
 }
 
-/// A guided calibration: its method, and the settings that differ from the defaults.
+/// A guided calibration: its method, and settings that differ from the defaults.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CalibrateCommand {
     /// The method.
     pub method: MethodName,
-    /// Duration of steps 4 and 6, s.
+    /// Duration of steps 4 and 6 of AN-1042, s.
     #[cfg_attr(feature = "types", ts(optional))]
     pub average_s: Option<f64>,
     /// Duration of step 5, s.
@@ -93,14 +93,13 @@ pub struct CalibrateCommand {
     /// Duration of step 8, s.
     #[cfg_attr(feature = "types", ts(optional))]
     pub offset_s: Option<f64>,
-    /// Latitude of the part if its axis is vertical, °, north positive.
+    /// Latitude of the place if the part's axis is vertical, °, north positive.
     #[cfg_attr(feature = "types", ts(optional))]
     pub latitude_deg: Option<f64>,
     /// Serial number of the part.
     #[cfg_attr(feature = "types", ts(optional))]
     pub serial: Option<String>,
-    /// For the method `chamber`: the name of a plan that comes with the software, or the text of a plan
-    /// (docs/formats/plan.md).
+    /// For the method `chamber`: the name of a shipped plan, or the text of a plan (docs/formats/plan.md).
     #[cfg_attr(feature = "types", ts(optional))]
     pub plan: Option<String>,
 }
@@ -133,52 +132,52 @@ pub struct Answer {
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
 pub enum AnswerOutcome {
-    /// It was done.
+    /// The command was carried out.
     Ok(Reply),
-    /// It was not done: what is wrong, and what to do.
+    /// The command was not carried out. The text says what is wrong and what to do.
     Error(String),
 }
 
-/// The reply to a request that was done.
+/// The content of an answer.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub enum Reply {
-    /// Nothing more.
+    /// No content.
     Nothing {},
     /// A file.
     Download(Download),
-    /// The calibration that is now on file.
+    /// The calibration that was stored.
     Calibration(CalibrationEntry),
 }
 
-/// A file for the user.
+/// A file for the user to save.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Download {
-    /// The name of the file.
+    /// The file name.
     pub name: String,
-    /// Its media type.
+    /// The media type of the file.
     pub media_type: String,
     /// The text of the file.
     pub text: String,
 }
 
-/// Everything that changed since the last frame; a snapshot has everything. A field that is absent did not change.
+/// The changes since the last frame, or everything in a snapshot. An absent field did not change.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Frame {
-    /// The number of the frame in its session.
+    /// The number of the frame in its session, which increases.
     pub seq: u32,
-    /// Everything that was shown before is void: the session is new, or the page just opened.
+    /// Whether the frame replaces everything that was shown before: the session is new, or the page was just opened.
     pub snapshot: bool,
-    /// Complete bins, whose numbers follow in the payload.
+    /// Completed bins. Their numbers are in the payload.
     pub strips: Vec<Strip>,
-    /// The device.
+    /// The device that is being read.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub device: Option<Device>,
-    /// The newest numbers.
+    /// The newest values.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub now: Option<Now>,
@@ -186,7 +185,7 @@ pub struct Frame {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub ledger: Option<SampleCounts>,
-    /// The notices, the newest last; at most 100.
+    /// The notices, the newest last, at most 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub notices: Option<Vec<Notice>>,
@@ -198,27 +197,27 @@ pub struct Frame {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub calibration: Option<Calibrating>,
-    /// The calibrations on file, the newest last.
+    /// The stored calibrations, the newest last.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub calibrations: Option<Vec<CalibrationEntry>>,
 }
 
-/// Consecutive bins of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
-/// corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN means unknown.
+/// Consecutive bins of one axis at one level. The payload has rate_min_dps, rate_max_dps, corrected_min_dps,
+/// corrected_max_dps, temp_min_c, temp_max_c, each as `count` numbers (f32, little endian). NaN means unknown.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Strip {
-    /// The number of the axis, from 0.
+    /// The index of the axis, from 0.
     pub axis: u32,
-    /// The number of the level, from 0.
+    /// The level, from 0. Higher levels have longer bins.
     pub level: u32,
-    /// Number of the first bin. It begins at `first` times the level's `bin_s`, since the first sample.
+    /// Number of the first bin. It starts at `first` · `bin_s` after the first sample, with the level's `bin_s`.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub first: u64,
     /// The number of bins.
     pub count: u32,
-    /// Start of its numbers in the payload, counted in numbers.
+    /// Index of its first number in the payload.
     pub at: u32,
 }
 
@@ -226,29 +225,29 @@ pub struct Strip {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Device {
-    /// The name, as `zerorate --device` takes it.
+    /// The address, in the syntax of `zerorate --device`.
     pub name: String,
     /// The state.
     pub state: DeviceState,
-    /// Whether its time is simulated, so that `speed` works.
+    /// Whether the part's time is simulated, so that its `speed` can be set.
     pub simulated: bool,
-    /// The speed in multiples of real time; 0: as fast as possible.
+    /// The speed as a multiple of real time; 0: as fast as possible.
     pub speed: f64,
-    /// The kind of gyroscope.
+    /// The type of gyroscope.
     pub part: String,
     /// The axes.
     pub axes: Vec<AxisAbout>,
     /// Length of a bin at each level, s.
     pub bins_s: Vec<f64>,
-    /// Number of bins that are kept of each level.
+    /// Number of bins that each level keeps.
     pub bins_kept: u32,
-    /// Nominal conversion rate, Hz, if it is known.
+    /// Nominal conversion rate, Hz; null if unknown.
     pub nominal_hz: Option<f64>,
-    /// The registers at the time of opening; empty if there are none to read.
+    /// The registers, as read when the device was opened; empty if there are none.
     pub registers: Vec<Register>,
     /// The results of the connection check.
     pub checks: Vec<CheckResult>,
-    /// The durations of a guided calibration, if a command gives none.
+    /// The default durations of a guided calibration.
     pub durations: Durations,
     /// Version of the program.
     pub software: String,
@@ -270,15 +269,15 @@ pub struct Durations {
 #[serde(tag = "is", rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
 pub enum DeviceState {
-    /// It is being opened.
+    /// The device is being opened.
     Opening,
     /// Samples arrive.
     Reading,
-    /// The recording ended; there are no more samples.
+    /// The recording has ended; there are no more samples.
     Ended,
     /// The device cannot be read.
     Failed {
-        /// Why, and what to do about it.
+        /// The reason, and what to do.
         why: String,
     },
 }
@@ -305,15 +304,15 @@ pub struct Register {
     pub name: String,
     /// The address.
     pub address: u32,
-    /// The content.
+    /// The bits of the register.
     pub value: u32,
     /// The width, bits.
     pub bits: u32,
-    /// The fields.
+    /// The fields of the register.
     pub fields: Vec<Field>,
 }
 
-/// Bits of a register.
+/// A field of a register.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Field {
@@ -321,9 +320,9 @@ pub struct Field {
     pub name: String,
     /// The value.
     pub value: u32,
-    /// The meaning in plain words.
+    /// The meaning of the value in plain words.
     pub meaning: String,
-    /// Whether the value is not as expected.
+    /// Whether the value differs from the expected one.
     pub wrong: bool,
 }
 
@@ -335,29 +334,29 @@ pub struct CheckResult {
     pub what: String,
     /// Whether the check passed.
     pub ok: bool,
-    /// What was seen, and what to do.
+    /// What was observed, and what to do.
     pub text: String,
 }
 
-/// The newest numbers.
+/// The newest values.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Now {
-    /// Time since the first sample, s.
+    /// Time of the newest sample since the first, s.
     pub t_s: f64,
     /// Mean temperature of the last second, °C.
     pub temp_c: Option<f64>,
-    /// The numbers of each axis.
+    /// The values of each axis.
     pub axes: Vec<AxisNow>,
 }
 
-/// The newest numbers of an axis: means over the last second, with standard uncertainties.
+/// The newest values of an axis: means over the last second, with standard uncertainties.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisNow {
     /// Raw rate, °/s.
     pub rate_dps: Option<f64>,
-    /// Standard uncertainty of the raw rate by its noise, °/s.
+    /// Standard uncertainty of the raw rate due to its noise, °/s.
     pub u_rate_dps: Option<f64>,
     /// Corrected rate, °/s; null if no calibration is applied.
     pub corrected_dps: Option<f64>,
@@ -365,26 +364,26 @@ pub struct AxisNow {
     pub u_corrected_dps: Option<f64>,
     /// Whether the temperature is outside the range of the calibration.
     pub extrapolated: bool,
-    /// Integral of the corrected rate since it was set to zero, °. Without a calibration, the raw rate is integrated.
-    /// `zero-angle` sets it to zero, and so does a change of the calibration.
+    /// Integral of the corrected rate, °; of the raw rate without a calibration. `zero-angle` and any change of the
+    /// calibration reset it to zero.
     pub angle_deg: f64,
-    /// Standard uncertainty of the angle by noise and calibration, °.
+    /// Standard uncertainty of the angle due to noise and calibration, °.
     pub u_angle_deg: Option<f64>,
-    /// Whether the part is at rest.
+    /// Whether the part was at rest.
     pub rest: Rest,
 }
 
-/// Whether the part is at rest, over the last 10 s.
+/// Whether the part was at rest during the last 10 s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Rest {
-    /// The verdict; `unjudged` if there are too few readings, or if the noise of the part is unknown.
+    /// The verdict; `unjudged` if there are too few readings, or if the typical noise of the part is unknown.
     pub verdict: RestVerdict,
     /// The verdict in words, with its numbers.
     pub text: String,
 }
 
-/// Verdicts on rest.
+/// The verdicts about rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
@@ -401,41 +400,42 @@ pub enum RestVerdict {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct SampleCounts {
-    /// Samples that arrived here.
+    /// Number of samples that arrived here.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
-    /// Samples that were lost before the thread of the device, as the samples themselves count them.
+    /// Number of samples that were lost before they were read, as counted by the samples themselves.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub lost: u64,
-    /// Samples that were read but not shown, because the session of this page was too slow. A recording has them.
+    /// Number of samples that were read but not shown, because this page's session was too slow. A recording has
+    /// them.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missed: u64,
-    /// Readings that are impossible for the part.
+    /// Number of readings that are impossible for the part.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub impossible: u64,
-    /// Readings out of range.
+    /// Number of readings out of range.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub out_of_range: u64,
-    /// Rate of samples, Hz.
+    /// Sample rate, Hz.
     pub rate_hz: f64,
-    /// Rate of edges of data ready, Hz.
+    /// Rate of data-ready edges, Hz.
     pub rdy_hz: f64,
-    /// The time since which the part has stopped, s since the first sample.
+    /// Time since which the readings are frozen, s after the first sample; null if they are not.
     pub frozen_since_s: Option<f64>,
-    /// Duration since the first sample, s.
+    /// Time from the first to the newest sample, s.
     pub duration_s: f64,
 }
 
-/// A notice.
+/// A warning or message for the user.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Notice {
-    /// The code, which `zerorate explain` knows; empty for a notice without one.
+    /// The code for `zerorate explain`; empty for a notice without a code.
     pub code: String,
-    /// What was seen, why it matters, what to do.
+    /// What was observed, why it matters, what to do.
     pub text: String,
-    /// The first time, s since the first sample.
+    /// Time at which it first occurred, s after the first sample.
     pub at_s: f64,
-    /// The number of times that it happened or began.
+    /// How many times it occurred or started.
     pub count: u32,
 }

@@ -1,11 +1,11 @@
-//! The registers of an ADIS16130 in plain words (docs/facts.md section 3).
+//! Describes the registers of an ADIS16130 in plain words (docs/facts.md section 3).
 
 use crate::message::{Field, Register};
 use adis16130::registers::{self, Address, ConversionTime, Meaning, RateStatus, Register as _, TempStatus};
 use adis16130::{Config, MCLK_HZ, RateCode, TempCode, Width};
 
-/// Every register with its fields in plain words. `config` is what was written before. A field that reads differently
-/// is marked wrong.
+/// Describes every register with its fields. `config` is what was written before; a field that reads back
+/// differently is marked as wrong.
 #[must_use]
 pub fn described(config: &Config, values: &[(Address, u32)]) -> Vec<Register> {
     values.iter().map(|(address, value)| register(config, *address, *value)).collect()
@@ -34,7 +34,7 @@ fn register(config: &Config, address: Address, value: u32) -> Register {
     }
 }
 
-/// A field of the register at `address`, which holds `register`.
+/// Describes a field of the register at `address` with the content `register`.
 fn shown(address: Address, field: &registers::Field, register: u32, width: Width) -> Field {
     let value = field.of(register);
     let (wrong, meaning) = match field.meaning {
@@ -53,7 +53,7 @@ fn shown(address: Address, field: &registers::Field, register: u32, width: Width
     Field { name: field.name.to_owned(), value, meaning, wrong }
 }
 
-/// The channel number that a status register shows from its reset on.
+/// The channel number that a status register has after reset.
 fn own_channel(address: Address) -> u32 {
     let reset = if address == Address::TempStatus { TempStatus::RESET } else { RateStatus::RESET };
     reset.channel().into()

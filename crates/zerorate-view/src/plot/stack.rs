@@ -35,7 +35,7 @@ impl Stack<'_> {
         (LEFT, WIDTH - RIGHT)
     }
 
-    /// The lower and upper vertical pixel of a panel, in the order that [`Axis`] expects.
+    /// The lower and upper vertical pixel of a panel, in the order that `Axis` expects.
     pub fn upright(&self, index: usize) -> (f64, f64) {
         let Area { top, bottom, .. } = self.area(index);
         (bottom, top)

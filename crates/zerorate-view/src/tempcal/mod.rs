@@ -262,7 +262,7 @@ pub struct MeanPoint {
     pub at_s: f64,
     /// Temperature, °C.
     pub temp_c: f64,
-    /// Mean minus the [`Level`] and minus the steps.
+    /// The mean minus the level from which the curve is stated, and minus the steps.
     pub value: f64,
     /// Residual: the value minus the curve.
     pub left: f64,

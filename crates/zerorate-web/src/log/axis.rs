@@ -1,4 +1,4 @@
-//! The results of a column of a log, for the page.
+//! Converts the results of a log's column to messages for the page.
 
 use super::message::{LogAxis, LogColumn, LogPicture, LogTerm};
 use zerorate_imu::{AxisReport, Kind, Record};
@@ -6,14 +6,14 @@ use zerorate_logs::{Column, Quantity};
 use zerorate_view::noise::{Group, TermRow, term_rows};
 use zerorate_view::plot::number;
 
-/// A column, for the page.
+/// The message about a column.
 pub fn column(column: &Column) -> LogColumn {
     let (quantity, missing) = (column.quantity, column.missing());
     let unit = quantity.map(|of| of.unit().to_owned());
     LogColumn { name: column.name.clone(), kind: quantity.and_then(Kind::of), unit, missing }
 }
 
-/// The results of a column that was analysed, for the page.
+/// The message about an analysed column.
 pub fn message(record: &Record) -> LogAxis {
     let axis = AxisReport::new(record, None);
     let terms = term_rows(&axis.report).into_iter().map(term).collect();
@@ -29,7 +29,7 @@ fn term(row: TermRow) -> LogTerm {
     LogTerm { name, values: row.values.into_iter().map(value).collect(), identified, remark }
 }
 
-/// The pictures of all columns: for each quantity the curves, the spectra and the records.
+/// The plots of all columns: deviations, spectra and records for each quantity.
 pub fn pictures(axes: &[Record]) -> Vec<LogPicture> {
     Group::all(axes).iter().flat_map(of_group).collect()
 }

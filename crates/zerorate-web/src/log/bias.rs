@@ -1,4 +1,4 @@
-//! The bias over temperature of a log whose temperature changes.
+//! The bias over temperature of a log in which the temperature changes.
 
 use super::message::{LogBias, LogPicture};
 use super::settings::LABELS;
@@ -12,19 +12,19 @@ use zerorate_view::tempcal::{
     over_temperature, possible_c, px4, refusal_text, span_c, table, tempcal_page, topic_of, values, warnings_of_axes,
 };
 
-/// Name of a part that nobody named.
+/// The name of the part in a calibration, since the page does not ask for it.
 const PART: &str = "gyroscope";
 
-/// The sensors of a log whose temperature changes enough for a curve.
+/// The sensors of a log in which the temperature changes enough for a curve.
 pub enum Bias {
-    /// The means of the axes.
+    /// The sensors, with the means of their axes.
     Sensors(Vec<Sensor>),
-    /// Why they cannot give curves here.
+    /// The reason why no curves can be made here.
     Elsewhere(String),
 }
 
 impl Bias {
-    /// Takes the means of the axes of a log; `None` if its temperature spans too little.
+    /// Averages the axes of a log. `None` if the span of the temperature is too small.
     ///
     /// # Errors
     /// Returns an error if too many samples are missing.
@@ -56,12 +56,12 @@ impl Bias {
         Ok((!sensors.is_empty()).then_some(Self::Sensors(sensors)))
     }
 
-    /// Why the temperature that the user named gives no curve.
+    /// The reason why a temperature that the user named gives no curve.
     pub fn unfit(name: &str) -> Self {
         Self::Elsewhere(format!("{name} is no temperature in °C that changes by {LEAST_SPAN_C} °C or more"))
     }
 
-    /// The curves in words, pictures and files. `notes` are the warnings about the log.
+    /// Fits the curves, and returns them as text, plots and files. `notes` are the warnings about the log.
     pub fn message(self, path: &Path, notes: &[String]) -> LogBias {
         let fitted = match self {
             Self::Elsewhere(why) => Err(why),
@@ -74,11 +74,11 @@ impl Bias {
     }
 }
 
-/// The reason why a log of ArduPilot gives no curve here.
+/// The reason why an ArduPilot log gives no curve here.
 const CORRECTED: &str = "ArduPilot has corrected and turned the readings of this log. `zerorate tempcal` takes that \
                          back by the log's parameters, and writes new ones.";
 
-/// The number that a driver of PX4 writes beside its readings.
+/// The device id that a PX4 driver logs beside its readings.
 fn device_id(path: &Path, open: &impl Fn() -> Input, topic: &str, options: &ColumnOptions) -> Option<i64> {
     let name = topic.starts_with("sensor_").then(|| format!("{topic}.device_id"))?;
     let columns = zerorate_logs::read_all(path, open(), ColumnSelection::Listed(&[name]), options).ok()?;
@@ -118,7 +118,7 @@ fn pictures(axes: &[AxisCurve], points: &[Points]) -> Vec<LogPicture> {
     all.chunk_by(|one, other| one.0.sensor == other.0.sensor).map(of_sensor).collect()
 }
 
-/// The files: name, media type, and text or the reason why there is none.
+/// The files: name, media type, and the text or the reason why there is none.
 type Texts = [(&'static str, &'static str, Result<String, String>); 5];
 
 fn texts(path: &Path, notes: &[String], axes: &[AxisCurve], curves: &[LogCurve], points: &[Points]) -> Texts {

@@ -6,38 +6,38 @@ use serde::{Deserialize, Serialize};
 use ts_rs::TS;
 use zerorate_imu::{AxisReport, Kind};
 
-/// The user's statements about a log. The rest is taken from the log itself.
+/// The user's statements about a log. All else is taken from the log itself.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 #[cfg_attr(feature = "types", derive(TS))]
 #[cfg_attr(feature = "types", ts(optional_fields))]
 pub struct LogSettings {
-    /// The columns, by name or by number counted from 0; none: all axes.
+    /// The columns, by name or by number counted from 0; null: all axes.
     pub columns: Option<Vec<String>>,
-    /// The topic of a bag with several IMUs.
+    /// The topic to read, if a bag has several IMUs.
     pub topic: Option<String>,
     /// The rows to read, as `SensorId=1` or `bus=0,sensor=1`: those in which the columns have these values.
     #[serde(rename = "where")]
     pub only: Option<String>,
     /// Samples per second, Hz.
     pub rate_hz: Option<f64>,
-    /// The column with the times.
+    /// The column with the timestamps.
     pub time_column: Option<String>,
-    /// `s`, `ms`, `us` or `ns`.
+    /// The unit of the timestamps: `s`, `ms`, `us` or `ns`.
     pub time_unit: Option<String>,
-    /// The column with the temperature, °C; none: one with a usual name.
+    /// The column with the temperature, °C; null: a column with a usual name.
     pub temp_column: Option<String>,
-    /// Leaves out what is before this time: `45m` after the first sample, or a clock time.
+    /// The start of the analysis: a duration such as `45m` after the first sample, or a time of day.
     pub skip: Option<String>,
-    /// Leaves out what follows this time.
+    /// The end of the analysis, in the same form.
     pub until: Option<String>,
-    /// Unit of gyroscopes: `dps`, `rad/s` …
+    /// Unit of the gyroscopes: `dps`, `rad/s` …
     pub gyro_unit: Option<String>,
-    /// The value of one step, in that unit.
+    /// The value of one digit (LSB) of the gyroscopes, in that unit.
     pub gyro_scale: Option<f64>,
-    /// Unit of accelerometers: `m/s²`, `g`, `mg` …
+    /// Unit of the accelerometers: `m/s²`, `g`, `mg` …
     pub accel_unit: Option<String>,
-    /// The value of one step, in that unit.
+    /// The value of one digit (LSB) of the accelerometers, in that unit.
     pub accel_scale: Option<f64>,
     /// The decimal mark: `point` or `comma`.
     pub decimal: Option<String>,
@@ -72,13 +72,13 @@ pub enum LogSetting {
 pub enum LogInspection {
     /// The log was read and can be analysed.
     Log(LogAbout),
-    /// The log does not say enough about itself: ask the user, and look again with the answer.
+    /// The log does not describe itself sufficiently. Ask the user, then open it again with the answer.
     Question {
-        /// What is missing, and why.
+        /// The question: what is missing, and why.
         text: String,
         /// A table to choose from: the head, then the rows.
         choices: Vec<String>,
-        /// The settings, any of which answers the question.
+        /// The settings that can answer the question; one of them is enough.
         settings: Vec<LogSetting>,
     },
     /// The log cannot be read.
@@ -94,14 +94,14 @@ pub enum LogInspection {
 pub struct LogAbout {
     /// The format of the file: `Parquet`, `text, packed by gzip`.
     pub form: String,
-    /// Number of samples of a column, including missing ones.
+    /// Number of samples per column, including missing ones.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
     /// Samples per second, Hz.
     pub rate_hz: f64,
     /// Duration, s.
     pub duration_s: f64,
-    /// The topic of a bag.
+    /// The topic that was read, if the log is a bag.
     pub topic: Option<String>,
     /// The columns that will be analysed, gyroscopes first.
     pub columns: Vec<LogColumn>,
@@ -113,22 +113,22 @@ pub struct LogAbout {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogColumn {
-    /// The name, or the number of a column without one.
+    /// The name, or the number if the column has no name.
     pub name: String,
-    /// The quantity; none: neither of them, and no file for a filter can take the column.
+    /// The kind of sensor; null: neither a gyroscope nor an accelerometer, so the column is in no file for a filter.
     pub kind: Option<Kind>,
-    /// The unit of the results; none: the unit of the column, which nobody stated.
+    /// The unit of the results; null: unknown, so the results are in the column's own unit.
     pub unit: Option<String>,
     /// Number of missing samples.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missing: u64,
 }
 
-/// The results of a column.
+/// The results for a column.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogAxis {
-    /// Deviations and noise model, as `zerorate imu --json` has them.
+    /// Deviations and noise model, as in `zerorate imu --json`.
     pub axis: AxisReport,
     /// The terms of the noise model in words, the coefficients first.
     pub terms: Vec<LogTerm>,
@@ -138,68 +138,68 @@ pub struct LogAxis {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogTerm {
-    /// Its name.
+    /// The name of the term.
     pub name: String,
     /// The same value with its 95 % interval in each unit, or several values.
     pub values: Vec<String>,
-    /// Whether the record tells it from zero.
+    /// Whether the value differs significantly from zero.
     pub identified: bool,
-    /// What is to be said beside it; it may be empty.
+    /// A remark beside the values; may be empty.
     pub remark: String,
 }
 
-/// The summary of all axes, after the last one.
+/// The summary of all axes, sent after the last axis.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogSummary {
-    /// The pictures of each kind of axis: curves, spectra and records.
+    /// The plots for each kind of axis: deviations, spectra and records.
     pub pictures: Vec<LogPicture>,
     /// Warnings about several axes at once.
     pub warnings: Vec<String>,
-    /// Why no file for a filter can be made, if so.
+    /// The reason why no file for a filter can be made; null if it can.
     pub no_noise_file: Option<String>,
 }
 
-/// The bias over temperature of a log whose temperature changes.
+/// The bias over temperature of a log in which the temperature changes.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogBias {
-    /// The curves in words, as `zerorate tempcal` prints them.
+    /// The curves as text, as `zerorate tempcal` prints them.
     pub text: String,
-    /// The means, the curve and its band, for each kind of axis.
+    /// The plots for each kind of axis: the means, the curve and its band.
     pub pictures: Vec<LogPicture>,
     /// Warnings about the curves.
     pub warnings: Vec<String>,
-    /// The files that can be made: a report, a table, a calibration, parameters of flight controllers.
+    /// The files: a report, a table, a calibration, parameters of flight controllers.
     pub files: Vec<Download>,
-    /// Why other files cannot be made.
+    /// The reasons why other files cannot be made.
     pub no_files: Vec<String>,
-    /// Why there are no curves, if so; all else is empty then.
+    /// The reason why there are no curves; null if there are. With a reason, all else is empty.
     pub why_not: Option<String>,
 }
 
-/// A picture.
+/// A plot.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogPicture {
-    /// The name of its file: `gyroscope-allan.svg`.
+    /// The file name: `gyroscope-allan.svg`.
     pub name: String,
     /// The title.
     pub title: String,
-    /// The picture as SVG.
+    /// The plot as SVG.
     pub svg: String,
 }
 
-/// A request for the file with the noise parameters of a filter.
+/// A request for a file with the noise parameters for a filter.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct NoiseFileCommand {
     /// The filter: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
     pub format: String,
-    /// The value of all axes of a kind, if the filter takes one number: `worst` or `mean`.
+    /// How to combine the axes of a kind, if the filter takes one number for all: `worst` or `mean`.
     pub combine: String,
-    /// Factor on all noise, above 0; 1: as measured.
+    /// Factor on all noise, above 0; 1 means as measured.
     pub inflate: f64,
-    /// Also make it from rejected models; the file says so.
+    /// Whether to make the file from rejected models too. The file then says so.
     pub accept_rejected: bool,
 }

@@ -1,6 +1,6 @@
-//! A log that is dropped on the page: its content, its noise, its bias over temperature, and files.
+//! A log that was dropped on the page: its content, its noise, its bias over temperature, and files made from them.
 //!
-//! [`LogReader::look`] reads the log once. Columns are then analysed one at a time, so that the caller can show
+//! [`LogReader::look`] reads the log once. Columns are then analysed one by one, so that the caller can show
 //! progress.
 
 #[cfg(feature = "readers")]
@@ -43,8 +43,8 @@ mod reader {
     }
 
     impl LogReader {
-        /// Reads the log of this name and returns its content or a question. `open` gives its bytes, each time from
-        /// the start.
+        /// Reads the log of this name and returns its content or a question. `open` returns its bytes from the start
+        /// at each call.
         pub fn look(name: &str, open: impl Fn() -> Input, said: &LogSettings) -> (LogInspection, Option<Self>) {
             let path = Path::new(name);
             match read(path, &open, said) {
@@ -62,16 +62,16 @@ mod reader {
             }
         }
 
-        /// Number of columns that are not analysed yet.
+        /// Number of columns that remain to be analysed.
         #[must_use]
         pub fn left(&self) -> usize {
             self.waiting.len()
         }
 
-        /// Analyses the next column; `None` if all are done.
+        /// Analyses the next column; `None` if none is left.
         ///
         /// # Errors
-        /// Returns the reason why the column has no noise that can be analysed.
+        /// Returns the reason why the noise of the column cannot be analysed.
         pub fn analyse(&mut self) -> Result<Option<LogAxis>, String> {
             let Some(column) = self.waiting.next() else { return Ok(None) };
             let options = AnalysisOptions {
@@ -92,7 +92,7 @@ mod reader {
             self.bias.take().map(|bias| bias.message(&self.path, &self.warnings))
         }
 
-        /// The summary of all axes, once all are analysed.
+        /// The summary of all axes. Call it after the last column was analysed.
         #[must_use]
         pub fn summary(&self) -> LogSummary {
             let doubts = Record::doubts(&self.analysed);
@@ -103,12 +103,12 @@ mod reader {
             LogSummary { pictures: axis::pictures(&self.analysed), warnings: self.findings(), no_noise_file }
         }
 
-        /// Warnings about several axes at once.
+        /// Warnings about several axes.
         fn findings(&self) -> Vec<String> {
             Record::motion(&self.analysed).iter().map(ImuWarning::coded).collect()
         }
 
-        /// Warnings about single axes, with the names of the axes.
+        /// Warnings about single axes, with the name of the axis in each.
         fn of_axes(&self) -> impl Iterator<Item = String> {
             let of_axis = |record: &Record| -> Vec<String> {
                 let named = |line: String| line.replacen(": ", &format!(": {}: ", record.column), 1);
@@ -117,10 +117,10 @@ mod reader {
             self.analysed.iter().flat_map(of_axis)
         }
 
-        /// The file for a filter.
+        /// Makes the file for a filter.
         ///
         /// # Errors
-        /// Returns an error if the numbers would not be a valid result, or the log lacks the axes for it.
+        /// Returns an error if the numbers would not be a valid result, or if the log lacks the necessary axes.
         pub fn noise_file(&self, command: &NoiseFileCommand) -> Result<Download, String> {
             let (format, combine) = (format(&command.format)?, combine(&command.combine)?);
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));
@@ -168,7 +168,7 @@ mod reader {
             return Err(LogError::Ask(format!("{of}: the log has no column {name:?} of numbers")));
         }
         let axes = match columns {
-            // two of the topics may be one IMU, and joined rows are its two sensors
+            // topics may be two sensors of one IMU, and so may interleaved rows
             Err(LogError::Choose { .. } | LogError::Merged { .. }) => {
                 Axes::read(path, vec![(path.to_owned(), open())], &options)?
             }
@@ -199,12 +199,12 @@ mod reader {
         Ok((about, reader))
     }
 
-    /// The only temperature beside the axes.
+    /// The temperature that is logged with the axes, if there is exactly one.
     fn of_bias(axes: &Axes) -> Option<&Column> {
         <&[Column; 1]>::try_from(&axes.temperatures[..]).ok().map(|[only]| only)
     }
 
-    /// The axes of an IMU. A log without them gives all its columns, in their own units.
+    /// The axes of an IMU. If the log has none, all its columns in their own units.
     fn of_imu_or_any(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
         if Axes::are_among(&columns) {
             return Axes::of(path, columns, options);

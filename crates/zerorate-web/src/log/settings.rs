@@ -1,4 +1,4 @@
-//! Converts settings of the page to what the readers take, and questions of the readers to settings of the page.
+//! Converts settings of the page to options of the readers, and questions of the readers to settings of the page.
 
 use super::message::{LogSetting, LogSettings};
 use zerorate_allan::SettingName;
@@ -30,7 +30,7 @@ fn label(setting: Setting) -> SettingName {
     let field = FIELDS.iter().find(|(of, ..)| *of == setting);
     SettingName::text(match setting {
         Setting::ForceUnit => "rename the column",
-        // the page chooses the columns of both kinds in one field
+        // on the page, one field has the columns of both kinds
         Setting::Gyro | Setting::Accel => "“columns”",
         Setting::Detrend => "`zerorate allan --detrend temp`",
         Setting::GyroRange => "`zerorate imu --gyro-range`",
@@ -45,7 +45,7 @@ fn label(setting: Setting) -> SettingName {
     })
 }
 
-/// The fields that a message names.
+/// The page's fields that a message mentions, in the order of the message.
 pub fn asked_for(text: &str) -> Vec<LogSetting> {
     let own = FIELDS.iter().filter(|(_, label, _)| !label.contains(" or "));
     let mut named: Vec<(usize, LogSetting)> =
@@ -54,7 +54,7 @@ pub fn asked_for(text: &str) -> Vec<LogSetting> {
     named.into_iter().map(|(_, field)| field).collect()
 }
 
-/// The settings in the form that the readers take.
+/// The settings as options of the readers.
 pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
     let above_zero = |label: &str, number: Option<f64>| match number {
         Some(number) if !(number > 0.0 && number.is_finite()) => {
@@ -107,13 +107,13 @@ fn decimal(text: &str) -> Result<Decimal, LogError> {
     }
 }
 
-/// The format of a noise file, by its name.
+/// Finds the format of a noise file by its name.
 pub fn format(name: &str) -> Result<Format, String> {
     let found = Format::ALL.into_iter().find(|format| format.name() == name);
     found.ok_or_else(|| format!("`{name}` is unknown: take one of {}", Format::ALL.map(Format::name).join(", ")))
 }
 
-/// The way to combine axes, by its name.
+/// Finds the way to combine axes by its name.
 pub fn combine(name: &str) -> Result<Combine, String> {
     let found = [Combine::Worst, Combine::Mean].into_iter().find(|combine| combine.name() == name);
     found.ok_or_else(|| format!("`{name}` is unknown: take worst or mean"))

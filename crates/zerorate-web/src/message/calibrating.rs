@@ -1,68 +1,69 @@
-//! Messages about calibrations: the guided one, and those on file.
+//! Messages about calibrations: the guided one, and the stored ones.
 
 use super::MethodName;
 use serde::Serialize;
 #[cfg(feature = "types")]
 use ts_rs::TS;
 
-/// The guided calibration.
+/// The state of the guided calibration.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "is", rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
 pub enum Calibrating {
-    /// There is none.
+    /// No calibration.
     Idle,
-    /// It is running.
+    /// A calibration is running.
     Running(Running),
-    /// It has a result.
+    /// The calibration is complete.
     Done(CalibrationResult),
-    /// It was refused.
+    /// The calibration was refused.
     Refused {
-        /// The method.
+        /// The method of the calibration.
         method: MethodName,
-        /// Why, and what to do.
+        /// The reason, and what to do.
         text: String,
     },
-    /// It was ended without a result.
+    /// The calibration ended without a result.
     Aborted {
-        /// The method.
+        /// The method of the calibration.
         method: MethodName,
-        /// Why.
+        /// The reason.
         text: String,
     },
 }
 
-/// A running calibration.
+/// The progress of a running calibration.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Running {
     /// The method.
     pub method: MethodName,
-    /// All steps, in their order.
+    /// All steps in order.
     pub steps: Vec<Step>,
     /// Time since the start, s.
     pub elapsed_s: f64,
-    /// Time until the end, s.
+    /// Remaining time, s.
     pub left_s: f64,
-    /// The advice of what to do now.
+    /// What to do now.
     pub advice: String,
-    /// Refusals that would follow if the step ended now.
+    /// The refusals that would result if the step ended now.
     pub pending_refusals: Vec<String>,
-    /// Temperature at the start and now, and the lowest and highest in between, °C.
+    /// Temperatures, °C: at the start, now, the lowest and the highest.
     pub temps_c: Option<[f64; 4]>,
-    /// The uncertainties if it had ended at the last look. Only `warmup` and `cycle` have them, unless refused.
+    /// The uncertainties at the last check if it had ended then; only for `warmup` and `cycle`, and null if it would
+    /// be refused.
     pub forecast: Option<Forecast>,
-    /// Whether `finish-calibration` is possible now.
+    /// Whether `finish-calibration` is allowed now.
     pub can_finish: bool,
-    /// Whether the goal is met: nothing would be refused, and the temperature of a warm-up has settled.
+    /// Whether the recording is sufficient: nothing would be refused, and the temperature of a warm-up has settled.
     pub is_enough: bool,
 }
 
-/// The uncertainties that a calibration would have stated if it had ended at a time.
+/// The uncertainties that a calibration would have had if it had ended at a certain time.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Forecast {
-    /// The time since the start, s.
+    /// That time since the start, s.
     pub at_s: f64,
     /// Standard uncertainty of PBC, °/s.
     pub u_pbc_dps: f64,
@@ -88,17 +89,17 @@ pub struct Step {
 pub struct CalibrationResult {
     /// The method.
     pub method: MethodName,
-    /// The calibration as it is on file.
+    /// The calibration as stored.
     pub entry: CalibrationEntry,
     /// The results of each axis.
     pub axes: Vec<AxisResult>,
     /// Warnings about the result.
     pub warnings: Vec<String>,
-    /// What every measurement by the same plan implies.
+    /// Standing remarks: consequences of the plan, whatever was measured.
     pub remarks: Vec<String>,
 }
 
-/// The result of a calibration for an axis.
+/// The result of a calibration for one axis.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisResult {
@@ -114,39 +115,39 @@ pub struct AxisResult {
     pub u_btc_dps_per_c: f64,
     /// T3, °C.
     pub t3_c: f64,
-    /// The correction over the temperatures that occurred.
+    /// The correction over the temperatures that were measured.
     pub curve: Vec<CurvePoint>,
-    /// Mean rate in the last minute before the end, °/s.
+    /// Mean rate over the last minute, °/s.
     pub before_dps: Option<f64>,
-    /// The same mean, corrected, °/s.
+    /// The same mean after correction, °/s.
     pub after_dps: Option<f64>,
 }
 
-/// The correction at a temperature.
+/// A correction at one temperature.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CurvePoint {
     /// Temperature, °C.
     pub temp_c: f64,
-    /// The correction that is added to the rate, °/s.
+    /// The correction, which is added to the rate, °/s.
     pub correction_dps: f64,
     /// Standard uncertainty, °/s.
     pub u_dps: Option<f64>,
-    /// The result of a perfect measurement, °/s; only the twin knows it.
+    /// The result of a perfect measurement, °/s; null unless the part is a twin.
     pub truth_dps: Option<f64>,
 }
 
-/// A calibration on file.
+/// A stored calibration.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CalibrationEntry {
-    /// The id, made from the content.
+    /// The id, computed from the content.
     pub id: String,
-    /// Serial number of the part, if it is stated.
+    /// Serial number of the part; null if not stated.
     pub serial: Option<String>,
-    /// The date of the measurement, if it is stated.
+    /// The date of the measurement; null if not stated.
     pub created: Option<String>,
-    /// The method, if it is stated.
+    /// The method; null if not stated.
     pub method: Option<String>,
     /// PBC of the first axis, °/s.
     pub pbc_dps: f64,
@@ -154,10 +155,10 @@ pub struct CalibrationEntry {
     pub btc_dps_per_c: f64,
     /// T3 of the first axis, °C.
     pub t3_c: f64,
-    /// The range of temperatures in which it holds, °C.
+    /// The valid temperature range, °C.
     pub range_c: Option<[f64; 2]>,
-    /// Whether it is applied.
+    /// Whether the calibration is applied to the readings.
     pub applied: bool,
-    /// The text of its file, which the page of a static site keeps.
+    /// The text of its file. A page without a server stores it.
     pub toml: String,
 }

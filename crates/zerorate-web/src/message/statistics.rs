@@ -4,7 +4,7 @@ use serde::Serialize;
 #[cfg(feature = "types")]
 use ts_rs::TS;
 
-/// The noise of an axis, as far as it is known.
+/// The noise of an axis as estimated so far.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Statistics {
@@ -12,15 +12,15 @@ pub struct Statistics {
     pub duration_s: f64,
     /// Allan deviation.
     pub allan: Vec<AllanPoint>,
-    /// The coefficients; empty before there are enough samples.
+    /// The noise coefficients; empty before there are enough samples.
     pub coefficients: Vec<Coefficient>,
-    /// Welch's spectrum of the last 131 072 readings.
+    /// The spectrum of the last 131 072 readings, by Welch's method.
     pub spectrum: Vec<SpectrumPoint>,
-    /// Features of the spectrum.
+    /// Marked features of the spectrum.
     pub marks: Vec<SpectrumMark>,
     /// The bias over temperature.
     pub temperature: OverTemperature,
-    /// A remark if the deviations contain more than noise.
+    /// A remark if the deviations contain signals other than noise.
     pub caution: Option<String>,
 }
 
@@ -36,7 +36,7 @@ pub struct AllanPoint {
     pub lo_dps: f64,
     /// Upper end of the one-sigma interval, °/s.
     pub hi_dps: f64,
-    /// The deviation of the model, °/s.
+    /// The deviation that the model predicts, °/s.
     pub model_dps: Option<f64>,
 }
 
@@ -56,10 +56,10 @@ pub struct Coefficient {
     pub hi: f64,
     /// Unit of the value.
     pub unit: String,
-    /// Whether the value is identified.
+    /// Whether the value differs significantly from zero.
     pub identified: bool,
-    /// Seconds until it is identified, if the noise is what it seems. Null if that is unknown, or if it is identified
-    /// already.
+    /// Estimated seconds until it is identified, if the noise is as it appears. Null if that is unknown, or if it is
+    /// already identified.
     pub identified_in_s: Option<f64>,
 }
 
@@ -69,11 +69,11 @@ pub struct Coefficient {
 pub struct SpectrumPoint {
     /// Frequency, Hz.
     pub hz: f64,
-    /// One-sided density, °/s/√Hz.
+    /// One-sided amplitude density, °/s/√Hz.
     pub density_dps_per_rt_hz: f64,
 }
 
-/// A feature of the spectrum.
+/// A marked feature of the spectrum.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct SpectrumMark {
@@ -81,7 +81,7 @@ pub struct SpectrumMark {
     pub hz: f64,
     /// The kind of feature.
     pub kind: MarkKind,
-    /// The feature in words.
+    /// The description of the feature.
     pub text: String,
 }
 
@@ -103,21 +103,21 @@ pub enum MarkKind {
 pub struct OverTemperature {
     /// The points, from cold to warm.
     pub points: Vec<TemperaturePoint>,
-    /// The straight line through them; none: there are too few points.
+    /// The straight line through the points; null if there are too few.
     pub line: Option<TemperatureLine>,
 }
 
-/// A straight line through the rate over temperature, weighted by the uncertainties of its points.
+/// A straight line fitted to the rate over temperature, weighted by the uncertainties of the points.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct TemperatureLine {
     /// The slope, which is minus BTC, °/s/°C.
     pub slope_dps_per_c: f64,
-    /// Standard uncertainty of the slope by white noise alone, °/s/°C.
+    /// Standard uncertainty of the slope due to white noise only, °/s/°C.
     pub u_dps_per_c: f64,
 }
 
-/// The rate at a temperature.
+/// The mean rate at one temperature.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct TemperaturePoint {
@@ -125,7 +125,7 @@ pub struct TemperaturePoint {
     pub temp_c: f64,
     /// Mean rate, °/s.
     pub rate_dps: f64,
-    /// Standard uncertainty of the mean rate by white noise, °/s.
+    /// Standard uncertainty of the mean rate due to white noise, °/s.
     pub u_dps: f64,
     /// Time at this temperature, s.
     pub seconds: u32,

@@ -1,4 +1,4 @@
-//! Requests and their answers, and the guided calibrations that they start and end.
+//! Handles requests, and starts and ends guided calibrations.
 
 use super::guided::{GuidedCalibration, Measurement};
 use super::{HostCommand, LiveView, RequestResult, Session};
@@ -9,17 +9,17 @@ use serde::Deserialize;
 use zerorate::Scan;
 use zerorate_record::Row;
 
-/// The largest speed of simulated time.
+/// The largest speed of simulated time, as a multiple of real time.
 const FASTEST: f64 = 1000.0;
 
-/// The `id` of a request that is not understood.
+/// Reads the `id` alone from a request that is not understood.
 #[derive(Deserialize)]
 struct Anonymous {
     id: u32,
 }
 
 impl Session {
-    /// Carries out a request, or says that the owner of the device must.
+    /// Carries out a request, or returns the command that the owner of the device must carry out.
     pub fn ask(&mut self, request: &str) -> RequestResult {
         let Request { id, command } = match serde_json::from_str(request) {
             Ok(request) => request,
@@ -35,8 +35,8 @@ impl Session {
         }
     }
 
-    /// The answer after the owner of the device has acted. A calibration that waits for a device that cannot be opened
-    /// ends.
+    /// Makes the answer after the owner of the device has carried out a command. If the device cannot be opened, a
+    /// calibration that waits for it ends.
     pub fn done(&mut self, id: u32, result: Result<(), String>) -> String {
         if let Err(why) = &result
             && self.wanted.is_some()
@@ -46,7 +46,7 @@ impl Session {
         written(id, result.map(|()| Reply::Nothing {}))
     }
 
-    /// Notes the present speed of simulated time.
+    /// Notes the current speed of simulated time.
     pub fn speed(&mut self, factor: f64) {
         self.live_view.speed = factor;
         self.live_view.changed.device = true;
@@ -94,7 +94,8 @@ impl Session {
         Ok(Outcome::Host(HostCommand::Speed(factor)))
     }
 
-    /// The procedure begins with the first reading of a part that was just reset (F-51, step 3).
+    /// Starts a calibration after reopening the device: the procedure starts with the first reading of a part that
+    /// was just reset (F-51, step 3).
     fn calibrate(&mut self, command: &CalibrateCommand) -> Result<(), String> {
         if self.is_calibrating() {
             return Err("a calibration is running: end it first".to_owned());
@@ -110,7 +111,7 @@ impl Session {
         Ok(())
     }
 
-    /// The method of the calibration that is running or about to begin.
+    /// The method of the calibration that is running or about to start.
     #[must_use]
     pub fn method(&self) -> Option<MethodName> {
         match &self.calibrating {
@@ -123,7 +124,7 @@ impl Session {
         self.method().is_some()
     }
 
-    /// Ends a calibration that is running or about to begin, without a result, and says why.
+    /// Ends a calibration that is running or about to start, without a result. `why` is the reason.
     pub fn abort_calibration(&mut self, why: &str) {
         let Some(method) = self.method() else { return };
         (self.guided, self.wanted) = (None, None);
@@ -150,7 +151,8 @@ impl Session {
         Ok(())
     }
 
-    /// A recording has ended. Methods that take all of it can finish.
+    /// Handles the end of a recording. Methods that use all of it can finish. Any other calibration is aborted with
+    /// the reason `otherwise`.
     pub(super) fn end_guided(&mut self, otherwise: &str) {
         let Some(guided) = &mut self.guided else { return self.abort_calibration(otherwise) };
         match guided.end_recording() {
@@ -192,7 +194,7 @@ impl Session {
     }
 }
 
-/// The outcome of a command.
+/// The result of carrying out a command.
 enum Outcome {
     Reply(Reply),
     Host(HostCommand),
@@ -204,6 +206,6 @@ fn answer(id: u32, result: Result<Reply, String>) -> RequestResult {
 
 fn written(id: u32, result: Result<Reply, String>) -> String {
     let outcome = result.map_or_else(AnswerOutcome::Error, AnswerOutcome::Ok);
-    // these are numbers, texts and lists of them, which always serialise
+    // numbers, texts and lists always serialise
     serde_json::to_string(&Answer { id, outcome }).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! One axis of a part as its readings arrive, and the numbers that are shown of it.
+//! Collects the readings of one axis, and computes the values that the page shows.
 
 use super::strips::{Strips, Values};
 use crate::message::{AxisNow, Rest, RestVerdict};
@@ -7,17 +7,17 @@ use zerorate::health::stationarity::{Verdict, judge};
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Calibration, CodeSum, NamedAxis, Reading};
 
-/// Length of a block, ns and s: the length that the core's judge of rest takes.
+/// Length of a block, ns and s: the length that the core's detection of rest needs.
 pub const BLOCK_NS: u64 = 100_000_000;
 pub const BLOCK_S: f64 = 0.1;
-/// Number of blocks in the mean that is shown: a second.
+/// Number of blocks in the displayed mean: one second.
 const SHOWN: usize = 10;
-/// Number of blocks in which rest is judged: 10 s.
+/// Number of blocks for the verdict on rest: 10 s.
 const JUDGED: usize = 100;
-/// Number of blocks that are kept, for the means before and after a correction: a minute.
+/// Number of blocks that are kept, for the means before and after a correction: one minute.
 const KEPT: usize = 600;
 
-/// Means over a block.
+/// The means over a block.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Rate, °/s; NaN if no reading is valid.
@@ -39,12 +39,12 @@ pub struct AxisState {
     open: Sums,
     blocks: VecDeque<Block>,
     temp_c: f64,
-    /// The newest verdict, once a second.
+    /// The last verdict on rest, updated once a second.
     rest: Rest,
     closed: u64,
 }
 
-/// The sums of a block.
+/// The sums over a block.
 #[derive(Debug, Default)]
 struct Sums {
     rate: CodeSum,
@@ -69,7 +69,7 @@ impl AxisState {
         }
     }
 
-    /// Takes every reading, valid or not, `at_ns` after the start.
+    /// Adds any reading, valid or not, to the strips. `at_ns` is its time since the start.
     #[inline]
     pub fn show(&mut self, at_ns: u64, reading: &Reading, correct: impl Fn(f64) -> Option<f64>) -> Option<Judged> {
         let rate_dps = self.axis.rate.value(reading.rate.into());
@@ -81,7 +81,7 @@ impl AxisState {
         self.health.push(reading)
     }
 
-    /// Takes a valid reading.
+    /// Adds a valid reading to the block and the angle.
     #[inline]
     pub fn count(&mut self, judged: &Judged, corrected_dps: Option<f64>) {
         if let Some(temp) = judged.temp() {
@@ -97,7 +97,7 @@ impl AxisState {
         self.angle.push(judged.reading.t_ns, rate_dps);
     }
 
-    /// Ends a block.
+    /// Ends the current block and returns it.
     pub fn close_block(&mut self) -> Block {
         let sums = std::mem::take(&mut self.open);
         let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -117,7 +117,7 @@ impl AxisState {
         block
     }
 
-    /// The newest numbers.
+    /// The newest values for the page.
     pub fn now(&self, applied: Option<&Calibration>, extrapolated: bool) -> AxisNow {
         let shown = self.newest(SHOWN);
         let temp_c = mean(shown.iter().map(|block| block.temp_c));
@@ -137,13 +137,13 @@ impl AxisState {
         }
     }
 
-    /// Mean rate and temperature over the last minute at most.
+    /// Mean rate, °/s, and mean temperature, °C, over the last minute; `None` if one of them is unknown.
     pub fn last_minute(&self) -> Option<(f64, f64)> {
         let blocks = self.newest(KEPT);
         Some((mean(blocks.iter().map(|block| block.rate_dps))?, mean(blocks.iter().map(|block| block.temp_c))?))
     }
 
-    /// Mean temperature over the last second, °C.
+    /// Mean temperature over the last second, °C; `None` if unknown.
     pub fn temp_c(&self) -> Option<f64> {
         mean(self.newest(SHOWN).iter().map(|block| block.temp_c))
     }
@@ -152,7 +152,8 @@ impl AxisState {
         self.blocks.iter().skip(self.blocks.len().saturating_sub(count)).copied().collect()
     }
 
-    /// One-sided density from adjacent blocks of the last minute: their differences have the variance d²/τ.
+    /// One-sided noise density d, from differences of adjacent blocks in the last minute, which have the variance
+    /// d²/τ.
     fn white_dps_per_rt_hz(&self) -> Option<f64> {
         let rates = self.blocks.iter().map(|block| block.rate_dps);
         let steps = rates.clone().zip(rates.skip(1)).map(|(one, next)| (next - one) * (next - one));
@@ -160,12 +161,12 @@ impl AxisState {
         (known.len() >= SHOWN).then(|| (known.iter().sum::<f64>() / known.len() as f64 * BLOCK_S).sqrt())
     }
 
-    /// Whether the part is at rest by the newest verdict. If rest cannot be judged, it is assumed.
+    /// Whether the part is at rest by the last verdict. True if there is no verdict.
     pub fn is_at_rest(&self) -> bool {
         !matches!(self.rest.verdict, RestVerdict::Moving | RestVerdict::Noisy)
     }
 
-    /// Judges the last 10 s.
+    /// Computes the verdict on the last 10 s.
     fn judged(&self) -> Rest {
         let rest = |verdict, text: String| Rest { verdict, text };
         let blocks = self.newest(JUDGED);
@@ -200,24 +201,24 @@ impl AxisState {
     }
 }
 
-/// The verdict's text before there are 10 s of readings.
+/// The text of the verdict before there are 10 s of readings.
 const NOT_YET: &str = "it takes 10 s of readings";
 
-/// The mean of the values that are known.
+/// The mean of the values that are not NaN; `None` if there are none.
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) =
         values.filter(|value| !value.is_nan()).fold((0.0, 0u32), |(sum, n), value| (sum + value, n + 1));
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// The slope from the first half to the second.
+/// The temperature's slope, from the means of the first and the second half, °C/s.
 fn slope_c_per_s(blocks: &[Block]) -> f64 {
     let (early, late) = blocks.split_at(blocks.len() / 2);
     let [early, late] = [early, late].map(|half| mean(half.iter().map(|block| block.temp_c)));
     early.zip(late).map_or(0.0, |(early, late)| (late - early) / (blocks.len() as f64 / 2.0 * BLOCK_S))
 }
 
-/// The integral of a rate.
+/// An angle: the integral of a rate.
 #[derive(Debug, Default)]
 pub struct Angle {
     deg: f64,
@@ -226,7 +227,7 @@ pub struct Angle {
 }
 
 impl Angle {
-    /// Integrates by the trapezoidal rule. A missing reading is replaced by a straight line between its neighbours.
+    /// Integrates by the trapezoidal rule. Missing readings are interpolated linearly.
     #[inline]
     fn push(&mut self, t_ns: u64, rate_dps: f64) {
         if let Some((last_ns, last_dps)) = self.last.replace((t_ns, rate_dps)) {
@@ -241,7 +242,7 @@ impl Angle {
         (self.deg, self.over_s) = (0.0, 0.0);
     }
 
-    /// Angle random walk and error of the correction, °: √(d²t/2 + u²t²).
+    /// Standard uncertainty due to angle random walk and the correction's error, °: √(d²t/2 + u²t²).
     fn u_deg(&self, white_dps_per_rt_hz: f64, u_correction_dps: Option<f64>) -> f64 {
         let walk = white_dps_per_rt_hz * (self.over_s / 2.0).sqrt();
         walk.hypot(u_correction_dps.unwrap_or(0.0) * self.over_s)

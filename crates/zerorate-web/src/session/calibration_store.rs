@@ -1,4 +1,4 @@
-//! Calibrations on file, and the one that is applied.
+//! The stored calibrations, and the applied one.
 
 use super::About;
 use crate::message::{CalibrationEntry, Download};
@@ -8,10 +8,10 @@ use zerorate_view::SessionWarning;
 use zerorate_view::export::{Export, ExportForm, Options};
 use zerorate_view::report;
 
-/// Number of calibrations that are stored.
+/// Largest number of stored calibrations.
 const MOST: usize = 100;
 
-/// Calibrations, the newest last.
+/// The stored calibrations, the newest last.
 #[derive(Debug, Default)]
 pub struct CalibrationStore {
     stored: Vec<StoredCalibration>,
@@ -22,19 +22,19 @@ pub struct CalibrationStore {
 #[derive(Debug)]
 struct StoredCalibration {
     calibration: Calibration,
-    /// Warnings about its file.
+    /// Warnings about the calibration's file.
     warnings: Vec<FileWarning>,
 }
 
 impl CalibrationStore {
-    /// Puts a calibration on file from its TOML, leaving this many places free, and returns its id. A calibration that
-    /// is there already stays as it is. One with the same id but other content is refused.
+    /// Stores a calibration from its TOML text and returns its id. `free` places must remain. An identical
+    /// calibration stays as it is; one with the same id but other content is refused.
     pub fn add_file(&mut self, toml: &str, free: usize) -> Result<String, String> {
         let (calibration, warnings) = Calibration::parse(toml).map_err(|error| error.to_string())?;
         self.put(StoredCalibration { calibration, warnings }, free)
     }
 
-    /// Puts a calibration on file that was measured here.
+    /// Stores a calibration that was measured in this session.
     pub fn add(&mut self, calibration: Calibration) -> Result<String, String> {
         self.put(StoredCalibration { calibration, warnings: Vec::new() }, 0)
     }
@@ -51,7 +51,7 @@ impl CalibrationStore {
         Ok(id)
     }
 
-    /// Whether this many more can be put on file.
+    /// Checks that `more` calibrations can be stored.
     pub fn has_room(&self, more: usize) -> Result<(), String> {
         match self.stored.len() + more <= MOST {
             true => Ok(()),
@@ -70,7 +70,7 @@ impl CalibrationStore {
         Ok(())
     }
 
-    /// Counts additions and removals.
+    /// Number of additions and removals so far.
     pub const fn changes(&self) -> u64 {
         self.changes
     }
@@ -79,8 +79,8 @@ impl CalibrationStore {
         self.stored.iter().map(|stored| &stored.calibration)
     }
 
-    /// The warnings before a calibration from elsewhere is applied to this device. It is an error if the calibration
-    /// belongs to another part.
+    /// The warnings about applying a calibration from elsewhere to this device. Returns an error if it belongs to
+    /// another part.
     pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<SessionWarning>, String> {
         let StoredCalibration { calibration, warnings } = self.known(id)?;
         let cal = || format!("calibration {id}");
@@ -90,12 +90,12 @@ impl CalibrationStore {
         Ok(warnings.iter().map(of_file).chain(of_serial).collect())
     }
 
-    /// The calibration that is applied.
+    /// The applied calibration, if there is one.
     pub fn applied(&self) -> Option<&Calibration> {
         self.find(self.applied.as_deref()?).map(|stored| &stored.calibration)
     }
 
-    /// Makes the corrector that applies a calibration to the axes of a part.
+    /// Applies a calibration, or none. Returns its corrector for the axes of a part.
     pub fn apply(&mut self, id: Option<&str>, part: &Part) -> Result<Option<Corrector<Vec<Correction>>>, String> {
         let Some(id) = id else {
             self.apply_none();
@@ -108,7 +108,7 @@ impl CalibrationStore {
         Ok(Some(corrector))
     }
 
-    /// Applies none from now on.
+    /// Applies no calibration from now on.
     pub fn apply_none(&mut self) {
         self.applied = None;
     }
@@ -121,7 +121,7 @@ impl CalibrationStore {
         self.find(id).map(|stored| entry(&stored.calibration, self.is_applied(id)))
     }
 
-    /// A calibration as a file.
+    /// Makes a file of a stored calibration, in the format `form`.
     pub fn download(&self, id: &str, form: &str) -> Result<Download, String> {
         let calibration = &self.known(id)?.calibration;
         let stem = calibration.serial.as_deref().map_or_else(|| id.to_owned(), plain);
@@ -163,7 +163,8 @@ impl CalibrationStore {
     }
 }
 
-/// The id depends on part, time and coefficients, and on nothing else.
+/// The error for a calibration whose id is stored with other content. The id depends on part, time and coefficients
+/// only.
 fn other_content(id: &str) -> String {
     format!(
         "calibration {id} is on file with the same coefficients but other values, such as [validity]. Remove that \
@@ -171,7 +172,7 @@ fn other_content(id: &str) -> String {
     )
 }
 
-/// A calibration as the page lists it.
+/// The entry of a calibration in the page's list.
 pub fn entry(calibration: &Calibration, applied: bool) -> CalibrationEntry {
     let correction = calibration.axes.first().map_or(Correction::line(0.0, 0.0, 0.0), |axis| axis.correction);
     CalibrationEntry {
@@ -188,7 +189,7 @@ pub fn entry(calibration: &Calibration, applied: bool) -> CalibrationEntry {
     }
 }
 
-/// Limits a name to characters that any file system takes.
+/// Replaces characters in a name that some file systems do not allow, and limits its length.
 fn plain(name: &str) -> String {
     let allowed = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
     name.chars().take(60).map(allowed).collect()

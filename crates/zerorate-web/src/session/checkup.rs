@@ -1,4 +1,4 @@
-//! Checks part and connection by the first seconds of samples, as `zerorate probe` does.
+//! Checks part and connection with the first seconds of samples, as `zerorate probe` does.
 
 use super::axis::AxisState;
 use crate::message::CheckResult;
@@ -6,10 +6,10 @@ use zerorate::health::Judged;
 use zerorate::{Checkup, Limits, Tally};
 use zerorate_record::{CaptureWarning, valid};
 
-/// Time for which samples are checked, s.
+/// Duration of the samples that are checked, s.
 const DURATION_S: f64 = 5.0;
 
-/// The first seconds, until they have been checked.
+/// The check of the first seconds, until it is complete.
 #[derive(Debug)]
 pub struct Examination {
     checkups: Vec<Checkup>,
@@ -17,18 +17,18 @@ pub struct Examination {
 }
 
 impl Examination {
-    /// The check of this number of axes, before the first sample.
+    /// Starts the check of `axes` axes, before the first sample.
     pub fn new(axes: usize, nominal_hz: Option<f64>) -> Self {
         Self { checkups: vec![Checkup::default(); axes], nominal_hz }
     }
 
-    /// Takes a reading of an axis.
+    /// Adds a reading of an axis.
     #[inline]
     pub fn push(&mut self, axis: usize, judged: &Judged) {
         self.checkups[axis].push(judged);
     }
 
-    /// The results, once there are enough samples.
+    /// The results, once the duration is reached; `None` before.
     pub fn ended(&self, axes: &[AxisState], tally: &Tally, start_ns: u64) -> Option<Vec<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;
@@ -52,7 +52,7 @@ impl Examination {
     }
 }
 
-/// The noise of an axis; a part that has stopped has none.
+/// The result about the noise of an axis; `None` if its readings are frozen.
 fn noise(axis: &AxisState, checkup: &Checkup, several: bool, tally: &Tally) -> Option<CheckResult> {
     if axis.health.frozen().is_some() {
         return None;

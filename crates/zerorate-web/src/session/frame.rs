@@ -1,4 +1,4 @@
-//! Makes frames, with everything that changed or with everything, as bytes (docs/formats/page.md).
+//! Encodes frames: the changes for all windows, or everything for one window (docs/formats/page.md).
 
 use super::axis::AxisState;
 use super::live_view::{LiveView, ViewChanges};
@@ -11,7 +11,7 @@ use zerorate::{Calibration, Plan};
 use zerorate_record::valid;
 
 impl Session {
-    /// The frame with everything that changed since the last one, for all windows; `None` if nothing changed.
+    /// The frame with all changes since the last one, for all windows; `None` if nothing changed.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.recompute();
         let SessionChanges { statistics, calibration, calibrations } = self.changed;
@@ -23,14 +23,14 @@ impl Session {
         Some(encode(&self.completed(frame, changed), &payload))
     }
 
-    /// The frame with everything, for a window that just opened or was too slow.
+    /// The frame with everything, for a window that was just opened or was too slow.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
         let (frame, payload) = self.live_view.everything(self.store.applied());
         encode(&self.completed(frame, SessionChanges::default()), &payload)
     }
 
-    /// Work before a frame that takes longer than a reading should.
+    /// Updates the statistics. This takes too long to be done with each reading.
     fn recompute(&mut self) {
         if !self.live_view.changed.readings {
             return;
@@ -49,7 +49,7 @@ impl Session {
         }
     }
 
-    /// The content of a frame.
+    /// Completes a frame of the live view with the session's other fields.
     fn completed(&self, seen: Frame, changed: SessionChanges) -> Frame {
         let all = seen.snapshot;
         Frame {
@@ -75,7 +75,7 @@ impl LiveView {
         device || readings || notices || everything
     }
 
-    /// The changes since the last call, with a new number.
+    /// The frame of all changes since the last call, with a new number.
     pub fn news(&mut self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         self.seq += 1;
         let changed = std::mem::take(&mut self.changed);
@@ -84,7 +84,7 @@ impl LiveView {
         news
     }
 
-    /// A frame of everything.
+    /// A frame with everything.
     pub fn everything(&self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         self.told(ViewChanges { everything: true, ..ViewChanges::default() }, applied)
     }
@@ -163,9 +163,9 @@ impl LiveView {
     }
 }
 
-/// Writes length of the header, header, zeros, payload.
+/// Encodes a frame: the length of the header, the header as JSON, zeros for alignment, and the payload.
 pub fn encode(frame: &Frame, payload: &[f32]) -> Vec<u8> {
-    // these are numbers, texts and lists of them; NaN becomes null
+    // numbers, texts and lists always serialise; NaN becomes null
     let header = serde_json::to_vec(frame).unwrap_or_default();
     let padded = (4 + header.len()).next_multiple_of(4);
     let mut bytes = Vec::with_capacity(padded + 4 * payload.len());

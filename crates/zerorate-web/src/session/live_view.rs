@@ -1,4 +1,4 @@
-//! The live view of a device as its readings arrive: strips, numbers, rest, sample counts, connection checks.
+//! The live view of a device: strips, newest values, rest, sample counts, connection checks.
 
 use super::About;
 use super::axis::{Angle, AxisState, BLOCK_NS, Block};
@@ -8,7 +8,7 @@ use crate::message::{CheckResult, DeviceState};
 use zerorate::{Correction, Corrector, Reading, Scan, Tally};
 use zerorate_record::{Layout, Row};
 
-/// A device that is being read.
+/// The live view of a device that is being read.
 #[derive(Debug)]
 pub struct LiveView {
     pub about: About,
@@ -22,14 +22,14 @@ pub struct LiveView {
     pub(super) seq: u32,
     pub(super) changed: ViewChanges,
     layout: Layout,
-    /// The check of the first seconds, until it is done.
+    /// The check of the first seconds; `None` when it is complete.
     examination: Option<Examination>,
     start_ns: Option<u64>,
     last_ns: u64,
     block_ends_ns: u64,
 }
 
-/// The parts that the next frame must state.
+/// The parts of the view that changed since the last frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ViewChanges {
     pub device: bool,
@@ -38,28 +38,28 @@ pub(super) struct ViewChanges {
     pub everything: bool,
 }
 
-/// An observer of the valid readings.
+/// Observes the readings of all axes.
 pub trait ReadingObserver {
-    /// Takes a reading of an axis; none if it is lost or invalid.
+    /// Receives a reading of an axis; `None` if it was lost or invalid.
     fn reading(&mut self, axis: usize, code: Option<i32>);
 
-    /// Takes a finished block of an axis.
+    /// Receives a finished block of an axis.
     fn block(&mut self, axis: usize, block: &Block, at_rest: bool);
 }
 
-/// No observer.
+/// Observes nothing.
 impl ReadingObserver for () {
     fn reading(&mut self, _: usize, _: Option<i32>) {}
 
     fn block(&mut self, _: usize, _: &Block, _: bool) {}
 }
 
-/// The largest number of readings and blocks that are filled in for one gap. More lost readings become a gap in time.
+/// The largest number of missing readings and blocks that are filled in at a gap. A longer gap stays a gap in time.
 const MOST_FILLED: u32 = 100_000;
 const MOST_BLOCKS: u64 = 36_000;
 
 impl LiveView {
-    /// The view of a device that was just opened.
+    /// Starts the view of a device that was just opened.
     pub fn new(about: About) -> Self {
         let axes: Vec<AxisState> = about.part.axes.iter().map(AxisState::new).collect();
         Self {
@@ -81,12 +81,12 @@ impl LiveView {
         }
     }
 
-    /// The view of the same device, opened again.
+    /// Starts a new view of the same device after it was opened again.
     pub fn reopened(&self, about: About) -> Self {
         Self { speed: self.speed, seq: self.seq, ..Self::new(about) }
     }
 
-    /// Takes a reading, in the order of time. Returns whether blocks ended before it.
+    /// Adds a row; rows must be in order of time. Returns whether any blocks ended before it.
     #[inline]
     pub fn take(&mut self, row: &Row, observer: &mut impl ReadingObserver) -> bool {
         let start_ns = *self.start_ns.get_or_insert(row.t_ns);
@@ -109,7 +109,7 @@ impl LiveView {
         ends_blocks
     }
 
-    /// The readings of all axes at one time.
+    /// The row as a [`Scan`]: the readings of all axes at one time.
     pub fn scan(&self, row: &Row) -> Scan {
         self.layout.scan(row)
     }
@@ -137,13 +137,13 @@ impl LiveView {
         axis.count(&judged, corrected_dps);
     }
 
-    /// Applies this correction from now on. The angle restarts, because it must not mix two corrections.
+    /// Changes the correction. The angle restarts, because it must not mix two corrections.
     pub fn correct(&mut self, corrector: Option<Corrector<Vec<Correction>>>) {
         self.corrector = corrector;
         self.axes.iter_mut().for_each(|axis| axis.angle = Angle::default());
     }
 
-    /// Ends the blocks that are over at this time.
+    /// Closes the blocks that have ended before this time.
     #[cold]
     fn close_blocks(&mut self, at_ns: u64, observer: &mut impl ReadingObserver) {
         let over = (at_ns - self.block_ends_ns) / BLOCK_NS + 1;
@@ -174,18 +174,18 @@ impl LiveView {
         self.changed.notices = true;
     }
 
-    /// Updates all conditions of the readings.
+    /// Replaces all lasting conditions of the readings.
     pub fn set_conditions(&mut self, findings: &[NoticeText]) {
         self.changed.notices |= self.notices.set_conditions(findings, self.now_s());
     }
 
-    /// Adds results of the connection check to those known before.
+    /// Adds results of the connection check to the earlier ones.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
         self.about.checks.extend(checks);
         self.changed.device = true;
     }
 
-    /// Time of the first reading, ns.
+    /// Time of the first reading, ns; 0 before it.
     pub fn start_ns(&self) -> u64 {
         self.start_ns.unwrap_or_default()
     }

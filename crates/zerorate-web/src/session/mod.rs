@@ -1,4 +1,4 @@
-//! A session: one device, everything known about it, and everybody who watches it.
+//! A session: one device, all data derived from it, for all windows that watch it.
 
 mod ask;
 mod axis;
@@ -27,46 +27,46 @@ use zerorate_view::SessionWarning;
 /// Facts about the device.
 #[derive(Clone, Debug)]
 pub struct About {
-    /// The name, as `--device` takes it.
+    /// The address, in the syntax of `--device`.
     pub name: String,
-    /// How the samples are taken.
+    /// The description of the samples as a capture.
     pub info: CaptureInfo,
     /// The part.
     pub part: Part,
-    /// Whether its time is simulated or recorded.
+    /// Whether its time is simulated or replayed.
     pub simulated: bool,
-    /// Nominal conversion rate, Hz, if it is known.
+    /// Nominal conversion rate, Hz; `None` if unknown.
     pub nominal_hz: Option<f64>,
-    /// The registers at the time of opening.
+    /// The registers, as read when the device was opened.
     pub registers: Vec<Register>,
     /// The results of the connection check.
     pub checks: Vec<CheckResult>,
 }
 
-/// The outcome of a request.
+/// The result of a request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RequestResult {
-    /// The answer, as text.
+    /// The answer, as JSON text.
     Answer(String),
-    /// The owner of the device must do this. [`Session::done`] then makes the answer.
+    /// The owner of the device must carry out a command. [`Session::done`] then makes the answer.
     Host {
         /// The `id` of the request.
         id: u32,
-        /// The action.
+        /// The command to carry out.
         command: HostCommand,
     },
 }
 
-/// An action that only the owner of the device can take.
+/// A command that only the owner of the device can carry out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HostCommand {
-    /// Run simulated time this many times as fast as the clock; 0: as fast as possible.
+    /// Set the speed of simulated time, as a multiple of real time; 0: as fast as possible.
     Speed(f64),
-    /// Open the device again, with a reset: [`Session::reopened`].
+    /// Open the device again and reset it, then call [`Session::reopened`].
     Reopen,
 }
 
-/// Takes readings and requests, and returns frames and answers.
+/// Processes readings and requests, and returns frames and answers.
 ///
 /// ```
 /// use adis16130::Width;
@@ -93,17 +93,17 @@ pub struct Session {
     store: CalibrationStore,
     calibrating: Calibrating,
     guided: Option<GuidedCalibration>,
-    /// The calibration that begins with the next reading, after the device was opened again.
+    /// The calibration that starts with the next reading, after the device was opened again.
     wanted: Option<GuidedCalibration>,
-    /// The calibration that was measured since the device was opened, which certainly belongs to this part.
+    /// The id of the calibration that was measured since the device was opened. It certainly belongs to this part.
     measured: Option<String>,
-    /// Whether samples are missing before the next one.
+    /// Whether samples are missing right before the next one.
     is_torn: bool,
     truths: Vec<Truth>,
     changed: SessionChanges,
 }
 
-/// The parts that the next frame must state beside the live view.
+/// The parts of the session, beside the live view, that changed since the last frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct SessionChanges {
     statistics: bool,
@@ -112,7 +112,7 @@ struct SessionChanges {
 }
 
 impl Session {
-    /// The session of a device that was just opened.
+    /// Starts the session of a device that was just opened.
     #[must_use]
     pub fn new(about: About) -> Self {
         let live_view = LiveView::new(about);
@@ -136,14 +136,14 @@ impl Session {
         &self.live_view.about
     }
 
-    /// The session of the same device, opened again. Everything restarts, but calibrations stay on file. A calibration
-    /// that was requested begins; a running one ends.
+    /// The session after its device was opened again. Everything restarts, but calibrations stay stored. A requested
+    /// calibration starts; a running one ends.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
         let Self { live_view, store, calibrating, guided, wanted, .. } = self;
         let mut anew = Self { live_view: live_view.reopened(about.clone()), store, calibrating, ..Self::new(about) };
         anew.apply_again();
-        // a bridge is opened when that is requested, and once more when its part has answered
+        // a bridge is opened twice: when that is requested, and when its part has answered
         anew.guided = wanted.or(guided).filter(|guided| !guided.has_begun());
         if anew.guided.is_none() {
             anew.abort_calibration("the device was opened again");
@@ -151,7 +151,7 @@ impl Session {
         anew
     }
 
-    /// Applies the previous calibration again, if it fits the part.
+    /// Applies the previous calibration again, if it belongs to the part.
     fn apply_again(&mut self) {
         let applied = self.store.applied().map(Calibration::id);
         if let Err(why) = self.apply(applied.as_deref()) {
@@ -160,7 +160,7 @@ impl Session {
         }
     }
 
-    /// Takes a reading, in the order of time.
+    /// Processes a row; rows must be in order of time.
     #[inline]
     pub fn take(&mut self, row: &Row) {
         if self.live_view.take(row, &mut self.statistics) {
@@ -176,7 +176,7 @@ impl Session {
         }
     }
 
-    /// Does work that takes longer than a reading should, at the end of a block.
+    /// Does work at the end of a block that takes too long to be done with each reading.
     #[cold]
     fn look(&mut self) {
         let temp_c = self.live_view.temp_c();
@@ -204,7 +204,7 @@ impl Session {
         self.note(SessionWarning::Missed(samples));
     }
 
-    /// The truth that the twin knows, with the newest samples.
+    /// Updates the twin's true state at the newest samples.
     pub fn truths(&mut self, truths: &[Truth]) {
         self.truths.clear();
         self.truths.extend_from_slice(truths);
@@ -216,7 +216,7 @@ impl Session {
         &self.live_view.tally
     }
 
-    /// Adds results of the connection check to those from the opening of the device.
+    /// Adds results of the connection check to the earlier ones.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
         self.live_view.checked(checks);
     }
@@ -234,21 +234,21 @@ impl Session {
         self.live_view.state(state);
     }
 
-    /// Puts a calibration on file from its TOML, and returns its id. The place of a calibration that is being measured
-    /// stays free.
+    /// Stores a calibration from its TOML text, and returns its id. A place stays free for a calibration that is
+    /// being measured.
     ///
     /// # Errors
-    /// Returns a text about the fault of the calibration.
+    /// Returns a text about what is wrong with the calibration.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, String> {
         let id = self.store.add_file(toml, usize::from(self.is_calibrating()))?;
         self.changed.calibrations = true;
         Ok(id)
     }
 
-    /// Applies a calibration on file, or none, and notes its warnings. The angle is set to zero.
+    /// Applies a stored calibration, or none, and adds its warnings as notices. The angle restarts at zero.
     ///
     /// # Errors
-    /// Returns an error if the calibration is not on file, or belongs to another part.
+    /// Returns an error if the calibration is not stored, or belongs to another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
         let stranger = id.filter(|id| self.measured.as_deref() != Some(id));
         let doubts = stranger.map(|id| self.store.doubts(id, &self.live_view.about)).transpose()?;
@@ -258,18 +258,18 @@ impl Session {
         Ok(())
     }
 
-    /// The calibration that is applied.
+    /// The applied calibration, if there is one.
     #[must_use]
     pub fn applied(&self) -> Option<&Calibration> {
         self.store.applied()
     }
 
-    /// Calibrations on file, the newest last.
+    /// The stored calibrations, the newest last.
     pub fn calibrations(&self) -> impl Iterator<Item = &Calibration> {
         self.store.all()
     }
 
-    /// Counts additions to and removals from the file.
+    /// Number of calibrations stored or removed so far.
     #[must_use]
     pub const fn store_changes(&self) -> u64 {
         self.store.changes()

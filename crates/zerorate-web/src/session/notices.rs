@@ -1,11 +1,11 @@
-//! The notices of a session, each once.
+//! The notices of a session. Repeated ones are merged and counted.
 
 use crate::message::Notice;
 use std::fmt;
 use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 
-/// Largest number of notices.
+/// Largest number of kept notices.
 const MOST: usize = 100;
 
 /// The notices, the newest last.
@@ -18,16 +18,16 @@ pub struct Notices {
 struct NoticeEntry {
     notice: Notice,
     axis: String,
-    /// Whether this is a condition that lasts, and not an event.
+    /// Whether this is a condition that still holds, and not an event.
     lasts: bool,
 }
 
-/// The text of a notice. Texts with the same code count as the same notice, even if their numbers differ.
+/// The text of a notice. Texts with the same code and axis count as the same notice, even if their numbers differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoticeText {
-    /// The code that `zerorate explain` knows; empty for a text without one.
+    /// The code for `zerorate explain`; empty for a text without a code.
     code: &'static str,
-    /// The axis, if the part has several.
+    /// The name of the axis, if the part has several.
     axis: String,
     text: String,
 }
@@ -77,13 +77,13 @@ impl NoticeEntry {
 }
 
 impl Notices {
-    /// Takes an event. It replaces an older one with the same code and axis.
+    /// Adds an event. It replaces an older one with the same code and axis.
     pub fn push(&mut self, new: &NoticeText, at_s: f64) {
         self.keep(new, at_s, false);
     }
 
-    /// Takes all present conditions. A condition is counted when it begins, not each time. Returns whether anything is
-    /// new.
+    /// Replaces the conditions that hold now. A condition is counted when it starts, not at each call. Returns
+    /// whether anything changed.
     pub fn set_conditions(&mut self, findings: &[NoticeText], at_s: f64) -> bool {
         for entry in &mut self.entries {
             entry.lasts &= findings.iter().any(|new| entry.is(new));

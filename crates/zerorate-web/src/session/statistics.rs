@@ -1,5 +1,5 @@
-//! The noise of an axis so far: Allan deviation, spectrum, rate over temperature. The memory is bounded, however long
-//! it runs.
+//! The noise of an axis so far: Allan deviation, spectrum, rate over temperature. Its memory is bounded for any
+//! duration.
 
 use super::axis::{BLOCK_S, Block};
 use super::live_view::ReadingObserver;
@@ -9,15 +9,15 @@ use std::collections::VecDeque;
 use zerorate::Axis;
 use zerorate_allan::{self as allan, FitOptions, Input, Options, Stream, interval};
 
-/// Number of readings in the spectrum: 23 s at the full rate of an ADIS16130.
+/// Number of readings in the spectrum: the last 23 s at the full rate of an ADIS16130.
 const SPECTRUM: usize = 1 << 17;
-/// Largest number of octaves of averages of single readings; blocks have the longer averages.
+/// Number of octaves of averaging times that use single readings. Longer averages use blocks.
 const OCTAVES: usize = 16;
-/// Number of block means that are kept; then pairs of them are merged.
+/// Number of block means at which neighbouring ones are merged in pairs.
 const MOST_MEANS: usize = 1 << 19;
-/// Least number of means for which coefficients are stated.
+/// Smallest number of means for which coefficients are reported.
 const FEWEST_MEANS: usize = 300;
-/// Deviations, spectrum and model are computed again after this much more data.
+/// Growth of the duration after which deviations and spectrum, or the model, are computed again.
 const GROWN: f64 = 1.01;
 const GROWN_FOR_FIT: f64 = 1.1;
 
@@ -30,7 +30,7 @@ pub struct Statistics {
     recent: VecDeque<f64>,
     means: Means,
     temps: Temperatures,
-    /// Time for which the part was not at rest, s.
+    /// Time in which the part was not at rest, s.
     moved_s: f64,
     shown: Shown,
     fit: Option<allan::Fit>,
@@ -65,7 +65,7 @@ impl Statistics {
         }
     }
 
-    /// Takes a reading; none if it is lost or invalid.
+    /// Adds a reading; `None` if it was lost or invalid.
     #[inline]
     pub fn push(&mut self, code: Option<i32>) {
         if let Some(code) = code.or_else(|| self.stand_in.code()) {
@@ -80,7 +80,7 @@ impl Statistics {
         self.recent.push_back(code.map_or(f64::NAN, |code| self.axis.rate.value(code.into())));
     }
 
-    /// Takes a complete block. The rate over temperature takes it only if the part is at rest.
+    /// Adds a complete block. It enters the rate over temperature only if the part is at rest.
     pub fn push_block(&mut self, block: &Block, at_rest: bool) {
         self.means.push(block.rate_dps);
         match at_rest {
@@ -89,7 +89,7 @@ impl Statistics {
         }
     }
 
-    /// Whether there is enough new data; if so, everything is computed.
+    /// Computes everything again if there is enough new data. Returns whether it did.
     pub fn refresh(&mut self, rate_hz: f64) -> bool {
         let duration_s = self.means.duration_s();
         if duration_s < GROWN * self.shown.duration_s || duration_s < self.shown.duration_s + 1.0 {
@@ -112,7 +112,7 @@ impl Statistics {
         true
     }
 
-    /// The last results.
+    /// The results of the last computation.
     pub fn shown(&self) -> &Shown {
         &self.shown
     }
@@ -121,7 +121,7 @@ impl Statistics {
         allan::fit(&Input::Rate(&self.means.values), self.means.rate_hz(), &FitOptions::default()).ok()
     }
 
-    /// Averages shorter than a block use adjacent readings; longer ones use overlapping blocks.
+    /// The deviations. Averages shorter than a block use adjacent readings; longer ones use overlapping blocks.
     fn allan(&self, rate_hz: f64) -> Vec<AllanPoint> {
         let scale = 1.0 / self.axis.rate.lsb_per_unit;
         let longest = self.means.length_s();
@@ -130,7 +130,8 @@ impl Statistics {
         let mut points: Vec<AllanPoint> = short
             .take_while(|(tau_s, ..)| *tau_s < 0.7 * longest)
             .map(|(tau_s, dev_dps, n)| {
-                // adjacent averages of white noise: two thirds of the differences are free
+                // adjacent averages of white noise: the degrees of freedom are two thirds of the number of
+                // differences
                 let (lo_dps, hi_dps) = interval(dev_dps, n as f64 * 2.0 / 3.0, ONE_SIGMA);
                 AllanPoint { tau_s, dev_dps, lo_dps, hi_dps, model_dps: None }
             })
@@ -148,7 +149,8 @@ impl Statistics {
         points
     }
 
-    /// The model takes other signals for slow noise, so that B and K are not valid with them.
+    /// The coefficients of the model. With a `caution`, B and K are not valid, because the model takes other signals
+    /// for slow noise.
     fn coefficients(&self, caution: Option<&str>) -> Vec<Coefficient> {
         let Some(fit) = &self.fit else { return Vec::new() };
         let stated = [
@@ -171,7 +173,7 @@ impl Statistics {
     }
 
     fn spectrum(&mut self, rate_hz: f64) -> Vec<SpectrumPoint> {
-        // no error of this call is known
+        // this call cannot fail with these arguments
         let density = allan::welch(self.recent.make_contiguous(), rate_hz).unwrap_or_default();
         let one_sided = |density: f64| (2.0 * density).sqrt();
         let point = |one: &allan::Density| SpectrumPoint {
@@ -181,7 +183,7 @@ impl Statistics {
         density.iter().map(point).collect()
     }
 
-    /// The known features of the part, at the frequencies where they appear at this rate.
+    /// The known features of the part, at the frequencies where they appear (aliased) at this sample rate.
     fn marks(&self, rate_hz: f64) -> Vec<SpectrumMark> {
         let half_hz = rate_hz / 2.0;
         let mark = |hz, kind, text| SpectrumMark { hz, kind, text };
@@ -198,7 +200,7 @@ impl Statistics {
         bandwidth.into_iter().chain(resonance).chain([nyquist]).chain(self.lines()).collect()
     }
 
-    /// The lines that the model has removed.
+    /// The spectral lines that the model has removed.
     fn lines(&self) -> impl Iterator<Item = SpectrumMark> + '_ {
         let terms = self.fit.iter().flat_map(|fit| &fit.terms);
         terms.filter_map(|term| match term {
@@ -216,7 +218,7 @@ impl Statistics {
         self.fit.as_ref().map_or(typical, |fit| std::f64::consts::SQRT_2 * fit.n.value)
     }
 
-    /// Describes signals other than noise in the deviations.
+    /// A remark if the deviations contain signals other than noise.
     fn caution(&self) -> Option<String> {
         if self.moved_s > 0.0 {
             return Some(format!(
@@ -239,14 +241,14 @@ impl Statistics {
     }
 }
 
-/// The limits of a deviation enclose the true one with this probability.
+/// The confidence level of the limits of a deviation.
 const ONE_SIGMA: f64 = 0.683;
-/// A larger share of missing readings is worth a remark.
+/// Share of missing readings above which there is a remark.
 const MOST_MISSING: f64 = 0.001;
-/// A larger change of temperature is worth a remark, °C.
+/// Change of the temperature above which there is a remark, °C.
 const WARMED_C: f64 = 0.5;
 
-/// Means over blocks, which become longer with time.
+/// Means over blocks. When there are too many, pairs are merged, so that they become longer.
 #[derive(Debug, Default)]
 struct Means {
     values: Vec<f64>,
@@ -281,23 +283,23 @@ impl Means {
     }
 }
 
-/// The mean of two means; NaN if one is.
+/// The mean of the values; NaN if one of them is.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The substitute for a missing reading: the mean of those before. It keeps the times of the others right.
+/// A substitute for missing readings: the running mean of earlier ones. It keeps the other readings at their times.
 #[derive(Debug, Default)]
 struct StandIn {
-    /// `None` before the first reading.
+    /// The running mean; `None` before the first reading.
     code: Option<f64>,
 }
 
-/// The approximate number of readings in the mean.
+/// The approximate number of readings in the running mean.
 const STAND_IN_OVER: f64 = 1000.0;
 
 impl StandIn {
-    /// Takes a valid reading.
+    /// Adds a valid reading.
     #[inline]
     fn push(&mut self, code: i32) {
         let code = f64::from(code);

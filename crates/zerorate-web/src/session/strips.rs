@@ -1,17 +1,17 @@
-//! Strips: bins of time with the least and largest value in each, at several lengths, in bounded memory.
+//! Strips for the plots over time: the smallest and largest value in bins of several lengths, in bounded memory.
 
 use crate::message::Strip;
 use std::collections::VecDeque;
 
-/// Length of a bin of the first level, ns.
+/// Length of a bin at the first level, ns.
 const SHORTEST_NS: u64 = 1_000_000;
-/// Number of bins of a level that make one bin of the next.
+/// Number of bins of one level that make a bin of the next.
 const RATIO: u64 = 8;
-/// Number of levels, with bins from 1 ms to 262 s.
+/// Number of levels. Their bins are from 1 ms to 262 s long.
 const LEVELS: u32 = 7;
-/// Number of bins that are kept of each level: 2 s to 6 days.
+/// Number of bins that each level keeps: 2 s to 6 days.
 pub const KEPT: usize = 2048;
-/// Number of columns: least and largest of rate, corrected rate and temperature.
+/// Number of values in a bin: smallest and largest of rate, corrected rate and temperature.
 const COLUMNS: usize = 6;
 
 /// Length of a bin at each level, s.
@@ -34,14 +34,14 @@ pub struct Values {
     pub temp_c: f64,
 }
 
-/// Least and largest of each value.
+/// The smallest and the largest of each value.
 #[derive(Clone, Copy, Debug)]
 struct Bin([f32; COLUMNS]);
 
 impl Bin {
     const EMPTY: Self = Self([f32::NAN; COLUMNS]);
 
-    /// NaN is neither less nor more than any number.
+    /// Merges another bin into this one. NaN does not change a smallest or largest value.
     fn widen(&mut self, other: &Self) {
         for (index, (own, other)) in self.0.iter_mut().zip(other.0).enumerate() {
             *own = if index % 2 == 0 { own.min(other) } else { own.max(other) };
@@ -70,7 +70,7 @@ impl Default for Strips {
 }
 
 impl Strips {
-    /// Takes the values at a time since the beginning; times never go back.
+    /// Adds the values at `at_ns` since the start. Times must not decrease.
     pub fn push(&mut self, at_ns: u64, values: Values) {
         let mut bin = Bin::from(values);
         let mut number = at_ns / SHORTEST_NS;
@@ -80,7 +80,7 @@ impl Strips {
         }
     }
 
-    /// Appends the complete bins: those since the last call, or all.
+    /// Appends the complete bins to a frame: those since the last [`Strips::mark_given`], or all.
     pub fn give(&self, axis: u32, all: bool, strips: &mut Vec<Strip>, payload: &mut Vec<f32>) {
         for (number, level) in self.levels.iter().enumerate() {
             let first = if all { level.first } else { level.given.max(level.first) };
@@ -97,7 +97,7 @@ impl Strips {
         }
     }
 
-    /// Marks everything so far as given.
+    /// Marks all complete bins as sent.
     pub fn mark_given(&mut self) {
         for level in &mut self.levels {
             level.given = level.first + level.bins.len() as u64;
@@ -105,15 +105,15 @@ impl Strips {
     }
 }
 
-/// Bins of one length.
+/// The bins of one level.
 #[derive(Debug)]
 struct Level {
     bins: VecDeque<Bin>,
     /// Number of the first bin.
     first: u64,
-    /// Number of the first bin that was not given.
+    /// Number of the first bin that was not sent.
     given: u64,
-    /// The bin that is being filled, and its number.
+    /// The bin that is being filled, with its number.
     open: Option<(u64, Bin)>,
 }
 
@@ -124,7 +124,7 @@ impl Default for Level {
 }
 
 impl Level {
-    /// Puts values in the bin of this number. Returns the bin before, if it is now complete.
+    /// Adds values to the bin of this number. Returns the previous bin if that completes it.
     fn push(&mut self, number: u64, bin: &Bin) -> Option<(u64, Bin)> {
         match &mut self.open {
             Some((open, values)) if *open >= number => {
@@ -141,7 +141,7 @@ impl Level {
         }
     }
 
-    /// Keeps a bin, and empty ones up to the next.
+    /// Stores a complete bin, and empty bins up to the one with the number `next`.
     fn close(&mut self, at: u64, values: Bin, next: u64) {
         if self.bins.is_empty() {
             self.first = at;

@@ -1,15 +1,14 @@
-//! The rate over temperature: the mean of the time that the part spent at each, and the straight line through the
-//! means.
+//! The rate over temperature: its mean in bins of temperature, and the straight line through the means.
 
 use super::axis::{BLOCK_S, Block};
 use crate::message::{OverTemperature, TemperatureLine, TemperaturePoint};
 use std::collections::BTreeMap;
 
-/// The least width of a bin, °C.
+/// The initial width of a bin, °C.
 const NARROWEST_C: f64 = 0.05;
-/// The largest number of bins; with more, they become wider.
+/// The largest number of bins. If there are more, the bins are widened.
 const MOST_BINS: usize = 400;
-/// The least number of points for a line.
+/// The smallest number of points for a line.
 const FEWEST_POINTS: usize = 3;
 
 /// The rate over temperature of one axis.
@@ -33,7 +32,7 @@ impl Default for Temperatures {
 }
 
 impl Temperatures {
-    /// Takes a block in which rate and temperature are known.
+    /// Adds a block, if its rate and temperature are known.
     pub fn push(&mut self, block: &Block) {
         if block.rate_dps.is_nan() || block.temp_c.is_nan() {
             return;
@@ -58,13 +57,13 @@ impl Temperatures {
         }
     }
 
-    /// The span from the lowest to the highest temperature, °C.
+    /// The difference between the highest and the lowest temperature, °C.
     pub fn span_c(&self) -> f64 {
         let mut temps = self.bins.values().map(|bin| bin.temp_c / f64::from(bin.blocks));
         temps.next().zip(temps.next_back()).map_or(0.0, |(low_c, high_c)| high_c - low_c)
     }
 
-    /// The result for the page.
+    /// The message for the page.
     pub fn shown(&self, white_dps_per_rt_hz: f64) -> OverTemperature {
         let point = |bin: &Bin| {
             let (blocks, duration_s) = (f64::from(bin.blocks), f64::from(bin.blocks) * BLOCK_S);
@@ -80,7 +79,7 @@ impl Temperatures {
     }
 }
 
-/// Weighted least squares.
+/// Fits a line by weighted least squares.
 fn line(points: &[TemperaturePoint]) -> Option<TemperatureLine> {
     let weighted: Vec<_> =
         points.iter().filter(|point| point.u_dps > 0.0).map(|point| (point.u_dps.powi(-2), point)).collect();

@@ -1,7 +1,7 @@
-//! A bridge whose bytes are moved by the page (docs/formats/bridge.md).
+//! A bridge at a serial port of the browser. The page transfers the bytes (docs/formats/bridge.md).
 //!
-//! A single future does all the work, from the first request to the last sample. It is polled by hand whenever bytes
-//! arrive or time passes, so that nothing here waits.
+//! A single future does all the work, from the first request to the last sample. It is polled whenever bytes arrive
+//! or time passes, so that nothing blocks.
 
 mod wire;
 
@@ -22,7 +22,7 @@ use wire::{SharedWire, Transfers, Wire};
 use zerorate_record::Row;
 use zerorate_view::SessionWarning;
 
-/// A part behind a bridge at a serial port.
+/// A part behind a bridge.
 pub struct Bridge {
     about: About,
     shared: SharedWire,
@@ -30,17 +30,17 @@ pub struct Bridge {
     failed: Option<String>,
 }
 
-/// The SPI clock that is requested, Hz: half of the part's maximum (F-21), as the program does.
+/// The SPI clock, Hz: half of the part's maximum (F-21), as in the command-line program.
 const SCLK_HZ: u32 = MAX_SCLK_HZ / 2;
 
-/// This long without a sample means that the part failed.
+/// Time without a sample after which the part counts as failed.
 const SILENCE: Duration = Duration::from_secs(1);
-/// Additional time for which the window with the port may be blocked, by a dialog or by a browser that saves power in
+/// Additional time for which the window that has the port may be blocked, by a dialog or by a browser that throttles
 /// hidden windows.
 const BLOCKED: Duration = Duration::from_secs(30);
 
 impl Bridge {
-    /// A bridge whose port has sent nothing yet, at this time of the page, ms.
+    /// Opens a bridge. `now_ms` is the page's time. Nothing was received yet.
     #[must_use]
     pub fn open(now_ms: f64) -> Self {
         let config = Config::new().with_framing(Framing::Command);
@@ -105,7 +105,7 @@ impl Source for Bridge {
     }
 }
 
-/// Does all work with a bridge, until it can no longer be read.
+/// Runs the whole communication with a bridge, until it cannot be read any longer.
 async fn measure(shared: SharedWire, config: Config) -> Result<Infallible, String> {
     let told = |error| match error {
         RequestError::Silent => format!("the bridge {SILENT}"),
@@ -134,7 +134,7 @@ async fn measure(shared: SharedWire, config: Config) -> Result<Infallible, Strin
     }
 }
 
-/// Stops the bridge, and sets its clock and what it writes to the part. The inner error says why this bridge cannot be
+/// Stops the bridge, and configures its SPI clock and the part. The inner error states why this bridge cannot be
 /// used.
 async fn greet(shared: &SharedWire, config: &Config) -> Result<Result<(), String>, RequestError> {
     wire::request(shared, Command::Stop, Answer::Stopped.only()).await?;
@@ -159,7 +159,7 @@ async fn greet(shared: &SharedWire, config: &Config) -> Result<Result<(), String
         }
         configured => configured?,
     }
-    // the first frame after opening a port is often cut
+    // the first frame after opening a port is often incomplete
     shared.borrow_mut().client.damaged = 0;
     Ok(Ok(()))
 }

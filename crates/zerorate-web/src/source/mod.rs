@@ -1,5 +1,5 @@
-//! Devices that a browser can read: the twin, a recording that was dropped on the page, and a bridge whose bytes are
-//! moved by the page. None of them waits, and none has a clock.
+//! Devices that a browser can read: the twin, a recording that was dropped on the page, and a bridge whose bytes the
+//! page transfers. None of them blocks or has a clock.
 
 mod bridge;
 mod replay;
@@ -15,60 +15,60 @@ use adis16130_twin::Truth;
 use zerorate::Axis;
 use zerorate_record::{CaptureInfo, Converter, Row};
 
-/// The next item of a source.
+/// The result of asking a source for a reading.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
     /// A reading.
     Row(Row),
     /// No reading yet.
     Waiting,
-    /// The end: a recording has no more readings.
+    /// The end of a recording.
     Ended,
 }
 
 /// A device that is being read.
 pub trait Source {
-    /// The facts about the device so far. They are given again when more is known ([`Source::opened`]).
+    /// The known facts about the device. Call it again when [`Source::opened`] returns true.
     fn about(&self) -> About;
 
-    /// Whether the device was opened since the last call, so that more is known about it.
+    /// Whether the device was opened since the last call, so that more facts are known.
     fn opened(&mut self) -> bool {
         false
     }
 
-    /// The next reading.
+    /// Returns the next reading, if there is one.
     ///
     /// # Errors
-    /// Returns an error that says why it can no longer be read, and what to do.
+    /// Returns an error that states why the device cannot be read any longer, and what to do.
     fn next(&mut self) -> Result<Next, String>;
 
-    /// The truth that a twin knows, at present.
+    /// The twin's true state, now; empty if the part is not a twin.
     fn truths(&self) -> Vec<Truth> {
         Vec::new()
     }
 
-    /// The messages since the last call.
+    /// Returns the messages since the last call.
     fn notes(&mut self) -> Vec<NoticeText> {
         Vec::new()
     }
 
-    /// Takes bytes from the serial port, at this time of the page, ms.
+    /// Passes on bytes that the serial port received. `now_ms` is the page's time.
     fn received(&mut self, bytes: &[u8], now_ms: f64) {
         let _ = (bytes, now_ms);
     }
 
-    /// The bytes to write to the serial port.
+    /// Takes the bytes to write to the serial port.
     fn to_send(&mut self) -> Vec<u8> {
         Vec::new()
     }
 
-    /// Reports that the serial port is gone.
+    /// Reports that the serial port was disconnected.
     fn unplugged(&mut self, why: &str) {
         let _ = why;
     }
 }
 
-/// The facts about an ADIS16130 that the driver reads, without registers and checks.
+/// The facts about an ADIS16130 that is read through the driver, without registers and checks.
 fn about_part(name: &str, config: &Config, is_simulated: bool, has_roa_capacitor: bool) -> About {
     let converter = Converter {
         width: config.width(),
@@ -90,7 +90,7 @@ fn about_part(name: &str, config: &Config, is_simulated: bool, has_roa_capacitor
         name: name.to_owned(),
         part: info.part(),
         simulated: is_simulated,
-        // F-31
+        // the nominal conversion rate, F-31
         nominal_hz: Some(f64::from(MCLK_HZ) / f64::from(rate + temp)),
         registers: Vec::new(),
         checks: Vec::new(),

@@ -6,7 +6,7 @@ use std::path::Path;
 use zerorate_input::Input;
 use zerorate_record::{CaptureError, CaptureInfo, CaptureReader};
 
-/// A recording, which runs as fast as its readings.
+/// A recording that is replayed as fast as its readings are taken.
 pub struct Replay {
     about: About,
     reader: CaptureReader,

@@ -1,4 +1,4 @@
-//! The twin, read by the driver.
+//! The twin as a source, read through the driver.
 
 use super::{Next, Source, about_part};
 use crate::registers;
@@ -8,7 +8,7 @@ use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Roa, Spec, Truth, Twin, TwinSpi};
 use zerorate_record::Row;
 
-/// The simulated sensor, whose time advances with its readings.
+/// The twin, the simulated sensor. Its time advances with its readings.
 pub struct TwinSource {
     about: About,
     twin: Twin,
@@ -18,11 +18,11 @@ pub struct TwinSource {
     alive_ns: u64,
 }
 
-/// This long without a reading is a failure.
+/// Time without a reading that is an error, ns.
 const SILENCE_NS: u64 = 1_000_000_000;
 
 impl TwinSource {
-    /// A unit that was just switched on, by its keys, as after `--device twin:`.
+    /// Switches on a simulated unit. The keys have the syntax of `--device twin:`.
     ///
     /// # Errors
     /// Returns an error if a key is unknown, or the part does not answer.
@@ -41,7 +41,7 @@ impl TwinSource {
         Ok(Self { about, twin, part, sampler, alive_ns })
     }
 
-    /// A single failed reading is lost, and counted.
+    /// Handles a failed reading. A single one counts as lost; a fault of the part or a long silence is an error.
     fn require_alive(&mut self) -> Result<(), String> {
         match self.part.diagnose() {
             Ok(Some(fault)) => Err(fault.to_string()),

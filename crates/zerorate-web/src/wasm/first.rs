@@ -1,10 +1,10 @@
-//! The first look at the twin, for the worker of the session.
+//! The preview of the twin, for the worker of the session.
 
 use super::now_ms;
 use crate::first;
 use wasm_bindgen::prelude::*;
 
-/// The view of a unit of the twin, until there is a session.
+/// A preview of a simulated unit, until there is a session.
 #[wasm_bindgen]
 pub struct FirstLook(first::FirstLook);
 
@@ -16,22 +16,22 @@ impl FirstLook {
         first::FirstLook::open(keys).map(Self).map_err(|why| JsError::new(&why))
     }
 
-    /// Takes readings whose time has come, for at most this long, ms.
+    /// Reads the samples that are due, for at most `budget_ms`.
     pub fn turn(&mut self, budget_ms: f64) {
         self.0.turn(&mut now_ms, budget_ms);
     }
 
-    /// The frame with everything that changed, for every window; none if nothing did.
+    /// The frame with all changes, for every window; none if nothing changed.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.0.frame()
     }
 
-    /// The frame with everything, for a window that just opened.
+    /// The frame with everything, for a newly opened window.
     pub fn snapshot(&mut self) -> Vec<u8> {
         self.0.snapshot()
     }
 
-    /// How long the twin was looked at, s of its time.
+    /// How long the preview has run, s of the twin's time.
     pub fn shown_s(&self) -> f64 {
         self.0.shown_s()
     }

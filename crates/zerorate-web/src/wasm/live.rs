@@ -1,4 +1,4 @@
-//! The session with its device, for its worker.
+//! The session and its device, for their worker.
 
 #[cfg(feature = "wasm-replay")]
 use super::file;
@@ -11,7 +11,7 @@ use crate::source::{Bridge, Source, TwinSource};
 use wasm_bindgen::prelude::*;
 use zerorate::Calibration;
 
-/// A session that every window of the page looks at.
+/// A session that all windows of the page share.
 #[wasm_bindgen]
 pub struct LiveSession(Live);
 
@@ -42,7 +42,7 @@ impl LiveSession {
         opened(twin(keys))
     }
 
-    /// A session with a bridge, whose bytes come and go by `received` and `to_send`.
+    /// A session with a bridge. Its bytes go through `received` and `outgoing`.
     pub fn of_bridge() -> Result<LiveSession, JsError> {
         opened(bridge())
     }
@@ -57,22 +57,22 @@ impl LiveSession {
         self.instead(bridge())
     }
 
-    /// The calibrations on file, as TOML, the newest last.
+    /// The stored calibrations as TOML, the newest last.
     pub fn calibrations(&mut self) -> Vec<String> {
         self.session().calibrations().map(|calibration| calibration.to_toml()).collect()
     }
 
-    /// Puts a calibration on file that the page kept, and returns its id.
+    /// Stores a calibration that the page kept, and returns its id.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, JsError> {
         self.session().add_calibration(toml).map_err(|why| JsError::new(&why))
     }
 
-    /// Applies a calibration that is on file.
+    /// Applies a stored calibration.
     pub fn apply(&mut self, id: &str) -> Result<(), JsError> {
         self.session().apply(Some(id)).map_err(|why| JsError::new(&why))
     }
 
-    /// The id of the calibration that is applied.
+    /// The id of the applied calibration; none if none is applied.
     pub fn applied(&mut self) -> Option<String> {
         self.session().applied().map(Calibration::id)
     }
@@ -82,53 +82,53 @@ impl LiveSession {
         self.session().method().is_some()
     }
 
-    /// Adds a notice of the page.
+    /// Adds a notice with a text of the page.
     pub fn note(&mut self, text: &str) {
         self.session().note(NoticeText::plain(text));
     }
 
-    /// Notes that a device cannot be opened.
+    /// Adds a notice that a device cannot be opened.
     pub fn cannot_open(&mut self, why: &str) {
         self.session().note(NoticeText::new("cannot-open", why));
     }
 
-    /// Continues where a first look at the same unit is, this long after its first reading, s.
+    /// Continues where a preview of the same unit is, `shown_s` after its first reading.
     pub fn catch_up(&mut self, shown_s: f64) {
         self.0.catch_up(shown_s, &mut now_ms);
     }
 
-    /// Takes readings whose time has come, for at most this long, ms.
+    /// Reads the samples that are due, for at most `budget_ms`.
     pub fn turn(&mut self, budget_ms: f64) {
         self.0.turn(&mut now_ms, budget_ms);
     }
 
-    /// Carries out a request in JSON, and returns the answer in JSON.
+    /// Carries out a request. Request and answer are JSON.
     pub fn ask(&mut self, request: &str) -> String {
         self.0.ask(request, now_ms())
     }
 
-    /// The frame with everything that changed, for every window; none if nothing did.
+    /// The frame with all changes, for every window; none if nothing changed.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.session().frame()
     }
 
-    /// The frame with everything, for a window that just opened.
+    /// The frame with everything, for a newly opened window.
     pub fn snapshot(&mut self) -> Vec<u8> {
         self.session().snapshot()
     }
 
-    /// Takes bytes from the serial port.
+    /// Passes on bytes that the serial port received.
     pub fn received(&mut self, bytes: &[u8]) {
         self.0.received(bytes, now_ms());
     }
 
-    /// The bytes to write to the serial port.
+    /// Takes the bytes to write to the serial port.
     #[wasm_bindgen(js_name = to_send)]
     pub fn outgoing(&mut self) -> Vec<u8> {
         self.0.to_send()
     }
 
-    /// Reports that the serial port is gone, and why.
+    /// Reports that the serial port was disconnected, and why.
     pub fn unplugged(&mut self, why: &str) {
         self.0.unplugged(why);
     }

@@ -8,10 +8,10 @@ use wasm_bindgen::prelude::*;
 use zerorate_allan::{Input, Stat, deviations, octaves};
 use zerorate_input::limits::{Bytes, set_max_memory};
 
-/// The memory for the columns of a log, out of the 4 GiB that a module can have; the analysis takes the rest.
+/// The memory for the columns of a log, of the 4 GiB that a module can have. The analysis needs the rest.
 const MAX_MEMORY: Bytes = Bytes(2 << 30);
 
-/// A log and the results so far.
+/// A log and its results so far.
 #[wasm_bindgen]
 pub struct Log {
     reader: Option<LogReader>,
@@ -20,7 +20,7 @@ pub struct Log {
 
 #[wasm_bindgen]
 impl Log {
-    /// Reads the worker's file of this name and length; `settings` is a `LogSettings` in JSON.
+    /// Reads the worker's file. `settings` is a `LogSettings` in JSON.
     #[wasm_bindgen(constructor)]
     pub fn new(name: &str, length: f64, settings: &str) -> Result<Log, JsError> {
         set_max_memory(MAX_MEMORY);
@@ -29,23 +29,23 @@ impl Log {
         Ok(Self { reader, looked: json(&looked)? })
     }
 
-    /// The result of the look: a `LogInspection` in JSON.
+    /// The result of opening the log: a `LogInspection` in JSON.
     pub fn looked(&self) -> String {
         self.looked.clone()
     }
 
-    /// Number of columns that are not analysed yet.
+    /// Number of columns that remain to be analysed.
     pub fn left(&self) -> usize {
         self.reader.as_ref().map_or(0, LogReader::left)
     }
 
-    /// The next column as a `LogAxis` in JSON; none: all are analysed.
+    /// Analyses the next column and returns a `LogAxis` in JSON; none if no column is left.
     pub fn analyse(&mut self) -> Result<Option<String>, JsError> {
         let found = self.open()?.analyse().map_err(|why| JsError::new(&why))?;
         found.as_ref().map(json).transpose()
     }
 
-    /// The bias over temperature, a `LogBias` in JSON; none: the temperature changes too little.
+    /// The bias over temperature, a `LogBias` in JSON; none if the temperature changes too little.
     pub fn bias(&mut self) -> Result<Option<String>, JsError> {
         self.open()?.bias().as_ref().map(json).transpose()
     }
@@ -55,7 +55,7 @@ impl Log {
         json(&self.open()?.summary())
     }
 
-    /// The file for a filter, a `Download` in JSON; `command` is a `NoiseFileCommand` in JSON.
+    /// Makes the file for a filter, a `Download` in JSON. `command` is a `NoiseFileCommand` in JSON.
     pub fn noise_file(&mut self, command: &str) -> Result<String, JsError> {
         let command: NoiseFileCommand = serde_json::from_str(command)?;
         let file = self.open()?.noise_file(&command).map_err(|why| JsError::new(&why))?;
@@ -71,8 +71,8 @@ fn json(value: &impl Serialize) -> Result<String, JsError> {
     Ok(serde_json::to_string(value)?)
 }
 
-/// Time that the overlapping Allan deviation at octaves takes, ms, without moving the samples into the module; then
-/// the deviations. For `cargo xtask bench-web`.
+/// For `cargo xtask bench-web`: the duration of computing the overlapping Allan deviation at octaves, ms, without
+/// copying the samples into the module; then the deviations.
 #[wasm_bindgen]
 pub fn oadev(rate: &[f64]) -> Vec<f64> {
     let began_ms = now_ms();

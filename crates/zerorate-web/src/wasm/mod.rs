@@ -1,7 +1,8 @@
-//! The exports of the browser's modules. They only convert between Rust's and JavaScript's types.
+//! The functions that the browser's modules export. They only convert between Rust's and JavaScript's types.
 //!
-//! Each feature is a module: `wasm-first` shows the twin at once, `wasm-live` runs the session, `wasm-replay` runs it
-//! with recordings, and `wasm-log` reads logs. All are this crate as a cdylib with the same dependencies.
+//! Each feature makes a module: `wasm-first` shows a preview of the twin quickly, `wasm-live` runs the session,
+//! `wasm-replay` runs it with recordings, and `wasm-log` reads logs. All are this crate as a cdylib with the same
+//! dependencies.
 
 #[cfg(any(feature = "wasm-log", feature = "wasm-replay"))]
 mod file;

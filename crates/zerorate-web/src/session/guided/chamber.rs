@@ -1,4 +1,4 @@
-//! A chamber that somebody sets by hand, step by step.
+//! A calibration in a chamber that a person sets by hand, step by step.
 
 use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, Stage};
 use crate::message::{CalibrateCommand, Step};
@@ -9,9 +9,9 @@ use zerorate::chamber::{
 use zerorate::{Calibration, Part, Plan, Scan, Warning};
 use zerorate_view::{Seconds, SessionWarning, report};
 
-/// The plan if none was named.
+/// The plan that is used if none is named.
 const DEFAULT: &str = "two-point";
-/// Highest order of the curve.
+/// Highest polynomial order of the curve.
 const MAX_ORDER: usize = 3;
 
 #[derive(Debug)]
@@ -33,8 +33,8 @@ impl ByHand {
         Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps })
     }
 
-    /// The end of a step that begins at `from_s`, s. It is the real end of a finished step, and otherwise the end of
-    /// its least duration, but for the running step not before now.
+    /// The end of a step that starts at `from_s`, s. For a finished step it is the real end; otherwise the end of
+    /// its minimum duration, but not before now for the running step.
     fn end_s(&self, step: usize, from_s: f64) -> f64 {
         let (plan, part) = (self.procedure.plan(), self.procedure.part());
         let least_s = plan.least_s(step, part) - plan.least_s(step + 1, part);
@@ -66,7 +66,7 @@ impl ByHand {
     }
 }
 
-/// A plan by its name or its text.
+/// The text of a plan, given by its name or directly.
 fn text_of(named: &str) -> Result<&str, String> {
     let shipped = SHIPPED.iter().find(|(name, _)| *name == named).map(|(_, text)| *text);
     let names = SHIPPED.map(|(name, _)| name).join(" and ");

@@ -1,4 +1,4 @@
-//! The methods of one recording: the hour of AN-1042, a warm-up, a cycle.
+//! The methods with a single recording: the hour of AN-1042, a warm-up, a cycle.
 
 use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, Stage, label};
 use crate::message::{CalibrateCommand, Forecast, MethodName, Step};
@@ -8,14 +8,14 @@ use zerorate::{
     Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Reached, Scan, State, Wording,
 };
 
-/// Time from which on a recording can be finished, s of part time.
+/// Earliest time at which a recording can be finished, s of the part's time.
 const FINISH_FROM_S: f64 = 60.0;
 
 #[derive(Debug)]
 pub struct Hour {
     procedure: PartProcedure,
     pending_refusals: Vec<String>,
-    /// The result of a recording that ended at `reached_s`, or why it would be refused.
+    /// The result that a recording ending at `reached_s` would have, or the reason why it would be refused.
     reached: Option<Result<Reached, String>>,
     reached_s: f64,
 }
@@ -80,7 +80,7 @@ impl GuidedMethod for Hour {
         let progress = self.procedure.progress();
         let step = |(state, from_s, to_s): (State, f64, f64)| Step { name: state.to_string(), from_s, to_s };
         let reached = self.reached.as_ref().and_then(|reached| reached.as_ref().ok());
-        // a cycle goes over its temperatures as long as somebody wants
+        // a cycle has no natural end: the user decides how long it lasts
         let has_settled = |reached: &Reached| reached.settled || self.procedure.plan().method == Method::Cycle;
         Stage {
             steps: self.procedure.plan().steps().map(step).collect(),

@@ -1,4 +1,4 @@
-//! A guided calibration: what to do now, what would be refused, and its result.
+//! A guided calibration: its advice, its pending refusals, and its result.
 
 mod chamber;
 mod hour;
@@ -18,31 +18,31 @@ use zerorate_allan::SettingName;
 use zerorate_record::{CaptureInfo, Row, SampleHash};
 use zerorate_view::remarks_apart;
 
-/// Time between two looks at what would be refused, s of part time.
+/// Time between two checks of pending refusals, s of the part's time.
 const LOOK_EVERY_S: f64 = 2.0;
-/// Number of points of a curve.
+/// Number of points of the reported curve.
 const POINTS: u8 = 9;
 
-/// The interface of all methods: a procedure that takes readings.
+/// The interface of all methods: a procedure that processes readings.
 trait GuidedMethod: std::fmt::Debug + Send {
     /// Starts the procedure, after the sensor was initialised. `t_ns` is the time of the first reading.
     fn begin(&mut self, t_ns: u64) -> Result<(), String>;
 
-    /// Takes a reading. Returns true when the procedure is done; an error is a refusal.
+    /// Processes a reading. Returns true when the procedure is complete. An error is a refusal.
     fn take(&mut self, scan: &Scan) -> Result<bool, String>;
 
-    /// Ends a recording now. Returns false if there are more steps.
+    /// Ends a recording now. Returns false if the method has more steps.
     fn end_recording(&mut self) -> Result<bool, String> {
         Ok(false)
     }
 
-    /// Does work that takes longer than a reading should. It is called once in a while.
+    /// Does periodic work that takes too long to be done with each reading.
     fn look(&mut self) {}
 
     /// The progress.
     fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage;
 
-    /// The result.
+    /// Computes the result.
     fn finish(self: Box<Self>, source: &Measurement<'_>, origin: Origin) -> Result<GuidedResult, String>;
 }
 
@@ -86,12 +86,12 @@ pub struct GuidedCalibration {
 }
 
 impl GuidedCalibration {
-    /// Prepares a calibration before the first reading of a part that was just initialised.
+    /// Prepares a calibration, before the first reading of a part that was just initialised.
     pub fn new(command: &CalibrateCommand, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
         if let Some(deg) = command.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
             return Err(format!("the latitude is {deg}°: give a number from -90 to 90"));
         }
-        // on a vertical axis (F-16); a recording may state it for any axis
+        // for a vertical axis (F-16); a recording may state the component for any axis
         let earth_dps = command.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin()).or(info.earth_dps);
         let procedure: Box<dyn GuidedMethod> = match command.method {
             MethodName::Chamber => Box::new(ByHand::new(command, part, earth_dps)?),
@@ -108,7 +108,7 @@ impl GuidedCalibration {
         })
     }
 
-    /// Takes a reading. Returns true when the procedure is done.
+    /// Processes a reading. Returns true when the procedure is complete.
     #[inline]
     pub fn take(&mut self, row: &Row, scan: &Scan) -> Result<bool, String> {
         if !std::mem::replace(&mut self.begun, true) {
@@ -118,7 +118,7 @@ impl GuidedCalibration {
         self.procedure.take(scan)
     }
 
-    /// Whether it has taken a reading.
+    /// Whether a reading was processed.
     pub const fn has_begun(&self) -> bool {
         self.begun
     }
@@ -128,7 +128,7 @@ impl GuidedCalibration {
         self.procedure.end_recording()
     }
 
-    /// Updates the temperature and what would be refused. It is called once in a while.
+    /// Updates the temperatures and the pending refusals. Called at the end of each block.
     pub fn look(&mut self, temp_c: Option<f64>) {
         if let Some(now_c) = temp_c {
             let [first, _, low, high] = self.temps_c.unwrap_or([now_c; 4]);
@@ -158,7 +158,7 @@ impl GuidedCalibration {
         })
     }
 
-    /// The result, with the calibration itself.
+    /// Returns the result for the page, and the calibration itself.
     pub fn finish(self, source: &Measurement<'_>) -> Result<(CalibrationResult, Calibration), String> {
         let info = CaptureInfo { serial: self.serial.or_else(|| source.info.serial.clone()), ..source.info.clone() };
         let GuidedResult { calibration, axes, warnings } =
@@ -172,7 +172,7 @@ impl GuidedCalibration {
     }
 }
 
-/// The measurement that a calibration is made of.
+/// The data that a calibration is made from, beside the procedure itself.
 pub struct Measurement<'a> {
     pub info: &'a CaptureInfo,
     pub tally: &'a Tally,
@@ -206,7 +206,7 @@ impl Measurement<'_> {
     }
 }
 
-/// The name of a setting on the page.
+/// The page's name for a setting.
 fn label(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Average => "the two averages",
@@ -218,7 +218,7 @@ fn label(setting: Setting) -> SettingName {
     })
 }
 
-/// Lists each warning once.
+/// The texts of the warnings, each once.
 fn worded<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<NoticeText> {
     let mut all = Vec::new();
     for warning in warnings {

@@ -1,4 +1,4 @@
-//! Requests and answers over bytes that are moved by the page.
+//! Requests and answers over bytes that the page transfers.
 
 use crate::message::Register;
 use adis16130::bridge::{Answer, Client, Command, Event, Pending, RequestError, Step, WireSample};
@@ -12,35 +12,35 @@ use std::task::Poll;
 use std::time::Duration;
 use zerorate_record::Row;
 
-/// The state that the work on a bridge shares with its owner.
+/// The state that the communication shares with its owner.
 pub type SharedWire = Rc<RefCell<Wire>>;
 
-/// Both directions of a port.
+/// The buffers of a port in both directions, and what is known about the bridge.
 #[derive(Default)]
 pub struct Wire {
     pub client: Client,
     pub received: VecDeque<u8>,
     pub to_send: Vec<u8>,
-    /// Time of the page.
+    /// The page's time.
     pub now: Duration,
-    /// The name that the bridge gave, once it has.
+    /// The firmware that the bridge reported; `None` before its answer.
     pub firmware: Option<String>,
-    /// The registers of the part at the time of opening.
+    /// The registers of the part, as read when it was opened.
     pub registers: Vec<Register>,
-    /// Whether the part has just taken its configuration.
+    /// Whether the part was just configured.
     pub is_opened: bool,
     pub rows: VecDeque<Row>,
 }
 
 impl Wire {
-    /// Notes that the part has taken its configuration; these are its registers.
+    /// Notes that the part was configured, with its registers.
     pub fn opened(&mut self, registers: Vec<Register>) {
         self.registers = registers;
         self.is_opened = true;
     }
 }
 
-/// Sends a request until an answer comes that `take` accepts.
+/// Sends a request, repeatedly if necessary, until an answer comes that `take` accepts.
 pub async fn request<T>(
     shared: &SharedWire,
     command: Command<'_>,
@@ -61,10 +61,10 @@ pub async fn request<T>(
     .await
 }
 
-/// The next sample; `None` if the part sends none for this long.
+/// Waits for the next sample; `None` if the part sends none for the time `silence`.
 ///
-/// The silence may be due to the window that moves the bytes. So the bridge is asked for anything: if it answers, the
-/// part is silent. Otherwise, bytes under way get this much more time.
+/// Silence may also be caused by the window that transfers the bytes. So a request is sent to the bridge: if it is
+/// answered, the part is silent. Otherwise, the bytes under way get the additional time `blocked`.
 pub async fn sample(shared: &SharedWire, silence: Duration, blocked: Duration) -> Result<Option<WireSample>, String> {
     let mut event = next_event(shared, silence, |event| event != Event::Answer).await;
     if event.is_none() {
@@ -87,7 +87,7 @@ pub async fn sample(shared: &SharedWire, silence: Duration, blocked: Duration) -
     }
 }
 
-/// Waits at most this long for an item that counts.
+/// Waits for an event for which `counts` is true, for the time `within` at most.
 async fn next_event(shared: &SharedWire, within: Duration, counts: impl Fn(Event) -> bool) -> Option<Event> {
     let deadline = shared.borrow().now + within;
     poll_fn(|_| {
@@ -99,7 +99,7 @@ async fn next_event(shared: &SharedWire, within: Duration, counts: impl Fn(Event
     .await
 }
 
-/// The bus behind the bridge: a transaction is one transfer.
+/// The SPI bus behind the bridge. Each SPI transaction is one transfer.
 pub struct Transfers(pub SharedWire);
 
 impl ErrorType for Transfers {
@@ -115,7 +115,7 @@ impl SpiDevice for Transfers {
                     bytes.copy_from_slice(&received);
                 }
                 Operation::Write(bytes) => drop(self.exchange(bytes).await?),
-                // the driver uses none of these
+                // the driver uses no other operation
                 _ => return Err(RequestError::Unsupported),
             }
         }
