@@ -1,11 +1,11 @@
-//! Packs the page into a program that serves it.
+//! Packs the live page into the program.
 
 #[cfg(feature = "serve")]
 #[path = "build_page.rs"]
 mod page;
 
 fn main() -> std::io::Result<()> {
-    // without such a line cargo would run this script after every change
+    // without this line, cargo would run the script again after every change
     println!("cargo::rerun-if-changed=build.rs");
     #[cfg(feature = "serve")]
     page::pack()?;

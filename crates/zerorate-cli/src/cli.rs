@@ -1,4 +1,4 @@
-//! The command line: the names of all commands. The options of each command are in its own file.
+//! The command line: the names of all commands. Each command defines its options in its own file.
 
 use crate::commands::{
     allan::{self, AllanArgs},
@@ -58,7 +58,7 @@ pub struct Cli {
 }
 
 impl Cli {
-    /// Carries out the command.
+    /// Runs the command.
     pub fn run(&self) -> Result<()> {
         match &self.command {
             Command::Probe(args) => probe::run(args),
@@ -86,14 +86,14 @@ impl Cli {
         }
     }
 
-    /// Puts the limits in force.
+    /// Applies the limit on memory.
     pub fn set_limits(&self) {
         if let Some(bytes) = self.max_memory.or_else(memory::half) {
             limits::set_max_memory(bytes);
         }
     }
 
-    /// What a command without a measure of its progress is doing.
+    /// Describes what a command is doing, if it has no progress bar. `None` for all other commands.
     pub fn activity(&self) -> Option<String> {
         use Command::{Allan, Correct, Imu, Repair, Tempcal, Verify};
         let (Allan(_) | Imu(_) | Tempcal(_) | Correct(_) | Verify(_) | Repair(_)) = self.command else { return None };
@@ -103,7 +103,7 @@ impl Cli {
         Some(format!("working on {}{more}", first.display()))
     }
 
-    /// The files of unknown origin that the command will read.
+    /// The input files of the command that may come from an untrusted source.
     pub fn foreign_files(&self) -> Vec<&Path> {
         match &self.command {
             Command::Allan(args) => args.files.iter().map(PathBuf::as_path).collect(),
@@ -164,7 +164,7 @@ pub enum Command {
     },
 }
 
-/// The commands by purpose, as `zerorate --help` lists them.
+/// The commands by purpose, in the order of `zerorate --help`.
 pub const GROUPS: [(&str, &[&str]); 6] = [
     ("Look at a sensor", &["probe", "serve", "twin"]),
     ("Calibrate it", &["calibrate", "recalibrate", "chamber"]),
@@ -174,7 +174,7 @@ pub const GROUPS: [(&str, &[&str]); 6] = [
     ("Other", &["explain", "parts", "help", "completions", "man"]),
 ];
 
-/// The help of the program, with its commands in groups.
+/// The template of the program's help, with the commands in groups.
 fn template() -> String {
     let styles = Styles::styled();
     let (header, literal) = (styles.get_header(), styles.get_literal());

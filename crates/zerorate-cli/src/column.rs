@@ -1,4 +1,4 @@
-//! The options that choose the numbers of a log.
+//! The options that select the data of a log.
 
 use clap::Args;
 use clap::builder::BoolishValueParser;
@@ -71,17 +71,17 @@ pub struct LogArgs {
     force_unit: bool,
 }
 
-/// Headings of options in the help.
+/// Headings of groups of options in the help.
 const TIME: &str = "Time";
 pub const UNITS: &str = "Columns and units";
 
 impl LogArgs {
-    /// The topics after the first.
+    /// The topics after the first one.
     pub fn more_topics(&self) -> &[String] {
         self.topic.get(1..).unwrap_or_default()
     }
 
-    /// Facts that the log does not state. `names` are the names of options in messages.
+    /// The settings for the reader of the log. Messages use `names` for the options.
     pub fn options(&self, names: Names) -> ColumnOptions {
         ColumnOptions {
             topic: self.topic.first().cloned(),
@@ -128,17 +128,17 @@ pub struct ColumnArgs {
 }
 
 impl ColumnArgs {
-    /// Whether the option names several columns.
+    /// Whether the option `--column` names several columns.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
     }
 
-    /// The choices of rows, each for a record of its own.
+    /// The conditions of `--where`. Each one selects rows for a separate record.
     pub fn series(&self) -> &[Only] {
         &self.log.only
     }
 
-    /// Refuses several topics, which are one IMU for `imu` alone.
+    /// Refuses several topics. Only `imu` can join topics of one IMU.
     pub fn check(&self) -> Result<(), InvalidOptions> {
         match self.log.more_topics() {
             [] => Ok(()),
@@ -146,7 +146,7 @@ impl ColumnArgs {
         }
     }
 
-    /// The columns to read.
+    /// The selected columns.
     pub fn columns(&self) -> Columns {
         match self.column.as_deref().filter(|_| self.is_list()) {
             Some(list) => listed(list).map_or(Columns::All, Columns::Listed),
@@ -154,22 +154,22 @@ impl ColumnArgs {
         }
     }
 
-    /// The properties of the columns that the log does not state.
+    /// The settings for reading the columns, which the log does not state.
     pub fn options(&self) -> ColumnOptions {
         let Self { column, unit, scale, log } = self;
         ColumnOptions { column: column.clone(), unit: *unit, scale: *scale, ..log.options(Names(flag)) }
     }
 }
 
-/// Stands for all columns with numbers.
+/// The value that selects all columns of numbers.
 const ALL: &str = "all";
 
-/// Splits a list at its commas. None stands for all columns.
+/// Splits a list at its commas. `None` means all columns.
 pub fn listed(list: &str) -> Option<Vec<String>> {
     (list != ALL).then(|| list.split(',').map(|name| name.trim().to_owned()).collect())
 }
 
-/// Returns the option of a setting.
+/// The name of a setting's option.
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::ForceUnit => SettingName { prefix: "give --", ..flag_of(setting.word()) },
@@ -179,7 +179,7 @@ pub fn flag(setting: Setting) -> SettingName {
     }
 }
 
-/// The option with this word: `--max-bad`.
+/// The option that consists of `--` and this word: `--max-bad`.
 pub const fn flag_of(word: &'static str) -> SettingName {
     SettingName { prefix: "--", word, joint: '-', suffix: "" }
 }
@@ -189,7 +189,7 @@ pub fn share(text: &str) -> Result<f64, String> {
     share.ok_or_else(|| "must be a share from 0 to below 1, such as 0.05".to_owned())
 }
 
-/// A number above zero, or a fraction such as 1/131.
+/// Parses a number above zero, or a fraction such as 1/131.
 pub fn positive(text: &str) -> Result<f64, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     let found = match text.split_once('/') {

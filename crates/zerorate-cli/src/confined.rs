@@ -1,13 +1,13 @@
-//! A run in a child process with a limit on its memory.
+//! Runs a command in a child process with limited memory.
 //!
-//! The readers bound what a file may take, and catch the panics of the decoders. For the library of Parquet that is
-//! not enough:
+//! The readers limit the memory that a file may take, and catch panics of the decoders. For the Parquet library that
+//! is not enough:
 //!
-//! * It takes a schema apart by recursion, so that 20 000 groups in groups (160 kB) use up the stack.
-//! * It unpacks a page before it hands out a row, so that 50 kB took 470 MiB, and may take more.
+//! * It parses a schema recursively, so that 20 000 nested groups (160 kB) overflow the stack.
+//! * It decompresses a whole page before it returns a row, so that a file of 50 kB took 470 MiB, and may take more.
 //!
-//! A process cannot catch either in itself. Therefore a command that reads files of unknown origin runs in a child
-//! process, and the parent reports how the child ended.
+//! A process cannot handle either failure itself. So a command that reads files from untrusted sources runs in a
+//! child process, and the parent reports how the child ended.
 
 use crate::output::say;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, set_parent_process_death_signal, setrlimit};
@@ -23,19 +23,19 @@ use std::{io, thread};
 use zerorate_host::files as on_disk;
 use zerorate_input::limits::{self, Bytes};
 
-/// The variable that tells a child process its role.
+/// The environment variable that marks a child process.
 const MARK: &str = "ZERORATE_CONFINED";
 
-/// The variable with the settings of glibc's allocator. Other C libraries ignore it.
+/// The environment variable with the settings of glibc's allocator. Other C libraries ignore it.
 const TUNABLES: &str = "GLIBC_TUNABLES";
-/// Puts large arrays into large pages. Without this, getting new memory takes longer than reading the file into it.
+/// Uses large pages for large arrays. Otherwise, getting new memory takes longer than reading the file into it.
 const LARGE_PAGES: &str = "glibc.malloc.hugetlb=1";
 
-/// Memory of the program beside the content of the files: threads, tables, the result.
+/// Memory of the program apart from the content of the files: threads, tables, results.
 const PROGRAM_BYTES: u64 = 256 << 20;
 
-/// Exit code of a child that could not start this program, where the parent does not learn of it: in QEMU's user mode.
-/// The program itself never ends with this code.
+/// Exit code of a child that could not start this program without the parent noticing, as in QEMU's user mode. The
+/// program itself never exits with this code.
 const NOT_STARTED: i32 = 127;
 
 /// The role of this process.
@@ -46,7 +46,7 @@ pub enum Role {
     Supervisor(ExitCode),
 }
 
-/// Runs the command line `args` in a child process if it reads `files` and this process is not such a child already.
+/// Runs the command line `args` in a child process, if it reads `files` and this process is not such a child.
 pub fn run(args: &[OsString], files: &[&Path]) -> Role {
     let limit = limit(files);
     if files.is_empty() {
@@ -58,28 +58,28 @@ pub fn run(args: &[OsString], files: &[&Path]) -> Role {
     }
     match supervise(args) {
         Ok(status) if status.code() != Some(NOT_STARTED) => Role::Supervisor(ended(status, files, limit)),
-        // there is no /proc, or no process can be started: the command itself may still run here
+        // without /proc, or if no process can be started, the command runs in this process
         _ => Role::Worker,
     }
 }
 
-/// The memory that all files together may take.
+/// The limit on the memory of a process that reads these files.
 fn limit(files: &[&Path]) -> Bytes {
     let sizes = files.iter().map(|path| on_disk::log_length(path)).fold(0, u64::saturating_add);
     Bytes(limits::for_size(sizes).saturating_add(PROGRAM_BYTES - limits::FREE_BYTES).min(limits::max_memory()))
 }
 
-/// Limits the memory of this process. Memory that is written to counts, reserved address space does not. Where the
-/// limit cannot be set, the checks of the readers still hold.
+/// Limits the memory of this process. Only memory that is written to counts, not reserved address space. If the
+/// limit cannot be set, the readers' own limits still apply.
 fn confine(Bytes(limit): Bytes) {
     let _ = setrlimit(Resource::Data, Rlimit { current: Some(limit), maximum: Some(limit) });
     let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
     let _ = set_parent_process_death_signal(Some(Signal::TERM));
 }
 
-/// Starts the child and waits for it. The child has our standard streams. The kernel sends Ctrl-C to both processes,
-/// and we pass on the signals of other processes. The child starts before we listen, so that it ignores what we
-/// ignore.
+/// Starts the child and waits for it. The child has our standard streams. The kernel sends Ctrl-C to both processes;
+/// signals from other processes are passed on. The child starts before the handlers are installed, so that it
+/// inherits which signals are ignored.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut command = Command::new("/proc/self/exe");
@@ -100,7 +100,7 @@ fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     child.wait()
 }
 
-/// The exit code of the child. Where it has none, the reason is printed.
+/// The exit code of the child. If a signal ended it, prints the reason.
 fn ended(status: ExitStatus, files: &[&Path], limit: Bytes) -> ExitCode {
     match (status.code(), status.signal()) {
         (Some(code), _) => ExitCode::from(u8::try_from(code).unwrap_or(1)),

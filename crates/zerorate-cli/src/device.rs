@@ -1,4 +1,4 @@
-//! The options that say which sensor is read, and how.
+//! The options that specify the sensor and how it is read.
 
 use crate::interrupt;
 use crate::output::{Outputs, warn};
@@ -34,25 +34,26 @@ pub struct DeviceArgs {
 }
 
 impl SourceArgs {
-    /// Returns how to read the device, and adds it to the inputs of the run. No command opens a device without it.
+    /// The settings for reading the device. Also registers its file as an input of the run. Every command calls this
+    /// before it opens a device.
     pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
         self.file().map_or(Ok(()), |file| outputs.reads(file))?;
         Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, ambient: None, names: flag })
     }
 
-    /// The file to read, where the device is a recording.
+    /// The path of the recording; `None` for any other device.
     pub fn file(&self) -> Option<&Path> {
         self.device.file()
     }
 }
 
 impl DeviceArgs {
-    /// Opens the device. From here on Ctrl-C asks for a clean end.
+    /// Opens the device. From here on Ctrl-C requests a clean end.
     pub fn open(&self, setup: Setup) -> Result<Acquisition> {
         self.open_at(setup, false)
     }
 
-    /// The same, in real time for a person who looks on.
+    /// Opens the device, in real time if a person watches the samples.
     pub fn open_at(&self, setup: Setup, is_watched: bool) -> Result<Acquisition> {
         interrupt::listen();
         let pace = if self.realtime || is_watched { Pace::RealTime } else { Pace::Free };
@@ -60,7 +61,7 @@ impl DeviceArgs {
     }
 }
 
-/// Prints the warnings of a device.
+/// Makes a sink that prints the warnings of a device.
 pub fn tell() -> WarningSink {
     Box::new(|warning| warn(&[warning.coded()]))
 }

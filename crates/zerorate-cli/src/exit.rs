@@ -1,4 +1,4 @@
-//! How a run ends: exit code 0 done, 1 failed, 2 usage, 3 refused. The reason goes to stderr.
+//! How a run ends: exit code 0 success, 1 failure, 2 usage error, 3 refusal. The reason is printed to stderr.
 
 use crate::output::{reader_left, say};
 use crate::wording::text;
@@ -10,8 +10,8 @@ pub use zerorate_jobs::{CodedRefusal, InvalidOptions as Usage};
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 
-/// Prints why a run failed and picks the exit code. A reader of stdout that left (`zerorate … | head`) is not a
-/// failure. A reader of any other pipe that left is one.
+/// Prints why a run failed and returns the exit code. It is no failure if the reader of stdout closed it (`zerorate
+/// … | head`), but it is one for any other pipe.
 pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;
@@ -33,7 +33,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         ("error", 1)
     };
     match log {
-        // each row stays one line, even with control characters in it
+        // each row is printed as one line, even if it has control characters
         Some(LogError::Choose { question, table, .. }) => {
             say(format_args!("{label}: {question}"));
             table.iter().for_each(say);
@@ -46,7 +46,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// The code of the error, if it is a refusal.
+/// The code of the refusal; `None` for any other error.
 fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     let of_device = match error.downcast_ref().map(DeviceError::cause) {
         Some(Cause::Refused(code)) => Some(code),
@@ -59,7 +59,7 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
 }
 
-/// Whether other words on the command line, or another build, would do.
+/// Whether it is a usage error: another command line, or another build, would succeed.
 fn is_request(capture: Option<&CaptureError>, log: Option<&LogError>) -> bool {
     let is_missing = |error: &InputError| matches!(error, InputError::NotBuiltIn { .. });
     let of_capture = capture.is_some_and(|error| match error {

@@ -1,4 +1,5 @@
-//! The last line on stderr, however the program ends: what it leaves behind, such as a chamber that heats.
+//! The last line on stderr, however the program ends. It tells what the program leaves behind, such as a chamber
+//! that heats.
 
 use crate::output::say;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -6,7 +7,7 @@ use std::time::Duration;
 
 struct Last {
     text: Option<String>,
-    /// Whether work is still going on that will change the text.
+    /// Whether unfinished work will still change the text.
     is_pending: bool,
 }
 
@@ -17,23 +18,23 @@ fn last() -> MutexGuard<'static, Last> {
     LAST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Sets the message that the program says if it ends from here on.
+/// Sets the message that is printed if the program ends from now on.
 pub fn set_pending(text: String) {
     *last() = Last { text: Some(text), is_pending: true };
 }
 
-/// Sets the final message: everything that can be done is done.
+/// Sets the final message, after all work is done.
 pub fn settle(text: Option<String>) {
     *last() = Last { text, is_pending: false };
     SETTLED.notify_all();
 }
 
-/// Waits for pending work, at most this long.
+/// Waits for unfinished work, for `most` at most.
 pub fn wait(most: Duration) {
     drop(SETTLED.wait_timeout_while(last(), most, |last| last.is_pending));
 }
 
-/// Says the message once, after the output of `report`.
+/// Calls `report` and then prints the message, unless it was printed before.
 pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
     let mut last = last();
     let reported = report();
@@ -43,7 +44,7 @@ pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
     reported
 }
 
-/// Says the message and ends the program. Nothing follows it.
+/// Prints the message and ends the program.
 pub fn exit(code: i32) -> ! {
     let mut last = last();
     if let Some(text) = last.text.take() {

@@ -1,4 +1,5 @@
-//! From arguments to a command: the first steps where there are none, and clap's errors with our advice.
+//! Parses the command line. Without arguments, it prints the first steps for new users. It adds advice to clap's
+//! errors.
 
 use crate::cli::Cli;
 use crate::output::say;
@@ -9,7 +10,7 @@ use std::ffi::OsString;
 use std::num::{ParseFloatError, ParseIntError};
 use std::process::ExitCode;
 
-/// The text that the program prints without arguments.
+/// The lines that the program prints without arguments.
 const LINES: [&str; 5] = [
     "zerorate measures the noise of any gyroscope, and finds and removes the bias of an ADIS16130. First steps:",
     "  zerorate allan log.csv --fit                   the noise of a log that you have",
@@ -18,7 +19,8 @@ const LINES: [&str; 5] = [
     "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
 ];
 
-/// Words that are commands elsewhere: where, and how to install those in a clone.
+/// Commands that users may look for but that other programs provide: where they are, and how to install them from a
+/// clone.
 const ELSEWHERE: [(&str, &str); 3] = [
     ("version", "is an option: zerorate --version"),
     ("fleet", "is in the Python package: pip install './bindings/python[fleet]' in a clone"),
@@ -28,11 +30,11 @@ const ELSEWHERE: [(&str, &str); 3] = [
     ),
 ];
 
-/// The exit code of a command line that cannot be carried out.
+/// The exit code of a usage error.
 const USAGE: u8 = 2;
 
-/// Parses the command line and puts its limits in force. Without arguments it prints the first steps and returns the
-/// exit code.
+/// Parses the command line and applies its limits. Without arguments, prints the first steps and returns the exit
+/// code.
 pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
     if args.len() < 2 {
         LINES.iter().for_each(say);
@@ -43,8 +45,8 @@ pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
     Ok(cli)
 }
 
-/// The command line. An option takes a number below zero as its value, so that its own error names the limits, and
-/// names of values in any case.
+/// Parses the command line. Options accept negative numbers, so that their own errors can state the limits, and
+/// named values in any case.
 fn parsed<T: Into<OsString> + Clone>(args: impl IntoIterator<Item = T>) -> Result<Cli, Error> {
     let lenient = |arg: Arg| match arg.get_action().takes_values() && !arg.is_positional() {
         true => arg.allow_negative_numbers(true).ignore_case(true),
@@ -54,25 +56,25 @@ fn parsed<T: Into<OsString> + Clone>(args: impl IntoIterator<Item = T>) -> Resul
     Cli::from_arg_matches_mut(&mut command.try_get_matches_from(args)?)
 }
 
-/// Prints an error of clap's, or the help that was asked for.
+/// Prints an error of clap, or the requested help.
 fn printed(error: &Error) -> ExitCode {
     let text = error.render().to_string();
     match text.starts_with("error:") {
         true => brief(&text).for_each(say),
-        // nobody is left to be told that this cannot be printed
+        // if even this cannot be printed, nobody is there to be told
         false => drop(error.print()),
     }
     ExitCode::from(error.exit_code() as u8)
 }
 
-/// An error without empty lines, and without a pointer to the help where it has the usage.
+/// An error without empty lines, and without the pointer to the help if it shows the usage.
 fn brief(error: &str) -> impl Iterator<Item = &str> {
     let has_usage = error.contains("\nUsage:");
     let lines = error.lines().filter(|line| !line.trim().is_empty());
     lines.filter(move |line| !(has_usage && line.starts_with("For more information")))
 }
 
-/// The error, with a tip of ours where it is about a number, a command elsewhere, or an argument without a place.
+/// Adds our own tip to an error about a number, a command of another program, or an argument that does not fit.
 fn advised(mut error: Error) -> Error {
     let given = |kind| match error.get(kind) {
         Some(ContextValue::String(given)) => Some(given.as_str()),
@@ -89,7 +91,7 @@ fn advised(mut error: Error) -> Error {
         (None, None, Some(argument)) => of_argument(argument, &usage(&error)),
         (None, None, None) => return error,
     };
-    // the user means this command, and none of a similar name
+    // the user means the command of the other program, not one with a similar name
     error.remove(ContextKind::SuggestedSubcommand);
     error.remove(ContextKind::Suggested);
     if let Some(tip) = tip {
@@ -99,7 +101,7 @@ fn advised(mut error: Error) -> Error {
     error
 }
 
-/// The usage line of an error.
+/// The usage line of an error; empty if it has none.
 fn usage(error: &Error) -> String {
     match error.get(ContextKind::Usage) {
         Some(ContextValue::StyledStr(usage)) => usage.to_string(),
@@ -107,7 +109,7 @@ fn usage(error: &Error) -> String {
     }
 }
 
-/// The tip about a value that is not the number that the option takes.
+/// A tip about a value that is not a number that the option accepts.
 fn of_number(value: &str, why: Option<&(dyn std::error::Error + 'static)>) -> Option<String> {
     let is_whole = || why.is_some_and(|why| why.is::<ParseIntError>());
     let is_float = || why.is_some_and(|why| why.is::<ParseFloatError>());
@@ -120,7 +122,7 @@ fn of_number(value: &str, why: Option<&(dyn std::error::Error + 'static)>) -> Op
     }
 }
 
-/// The tip about an argument that has no place in a command of this usage.
+/// A tip about an argument that does not fit into a command with this usage.
 fn of_argument(argument: &str, usage: &str) -> Option<String> {
     if argument == "--port" {
         return Some("--listen takes address and port: --listen 127.0.0.1:8130".to_owned());
@@ -151,13 +153,14 @@ fn of_argument(argument: &str, usage: &str) -> Option<String> {
     (!options.is_empty()).then(|| format!("an option goes before a file: {}", options.join(", ")))
 }
 
-/// The short name and the long name of an option.
+/// The short name and the long name of an option, if it has them.
 fn names(arg: &Arg) -> Vec<String> {
     let short = arg.get_short().map(|short| format!("-{short}"));
     short.into_iter().chain(arg.get_long().map(|long| format!("--{long}"))).collect()
 }
 
-/// `100,5` and `1,5h` with a point; none of what is not one number with a comma in it.
+/// Replaces the comma in `100,5` or `1,5h` by a point. `None` if the text is not a single number with a decimal
+/// comma.
 fn with_point(text: &str) -> Option<String> {
     let (whole, rest) = text.split_once(',')?;
     let digits = whole.strip_prefix(['-', '+']).unwrap_or(whole);

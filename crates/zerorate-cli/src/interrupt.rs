@@ -1,7 +1,7 @@
-//! Ctrl-C, SIGTERM and SIGHUP. The first signal asks loops that listen to end cleanly; where nothing listens, it ends
-//! the program. A second signal ends the program at once, or after two seconds while a chamber is being switched off.
-//! Signals within half a second are one: programs such as `timeout` send two.
-//! Temporary files are removed in every case. A program that `nohup` started outlives its terminal.
+//! Ctrl-C, SIGTERM and SIGHUP. The first signal requests a clean end if a loop listens for it; otherwise it ends the
+//! program. A second signal ends the program at once, or after two seconds while a chamber is being set to its safe
+//! temperature. Signals within half a second count as one, because programs such as `timeout` send two. Temporary
+//! files are always removed. A program that was started by `nohup` continues when its terminal is closed.
 
 use crate::{exit_message, output};
 use anyhow::Context;
@@ -16,35 +16,35 @@ static LISTENED_TO: AtomicBool = AtomicBool::new(false);
 static STOP: OnceLock<Stop> = OnceLock::new();
 static FIRST: OnceLock<Instant> = OnceLock::new();
 
-/// Exit code of a program that a signal ended: this plus the number of the signal, as in shells.
+/// Base of the exit code of a program that a signal ended: this plus the signal's number, as in shells.
 const BY_SIGNAL: i32 = 128;
 
-/// Signals within this time after the first belong to it.
+/// Signals within this time after the first one count as the same.
 const SAME: Duration = Duration::from_millis(500);
 
-/// After a second signal, work that must not be cut short has this much time.
+/// Time after a second signal for work that must not be interrupted.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Installs the handler: from here on a signal ends the program. Call it before any command runs.
+/// Installs the signal handler. From here on a signal ends the program. Call it before any command runs.
 pub fn handle() -> anyhow::Result<()> {
-    // a process such as Python may have several command lines
+    // a process such as Python may run several command lines
     if HANDLED.set(()).is_ok() {
         handle_signals().context("installing the handler of Ctrl-C")?;
     }
     Ok(())
 }
 
-/// The request that the first signal makes, once a loop listens.
+/// The stop that the first signal requests, once a loop listens.
 pub fn stop() -> &'static Stop {
     STOP.get_or_init(Stop::default)
 }
 
-/// From here on the first signal only sets [`stop`].
+/// From here on the first signal only requests [`stop`].
 pub fn listen() {
     LISTENED_TO.store(true, Ordering::Relaxed);
 }
 
-/// Whether the user asked to stop.
+/// Whether a stop was requested.
 pub fn asked() -> bool {
     stop().asked()
 }
@@ -69,7 +69,7 @@ fn handle_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// Whether the parent process made the program ignore the signal. Known on Linux only.
+/// Whether the parent process made this program ignore the signal. Always false outside of Linux.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -81,9 +81,9 @@ fn is_ignored(signal: i32) -> bool {
 fn handle_signals() -> io::Result<()> {
     use signal_hook::consts::SIGINT;
     use std::sync::Arc;
-    /// Ctrl-Break, and a window that is closed.
+    /// Ctrl-Break, or a closed console window.
     const SIGBREAK: i32 = 21;
-    /// The signals are looked at this often.
+    /// Period at which the signals are checked.
     const POLL: Duration = Duration::from_millis(50);
     let caught = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGBREAK] {

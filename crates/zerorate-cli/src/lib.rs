@@ -34,9 +34,10 @@ mod wording;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Runs the command line `args`, program name first, to its exit code: 0 done, 1 failed, 2 usage, 3 refused.
+/// Runs the command line `args`, with the program name first. Returns the exit code: 0 success, 1 failure, 2 usage
+/// error, 3 refusal.
 ///
-/// Help, `--version` and a command line that cannot be parsed end the process, as clap does.
+/// For help, `--version` and command lines that cannot be parsed, clap ends the process.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args: Vec<OsString> = args.into_iter().collect();
     match first_steps::parse(&args) {
@@ -45,9 +46,9 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// Runs the command line as the main function of a program.
+/// Runs the command line as the main function of a program does.
 ///
-/// On Linux, a command that reads files of unknown origin runs in a child process with limited memory.
+/// On Linux, a command that reads files from untrusted sources runs in a child process with limited memory.
 pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args: Vec<OsString> = args.into_iter().collect();
     let cli = match first_steps::parse(&args) {

@@ -1,13 +1,13 @@
-//! The memory of the machine.
+//! The memory size of the machine.
 
 use zerorate_input::limits::Bytes;
 
-/// Half of the memory of the machine: the default limit of reading files.
+/// Half of the machine's memory: the default limit for reading files. `None` if it is unknown.
 pub fn half() -> Option<Bytes> {
     machine_bytes().map(|bytes| Bytes(bytes / 2))
 }
 
-/// The memory of the machine, or of the container that the process runs in.
+/// The memory of the machine, or of the container if that is less.
 #[cfg(target_os = "linux")]
 fn machine_bytes() -> Option<u64> {
     let info = rustix::system::sysinfo();

@@ -1,4 +1,4 @@
-//! The option that names the part.
+//! The option `--part`.
 
 use crate::exit::Usage;
 use crate::output::Outputs;
@@ -19,7 +19,7 @@ pub struct PartArgs {
 }
 
 impl PartArgs {
-    /// The part of a recording, completed by the part that was named.
+    /// The part of a recording, completed by the facts about the named part.
     pub fn of(&self, info: &CaptureInfo, outputs: &mut Outputs) -> Result<Part> {
         match self.named(outputs)? {
             Some(part) => Ok(info.part_from(&part).map_err(|error| Usage(error.to_string()))?),
@@ -27,7 +27,7 @@ impl PartArgs {
         }
     }
 
-    /// The part that was named, from the catalogue or from its file.
+    /// The named part, from the catalogue or from its file; `None` without the option.
     pub fn named(&self, outputs: &mut Outputs) -> Result<Option<Part>> {
         let Some(named) = &self.part else { return Ok(None) };
         let (text, range_dps) = text(named, outputs)?;
@@ -36,7 +36,7 @@ impl PartArgs {
     }
 }
 
-/// The text of the part that `--part` names, and its full scale in °/s, if `named` states one.
+/// The text of the part file that `--part` names, and the full scale in °/s if `named` states one.
 pub fn text(named: &Path, outputs: &mut Outputs) -> Result<(String, Option<f64>)> {
     catalogue::named(named, outputs).map_err(|error| match error.downcast() {
         Ok(Usage(why)) => Usage(format!("--part {}: {why}", named.display())).into(),

@@ -1,4 +1,4 @@
-//! The forms of a picture.
+//! Plots as files, SVG or PNG.
 
 use crate::exit::Usage;
 use crate::output::{Outputs, StagedOutput};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "png")]
 use zerorate_view::plot;
 
-/// The form of a picture.
+/// The file format of a plot.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Svg,
@@ -16,10 +16,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The form that the name states; none where it is not the name of a picture.
+    /// The format by the file extension; `None` if it is not one of a plot.
     ///
     /// # Errors
-    /// Returns an error if the form is not built in.
+    /// Returns an error if the format is not in this build.
     pub fn of(path: &Path) -> Result<Option<Self>, Usage> {
         match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Some(Self::Svg)),
@@ -35,14 +35,14 @@ impl Kind {
     }
 }
 
-/// The pictures to write, claimed before hours of data are read.
+/// The requested plots. Their files are claimed before hours of data are read.
 pub struct Pictures(Vec<(Kind, StagedOutput)>);
 
 impl Pictures {
     /// Claims the files.
     ///
     /// # Errors
-    /// Returns an error if a name is not the name of a picture, or a file must not be written.
+    /// Returns an error if a path has no extension of a plot, or if its file must not be written.
     pub fn claim(paths: &[PathBuf], outputs: &mut Outputs) -> Result<Self> {
         let kind = |path: &PathBuf| {
             let other = || Usage(format!("{}: a picture must end in .svg or .png", path.display()));
@@ -53,7 +53,7 @@ impl Pictures {
         Ok(Self(kinds.into_iter().zip(files).collect()))
     }
 
-    /// Writes the same picture into each file.
+    /// Writes the same plot into each file.
     ///
     /// # Errors
     /// Returns an error if a file cannot be written.
@@ -63,7 +63,7 @@ impl Pictures {
     }
 }
 
-/// Writes a picture in its form.
+/// Writes a plot in its format.
 pub fn write(kind: Kind, file: StagedOutput, svg: &str) -> Result<()> {
     match kind {
         Kind::Svg => Ok(file.fill(svg.as_bytes())?),

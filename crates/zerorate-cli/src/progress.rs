@@ -1,5 +1,4 @@
-//! The progress bar on stderr: the step in words, the progress, the time left. It is hidden where stderr is not a
-//! terminal.
+//! The progress bar on stderr: current step, percentage, remaining time. It is hidden if stderr is not a terminal.
 
 use crate::output::{clear, show, warn};
 use crate::wording::{coded, flag};
@@ -11,7 +10,7 @@ use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Watch;
 use zerorate_view::Seconds;
 
-/// Progress of a measurement whose length is known.
+/// The progress bar of a measurement with known length.
 #[derive(Debug)]
 pub struct Meter {
     bar: ProgressBar,
@@ -20,29 +19,30 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// A meter for a measurement that ends at `total`, in seconds of part time or in samples.
+    /// A progress bar that is full at `total`, in seconds of the part's time or in samples.
     pub fn new(total: f64) -> Self {
         let bar = ProgressBar::new(STEPS);
         let style = ProgressStyle::with_template("{msg:32} {wide_bar:.cyan/dim} {percent:>3} %  {eta} left ");
-        // the template is a constant; if it were wrong, the plain bar would still do
+        // the template is a constant; should it be invalid, the default style is used
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         show(&bar);
         Self { bar, scale: STEPS as f64 / total.max(f64::MIN_POSITIVE), note: None }
     }
 
-    /// Shows how much of the measurement is done, and the current step. Call it every few thousand samples.
+    /// Updates the amount `done`, in the unit of the total, and the current step. Call it every few thousand
+    /// samples.
     pub fn show(&self, done: f64, step: String) {
         self.bar.set_message(step);
         self.bar.set_position((done * self.scale) as u64);
     }
 
-    /// The same where only the rest is known, in the unit of the total.
+    /// Like [`Meter::show`], for a measurement whose total changes: `left` is the remaining amount.
     pub fn show_left(&self, done: f64, left: f64, step: String) {
         self.bar.set_message(step);
         self.bar.set_position((done / (done + left).max(f64::MIN_POSITIVE) * STEPS as f64) as u64);
     }
 
-    /// Whether nobody can see the bar.
+    /// Whether the bar is hidden.
     pub fn is_hidden(&self) -> bool {
         self.bar.is_hidden()
     }
@@ -77,11 +77,11 @@ impl Drop for Meter {
     }
 }
 
-/// Shows that a command of unknown length is at work.
+/// Shows that a command of unknown duration is running.
 pub struct Busy;
 
 impl Busy {
-    /// Shows `message` and the time since now, once the command has taken two seconds.
+    /// After two seconds, shows `message` and the elapsed time.
     pub fn with(message: String) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden()).with_message(message);
         let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}");
@@ -104,5 +104,5 @@ impl Drop for Busy {
     }
 }
 
-/// Resolution of the bar.
+/// The number of steps of the bar.
 const STEPS: u64 = 100_000;

@@ -1,9 +1,11 @@
-//! All commands and options in Markdown, from the definition of the command line, for the book.
+//! Writes the reference of all commands and options in Markdown for the book, from the definition of the command
+//! line.
 
 use crate::commands::help::DEVICE;
 use clap::{Arg, Command};
 
-/// A section for each of `groups`, which names the commands of `cli` by purpose, and the addresses of devices.
+/// Makes the page: a section for each of `groups`, which list the commands of `cli` by purpose, and the addresses of
+/// devices.
 pub fn page(mut cli: Command, groups: &[(&str, &[&str])]) -> String {
     cli.build();
     let global: String = cli.get_arguments().filter(|arg| arg.is_global_set()).map(item).collect();
@@ -53,7 +55,7 @@ fn item(arg: &Arg) -> String {
     text
 }
 
-/// Text in which Markdown finds no marks of its own.
+/// Escapes text for Markdown.
 fn plain(text: &str) -> String {
     text.trim().replace('<', "\\<").replace('*', "\\*").replace("](", "]\\(")
 }

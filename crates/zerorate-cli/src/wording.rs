@@ -1,4 +1,4 @@
-//! Settings, warnings and errors in the words of the command line.
+//! Words settings, warnings and errors for the command line.
 
 use crate::column::flag_of;
 use std::path::Path;
@@ -8,17 +8,17 @@ use zerorate_jobs::output::could_be_forced;
 use zerorate_jobs::{CodedWarning, InvalidOptions, JobWarning};
 use zerorate_record::{CaptureError, Format};
 
-/// Formats a warning for scripts: `code: text`.
+/// Formats a warning as `code: text`, with the names of options.
 pub fn coded(warning: impl Into<JobWarning>) -> CodedWarning {
     warning.into().coded(flag)
 }
 
-/// The text of an error, with the option that helps. Errors and warnings that carry an error both take it.
+/// The text of an error, with advice about an option. It is used for errors, and for warnings that carry an error.
 pub fn text(error: &anyhow::Error) -> String {
     format!("{error:#}{}", remedy(error))
 }
 
-/// The form of the file that a command with `--format` writes.
+/// The format of the file to write: as requested by `--format`, or by the file extension.
 pub fn form(asked: Option<Format>, path: &Path) -> anyhow::Result<Format> {
     Format::choose(asked, path).map_err(|error| match error {
         CaptureError::UnknownEnding { .. } => InvalidOptions(format!("{error}, or give --format")).into(),
@@ -26,12 +26,12 @@ pub fn form(asked: Option<Format>, path: &Path) -> anyhow::Result<Format> {
     })
 }
 
-/// The end of the sentence: what to do about an error.
+/// The end of an error's text with an option that helps; empty if there is none.
 fn remedy(error: &anyhow::Error) -> &'static str {
     if could_be_forced(error) { ", or give --force" } else { "" }
 }
 
-/// Returns the option of a setting.
+/// The name of a setting's option.
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::Edge => SettingName::text("edge=rising or edge=falling in --device"),

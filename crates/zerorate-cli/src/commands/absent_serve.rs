@@ -1,4 +1,4 @@
-//! `zerorate serve` in a program that was built without it.
+//! Stands in for `zerorate serve` in a program that was built without it.
 
 use crate::exit::Usage;
 use anyhow::Result;
@@ -15,13 +15,13 @@ pub struct ServeArgs {
 }
 
 impl ServeArgs {
-    /// The command reads no file.
+    /// Always `None`, since the command reads no file.
     pub fn file(&self) -> Option<&Path> {
         None
     }
 }
 
-/// Says which feature adds the command.
+/// Returns an error that names the feature which adds the command.
 pub fn run(_: &ServeArgs) -> Result<()> {
     Err(Usage(NotBuiltIn { what: "`zerorate serve`", feature: "serve" }.to_string()).into())
 }

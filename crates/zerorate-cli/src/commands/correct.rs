@@ -93,7 +93,7 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     Ok(calibration)
 }
 
-/// A log or another file was given as a calibration.
+/// The error for a log or another file that was given as a calibration.
 fn other_file(path: &Path) -> Error {
     anyhow!("{} is not a calibration file: give the TOML file that `zerorate calibrate -o` writes", path.display())
 }

@@ -1,4 +1,4 @@
-//! `zerorate export`: a calibration as firmware takes it: table and integer coefficients.
+//! `zerorate export`: writes a calibration for firmware, as tables and integer coefficients.
 
 use super::correct::load;
 use crate::exit::Usage;
@@ -58,7 +58,7 @@ pub struct ExportArgs {
     force: bool,
 }
 
-/// Forms that users ask for and that have no place for a bias.
+/// Formats that users may ask for but that cannot hold a bias.
 const REFUSED: [(&str, &str); 2] = [
     ("kalibr", "Refused: Kalibr has no place for a bias"),
     ("ros", "Refused: ROS has no place for a bias over temperature"),
@@ -92,7 +92,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     }
 }
 
-/// Makes invalid options a usage error.
+/// Converts invalid options to a usage error.
 fn usage(error: anyhow::Error) -> anyhow::Error {
     match error.downcast::<InvalidOptions>() {
         Ok(InvalidOptions(text)) => Usage(text).into(),
@@ -106,7 +106,7 @@ impl ExportArgs {
         Options { step_c, span_c, prefix, sensor, device_id }
     }
 
-    /// Checks that each option belongs to the form, before anything is read.
+    /// Checks that each option fits the format, before anything is read.
     fn check_autopilot(&self, form: Option<ExportForm>) -> Result<()> {
         let autopilot = form.is_some_and(ExportForm::is_autopilot);
         let px4 = form == Some(ExportForm::Px4);
@@ -125,7 +125,7 @@ impl ExportArgs {
     }
 }
 
-/// Refuses formats of calibrations between cameras and IMUs, which have no place for a bias.
+/// The error for formats of camera-IMU calibrations, which cannot hold a bias.
 fn no_place(format: &str) -> anyhow::Error {
     let (why, instead) = match format {
         "kalibr" => (

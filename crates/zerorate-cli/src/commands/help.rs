@@ -1,4 +1,4 @@
-//! `zerorate help`: the help of a command, or a topic that several commands share.
+//! `zerorate help`: the help of a command, or of a topic that several commands share.
 
 use crate::output::print;
 use anyhow::Result;
@@ -12,11 +12,11 @@ pub struct HelpArgs {
     about: Option<String>,
 }
 
-/// `root` is the command `zerorate`.
+/// Prints the help. `root` is the command `zerorate`.
 pub fn run(args: &HelpArgs, root: clap::Command) -> Result<()> {
     match args.about.as_deref() {
         Some("device") => print(DEVICE),
-        // clap prints it and ends the process; it also finds the command that a typo meant
+        // clap prints the help and exits; for a mistyped command it suggests a similar one
         about => {
             drop(root.get_matches_from(["zerorate"].into_iter().chain(about).chain(["--help"])));
             Ok(())
@@ -24,7 +24,7 @@ pub fn run(args: &HelpArgs, root: clap::Command) -> Result<()> {
     }
 }
 
-/// The addresses that `--device` takes, for people.
+/// The help about the addresses that `--device` takes.
 pub const DEVICE: &str = "\
 What --device takes: an address, with options behind ? and & (for twin: they are keys).
 

@@ -1,11 +1,12 @@
-//! `zerorate man` and `zerorate completions`: the command line as a manual page and as scripts for shells.
+//! `zerorate man` and `zerorate completions`: the command line as a manual page and as completion scripts for
+//! shells.
 
 use super::help::DEVICE;
 use crate::output::print;
 use clap_mangen::Man;
 use std::io::{self, Write};
 
-/// Prints one page: the program, a section for each command, and the addresses of devices.
+/// Prints one manual page: the program, a section for each command, and the addresses of devices.
 pub fn man(mut root: clap::Command) -> anyhow::Result<()> {
     root.build();
     let man = Man::new(root.clone());
@@ -21,14 +22,14 @@ pub fn man(mut root: clap::Command) -> anyhow::Result<()> {
     print(&String::from_utf8_lossy(&page))
 }
 
-/// The text of [`render_body`] for a command, one heading level down.
+/// The manual section of a command: the text of [`render_body`] one heading level lower.
 fn command_section(command: &clap::Command) -> io::Result<Vec<u8>> {
     let mut section = Vec::new();
     render_body(&Man::new(command.clone()), command, &mut section)?;
     Ok(String::from_utf8_lossy(&section).replace(".SH ", ".SS ").into_bytes())
 }
 
-/// Writes synopsis, description, options and, where there are any, notes.
+/// Writes synopsis, description, options and, if there are any, notes.
 fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Result<()> {
     man.render_synopsis_section(page)?;
     man.render_description_section(page)?;
@@ -36,14 +37,14 @@ fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Re
     if command.get_after_help().is_some() {
         let mut notes = Vec::new();
         man.render_extra_section(&mut notes)?;
-        // its lines are tables and stay as they are
+        // the lines of the notes are tables, so they must not be filled
         let notes = String::from_utf8_lossy(&notes).replacen("EXTRA\n", "NOTES\n.nf\n", 1);
         writeln!(page, "{}\n.fi", notes.trim_end())?;
     }
     Ok(())
 }
 
-/// Text as it is, for roff: no line of it is a request.
+/// Escapes text for roff, so that no line is taken for a request.
 fn roff(text: &str) -> String {
     text.replace('\\', "\\e").replace('-', "\\-").replace("\n'", "\n\\&'").replace("\n.", "\n\\&.")
 }

@@ -88,7 +88,7 @@ fn list(texts: &[&str]) -> Result<String> {
 }
 
 impl Rate {
-    /// `±250 to 2000 °/s`.
+    /// Formats the range of full scales: `±250 to 2000 °/s`.
     fn range(&self) -> String {
         let all = self.full_scales.iter().map(|full_scale| &full_scale.range_dps).chain([&self.range_dps]);
         let all: Vec<f64> = all.filter_map(value).collect();
@@ -97,13 +97,13 @@ impl Rate {
     }
 }
 
-/// A number, alone or in a table with its source.
+/// A number, given alone or in a table with its source.
 fn value(number: &Value) -> Option<f64> {
     let number = number.get("value").unwrap_or(number);
     number.as_float().or_else(|| number.as_integer().map(|whole| whole as f64))
 }
 
-/// The white noise, as the data sheet prints it.
+/// Formats the white noise as the data sheet states it; empty if it does not.
 fn noise(lines: &[Line]) -> String {
     let of = |figure: Figure| lines.iter().find(move |line| line.figure == figure);
     let line = of(Figure::NoiseDensity).or_else(|| of(Figure::RandomWalk));

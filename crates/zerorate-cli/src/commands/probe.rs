@@ -77,7 +77,7 @@ fn text(findings: &Findings) -> String {
     )
 }
 
-/// Formats a value that may not have been measured.
+/// Formats a value, or that it was not measured.
 fn shown(value: Option<f64>, unit: &str) -> String {
     value.map_or("not measured".to_owned(), |value| format!("{value:.4} {unit}"))
 }

@@ -14,7 +14,7 @@ use zerorate_record::columns::Rows;
 use zerorate_record::table;
 use zerorate_record::{CaptureError, CaptureWarning, Checked, Format, Layout, checked_schema};
 
-/// Metadata of a repaired capture that states what is missing.
+/// The metadata key that states what is missing from a repaired capture.
 const REPAIRED: &str = "zerorate.repaired";
 
 /// Copy the undamaged part of a capture to a new file
@@ -66,7 +66,7 @@ pub fn run(args: &RepairArgs) -> Result<()> {
 /// The undamaged part of a capture.
 struct IntactPart {
     rows: u64,
-    /// A description of the missing or damaged rest.
+    /// What is missing or damaged after it; `None` if the capture is complete.
     missing: Option<String>,
 }
 
@@ -106,7 +106,7 @@ fn open(path: &Path) -> Result<Checked, CaptureError> {
     }
 }
 
-/// The columns of the file, with the description as this version writes it.
+/// The schema of the repaired capture: the file's columns, with the description in this version's form.
 fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
     let found = table.schema();
     let mut metadata: Metadata = table.description().into_iter().chain(table.info().to_metadata()).collect();

@@ -1,4 +1,4 @@
-//! `zerorate report`: a calibration as one page to read, print and file.
+//! `zerorate report`: writes calibrations as one HTML page to read, print and file.
 
 use super::correct::load;
 use crate::exit::Usage;

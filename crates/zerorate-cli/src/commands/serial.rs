@@ -1,4 +1,4 @@
-//! The check that a calibration belongs to the part. Also the notes of a measurement.
+//! The check that a calibration belongs to the part, and the notes of a measurement.
 
 use anyhow::{Error, Result};
 use clap::Args;
@@ -7,7 +7,7 @@ use zerorate::Calibration;
 use zerorate::calibration::Notes;
 use zerorate_view::SessionWarning;
 
-/// Parses a text that files and messages show as one line.
+/// Parses a text that must be a single line.
 pub fn one_line(text: &str) -> Result<String, String> {
     match text.trim() {
         "" => Err("it is empty; leave the option out".to_owned()),
@@ -40,21 +40,22 @@ impl From<NotesArgs> for Notes {
     }
 }
 
-/// Advice of a command that has the option `--serial`.
+/// The advice of commands that have the option `--serial`.
 pub const GIVE: &str = "give --serial SN";
 
-/// The part whose rates are to be corrected.
+/// The part whose rates will be corrected.
 pub struct Part<'a> {
-    /// Its name in messages: the device, or the capture.
+    /// Its name in messages: the device or the capture.
     pub name: &'a str,
     /// Its serial number, if it is known.
     pub serial: Option<&'a str>,
-    /// How to make the serial number known.
+    /// Advice on how to state the serial number.
     pub advice: &'static str,
 }
 
 impl Part<'_> {
-    /// Returns a warning where nothing shows that `calibration`, from the file `path`, belongs to this part.
+    /// Checks that `calibration`, from the file `path`, belongs to this part. Returns a warning if that is
+    /// uncertain.
     ///
     /// # Errors
     /// Returns an error if the calibration belongs to another part.

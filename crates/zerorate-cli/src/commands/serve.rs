@@ -1,4 +1,4 @@
-//! `zerorate serve`: the live page.
+//! `zerorate serve`: serves the live page.
 
 use super::correct::load;
 use super::serial::{self, Part, one_line};
@@ -81,7 +81,7 @@ pub struct ServeArgs {
 }
 
 impl ServeArgs {
-    /// The file of unknown origin that the command reads.
+    /// The input file that may come from an untrusted source, if the device is a recording.
     pub fn file(&self) -> Option<&Path> {
         self.source.file()
     }
@@ -128,12 +128,12 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     });
     let session = session.context("starting the session")?;
     let served = serve::run(listener, guard, requests, stop);
-    // however the server ended, the recording is completed
+    // however the server ended, the recording must be completed
     stop.ask();
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
 }
 
-/// Opens the server for clients of libiio. It has no password, so other machines must not reach it.
+/// Opens the listener for libiio clients, which need no password. So it must not be reachable from other machines.
 fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<Libiio>> {
     if args.no_iio {
         return Ok(None);
@@ -158,14 +158,15 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
     Ok(Some(Libiio::new(listener, calibration, args.allow_write)))
 }
 
-/// Checks that the calibration that is applied belongs to the part.
+/// Checks that the applied calibration belongs to the part.
 fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
     let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: serial::GIVE };
     warn(part.check(calibration, cal)?.map(coded).as_slice());
     Ok(())
 }
 
-/// Puts the calibrations of the folder and of the command line on file.
+/// Stores the calibrations of the folder and of the command line in the session, and applies the first of the
+/// latter.
 fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
     let (session, folder) = session_thread.calibrations();
     folder.read(session)?;
@@ -178,7 +179,7 @@ fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
     Ok(())
 }
 
-/// The token, required where other machines can reach the address.
+/// The token; `None` if only this machine can reach the address and no token was given.
 fn token(args: &ServeArgs, outputs: &mut Outputs) -> Result<Option<Token>> {
     match &args.token_file {
         Some(path) => Token::of_file(path, &outputs.text(path, limits::TEXT)?).map(Some),
@@ -204,8 +205,8 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
     })
 }
 
-/// Prints the address of the page. A token from a file is not printed, since others can read the journal in which the
-/// output of a service is kept.
+/// Prints the address of the page. A token from a file is not printed, because the output of a service goes to a
+/// journal that others can read.
 fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) {
     if !serve::has_page() {
         warn(&[serve::absent()]);
@@ -219,7 +220,7 @@ fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) 
     let Some(token) = token else { return say(format_args!("open {url}")) };
     match of_file {
         Some(path) => say(format_args!("open {url} with the token of {}", path.display())),
-        // browsers do not send the part behind # to a server
+        // browsers do not send the part after # to a server
         None => say(format_args!("open {url}#token={}", token.reveal())),
     }
     if !address.ip().is_loopback() {

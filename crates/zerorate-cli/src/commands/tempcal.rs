@@ -1,4 +1,4 @@
-//! `zerorate tempcal`: the bias of all axes over temperature, from logs of any IMU at rest.
+//! `zerorate tempcal`: fits the bias of all axes over temperature, from logs of any IMU at rest.
 
 use super::imu::axes::AxisArgs;
 use super::serial::one_line;
@@ -93,7 +93,7 @@ enum Form {
 }
 
 impl Form {
-    /// The usual endings of such files, and what they are.
+    /// The usual file extensions of the format, and its description.
     fn row(self) -> (&'static [&'static str], &'static str) {
         match self {
             Self::Toml => (&["toml"], "(a calibration of the gyroscopes)"),
@@ -103,13 +103,13 @@ impl Form {
         }
     }
 
-    /// The name on the command line.
+    /// The name of the format as an option value.
     fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 
-/// Refuses a file whose ending belongs to another form.
+/// Refuses a file whose extension belongs to another format.
 fn check_ending(args: &TempcalArgs) -> Result<()> {
     let Some(ending) = args.output.as_ref().and_then(|path| path.extension()?.to_str()) else { return Ok(()) };
     let is_of = |form: &&Form| form.row().0.contains(&ending);
@@ -123,14 +123,14 @@ fn check_ending(args: &TempcalArgs) -> Result<()> {
     }
 }
 
-/// What `--json` prints.
+/// The JSON object that `--json` prints.
 #[derive(Serialize)]
 struct Report<'a> {
     axes: &'a [AxisCurve],
     warnings: &'a [String],
 }
 
-/// Name of a part that nobody named.
+/// The name of the part in a calibration, since no option states it.
 const PART: &str = "gyroscope";
 
 pub fn run(args: &TempcalArgs) -> Result<()> {
@@ -166,7 +166,7 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
     printed
 }
 
-/// The content of the file.
+/// The content of the output file.
 fn text(args: &TempcalArgs, logs: &[UnitLog], found: &Tempcal) -> Result<String> {
     Ok(match args.format {
         Form::Csv => csv(&found.axes),
@@ -176,7 +176,7 @@ fn text(args: &TempcalArgs, logs: &[UnitLog], found: &Tempcal) -> Result<String>
     })
 }
 
-/// Writes the page and the file.
+/// Writes the page and the output file.
 fn write(
     args: &TempcalArgs,
     found: &Tempcal,

@@ -1,4 +1,4 @@
-//! `zerorate twin`: the keys of the simulated part.
+//! `zerorate twin`: lists the keys of the simulated part.
 
 use crate::output::print;
 use adis16130_twin::{KEYS, Key};
@@ -9,7 +9,7 @@ pub fn run() -> Result<()> {
     print(&(keys_help() + "\n"))
 }
 
-/// The table of the keys, from the table of the twin.
+/// The help about the keys, made from the twin's own table.
 pub fn keys_help() -> String {
     let keys: Vec<String> = KEYS.iter().map(entry).collect();
     format!(

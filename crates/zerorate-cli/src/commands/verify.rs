@@ -17,10 +17,10 @@ use zerorate_record::table;
 use zerorate_record::{CaptureError, CaptureInfo, Checked};
 use zerorate_view::duration::Seconds;
 
-/// Largest size of a calibration file: bounds the memory where a file is something else.
+/// Largest accepted size of a calibration file. It bounds the memory if the file is something else.
 const CALIBRATION_BYTES: u64 = 1 << 20;
 
-/// The form of a file that is neither a capture nor a calibration.
+/// The name for a file that is neither a capture nor a calibration.
 const OTHER: &str = "other";
 
 /// Check captures and calibration files for damage
@@ -40,51 +40,51 @@ pub struct VerifyArgs {
     json: bool,
 }
 
-/// The object that `--json` prints.
+/// The JSON object that `--json` prints.
 #[derive(Serialize)]
 struct Report {
     whole: bool,
     files: Vec<Verdict>,
 }
 
-/// The result for one file.
+/// The result of checking a file.
 #[derive(Default, Serialize)]
 struct Verdict {
     file: String,
     whole: bool,
-    /// `OTHER` if it is neither a capture nor a calibration; empty if it cannot be read.
+    /// The kind of file. [`OTHER`] if it is neither a capture nor a calibration; empty if it cannot be read.
     form: &'static str,
     schema: Option<u32>,
-    /// A capture's facts about its part.
+    /// A capture's statements about its part.
     #[serde(flatten)]
     stated: Option<CaptureFacts>,
-    /// Whether checks in the file cover its whole content.
+    /// Whether the file's own checks cover its whole content.
     checked: bool,
     rows: u64,
     lost: u64,
     first_ns: Option<u64>,
     last_ns: Option<u64>,
     samples_sha256: Option<String>,
-    /// Whether the end is missing.
+    /// Whether the end of a capture is missing.
     torn: bool,
     /// What is wrong, and where.
     damage: Option<String>,
     /// The remedy for a damaged file.
     remedy: Option<String>,
     notes: Vec<String>,
-    /// Whether nothing is known about its content: it does not exist, or this program cannot read it.
+    /// Whether the content is unknown, because the file does not exist or this program cannot read it.
     #[serde(skip)]
     unread: bool,
 }
 
-/// A capture's facts about its part.
+/// A capture's statements about its part.
 #[derive(Serialize)]
 struct CaptureFacts {
     part: String,
     serial: Option<String>,
     device: String,
     simulated: bool,
-    /// When it was recorded, RFC 3339; empty if simulated.
+    /// Time of recording, RFC 3339; empty if simulated.
     created: String,
 }
 
@@ -136,7 +136,7 @@ fn verdict(path: &Path) -> Verdict {
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
 }
 
-/// What to do with a damaged capture that has `rows` rows before its first damaged block.
+/// The advice about a damaged capture with `rows` rows before its first damaged block.
 fn remedy(path: &Path, rows: u64) -> String {
     match rows {
         0 => "no row of it can be kept: take another copy".to_owned(),
@@ -145,7 +145,7 @@ fn remedy(path: &Path, rows: u64) -> String {
 }
 
 fn reason(error: CaptureError) -> String {
-    // Arrow describes the place in several lines
+    // the error of Arrow has several lines
     format!("{:#}", anyhow::Error::from(error)).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

@@ -1,9 +1,9 @@
-//! Calibrations, and the report made of them.
+//! Damaged calibrations, and the reports made of them.
 
 use super::edited;
 use zerorate::Calibration;
 
-/// Everything that a calibration can state.
+/// A calibration with every possible field.
 const CALIBRATION: &str = r#"schema = 1
 part = "ADIS16130"
 serial = "A17"
@@ -67,7 +67,7 @@ earth_dps = 0.003
 assume_linear = false
 "#;
 
-/// Two axes: one as short as possible, one in full.
+/// A calibration with two axes, one with as few fields as possible and one with all.
 const AXES: &str = r#"schema = 2
 part = "ADIS16405"
 axis = [{ name = "x", correction = { pbc_dps = 1, btc_dps_per_c = 0, t3_c = 3 } }, { name = "y", warnings = ["one"],
@@ -84,7 +84,7 @@ temp_max_c = 32.5
 margin_c = 1.4
 "#;
 
-/// A calibration that is accepted gives finite rates, reads back as it was written, and makes a report.
+/// A calibration that is accepted gives finite rates, reads back as written, and makes a report.
 #[test]
 fn calibration() {
     let (measured, _) = Calibration::parse(CALIBRATION).expect("a calibration");

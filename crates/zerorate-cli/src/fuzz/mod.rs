@@ -1,4 +1,5 @@
-//! Damaged input into every decoder of the program: none may panic. The harness is shared with `zerorate-record`.
+//! Fuzz tests: damaged input into every decoder of the program. None may panic. The harness is shared with
+//! `zerorate-record`.
 
 mod calibrations;
 #[path = "../../../zerorate-record/src/fuzz/edit.rs"]

@@ -1,4 +1,4 @@
-//! Bytes from the wire of a bridge.
+//! Damaged bytes to and from a bridge.
 
 use super::edited;
 use adis16130::bridge::{Answer, Command, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
@@ -7,7 +7,7 @@ fn frame(message: &impl serde::Serialize) -> Vec<u8> {
     encode(message, &mut [0; MAX_FRAME]).expect("it fits").to_vec()
 }
 
-/// Messages of a bridge: damaged bytes give at most one message for each zero byte.
+/// Messages of a bridge. Damaged bytes give at most one message for each zero byte.
 #[test]
 fn bridge_messages() {
     let reading = WireSample {

@@ -1,4 +1,4 @@
-//! Words of the command line and of files: addresses, keys, durations, units, sizes.
+//! Damaged words of the command line and of files: addresses, keys, durations, units, sizes.
 
 use super::edited;
 use adis16130_twin::Spec;

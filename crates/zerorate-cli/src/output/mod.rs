@@ -1,4 +1,4 @@
-//! The output of commands: what they print, and the files that they write.
+//! The output of commands: what they print and which files they write.
 
 mod print;
 mod stdio;

@@ -1,4 +1,4 @@
-//! Printing: data and lines for people go to stdout, warnings to stderr.
+//! Prints data and text for people to stdout, and warnings to stderr.
 
 use super::{Stdout, say};
 use anyhow::{Context, Result};
@@ -7,7 +7,7 @@ use std::fmt::Display;
 use std::io::Write;
 use zerorate_input::plain;
 
-/// Prints text to stdout. A closed pipe is an error to pass on, not a panic.
+/// Prints text to stdout. A closed pipe is returned as an error and does not panic.
 pub fn print(text: &str) -> Result<()> {
     let mut stdout = Stdout::lock();
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
@@ -30,7 +30,7 @@ pub fn warn<T: Display>(warnings: &[T]) {
     }
 }
 
-/// The command line as the user gave it, for a page.
+/// The command line as the user typed it, for a page.
 pub fn command_line() -> String {
     std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
 }

@@ -1,4 +1,4 @@
-//! The standard streams: the reader of stdout may leave, and stderr may be full.
+//! The standard streams, which may fail: stdout's reader may close it, and stderr may be full.
 
 use clap::builder::styling::{AnsiColor, Style};
 use indicatif::ProgressBar;
@@ -7,32 +7,32 @@ use std::io::{self, ErrorKind, IsTerminal, StdoutLock, Write};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use zerorate_input::plain;
 
-/// The reader of stdout left, as in `zerorate … | head`. This ends the run but is not a failure.
+/// The error that the reader of stdout closed it, as in `zerorate … | head`. It ends the run but is not a failure.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 #[error("the reader of stdout is gone")]
 struct ReaderLeft;
 
-/// The bar on stderr, while there is one.
+/// The progress bar on stderr, if there is one.
 static BAR: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
 fn bar() -> MutexGuard<'static, Option<ProgressBar>> {
     BAR.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From here on lines are printed above this bar.
+/// Shows a progress bar. From here on lines are printed above it.
 pub fn show(new: &ProgressBar) {
     *bar() = Some(new.clone());
 }
 
-/// Removes the bar, if there is one.
+/// Removes the progress bar, if there is one.
 pub fn clear() {
     if let Some(bar) = bar().take() {
         bar.finish_and_clear();
     }
 }
 
-/// Prints a line for people to stderr, without control characters. A line that cannot be written must not end the
-/// measurement.
+/// Prints a line for people to stderr, without control characters. If it cannot be written, that is ignored, since
+/// the measurement must go on.
 pub fn say(line: impl Display) {
     let line = line.to_string();
     let line = painted(&plain::line(&line));
@@ -43,7 +43,7 @@ pub fn say(line: impl Display) {
     }
 }
 
-/// The words that begin a line, and how they look on a terminal.
+/// The first words of lines, with their styles on a terminal.
 const LABELS: [(&str, Style); 4] = [
     ("error:", AnsiColor::Red.on_default().bold()),
     ("refused:", AnsiColor::Red.on_default().bold()),
@@ -66,12 +66,12 @@ fn painted(line: &str) -> String {
     }
 }
 
-/// Stdout, for data. [`ReaderLeft`] distinguishes its broken pipe from every other one.
+/// Stdout for data. Its errors use [`ReaderLeft`] to distinguish its closed pipe from every other one.
 #[derive(Debug)]
 pub struct Stdout(StdoutLock<'static>);
 
 impl Stdout {
-    /// Locks stdout: nothing else prints until this is dropped. A bar would stand among the data, so it ends here.
+    /// Locks stdout until this is dropped. Removes the progress bar, which would be mixed with the data.
     pub fn lock() -> Self {
         clear();
         Self(io::stdout().lock())
@@ -95,7 +95,7 @@ fn marked(error: io::Error) -> io::Error {
     }
 }
 
-/// Whether the error says that the reader of stdout left.
+/// Whether the error means that the reader of stdout closed it.
 pub fn reader_left(error: &anyhow::Error) -> bool {
     let is_mark = |error: &io::Error| error.get_ref().is_some_and(|inner| inner.is::<ReaderLeft>());
     error.chain().any(|cause| cause.downcast_ref().is_some_and(is_mark))

@@ -1,11 +1,11 @@
-//! Answers to requests.
+//! HTTP answers.
 
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::header::HeaderValue;
 use hyper::{Response, StatusCode, header};
 
-/// An answer, whose body is there.
+/// An HTTP answer with a complete body.
 pub type Answer = Response<Full<Bytes>>;
 
 /// An answer without a body.
@@ -15,7 +15,7 @@ pub fn empty(status: StatusCode) -> Answer {
     answer
 }
 
-/// A body of this media type.
+/// An answer with a body of this media type.
 pub fn typed(status: StatusCode, media_type: &'static str, body: impl Into<Bytes>) -> Answer {
     let mut answer = empty(status);
     answer.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type));
@@ -23,7 +23,7 @@ pub fn typed(status: StatusCode, media_type: &'static str, body: impl Into<Bytes
     answer
 }
 
-/// A sentence.
+/// An answer with a plain text.
 pub fn text(status: StatusCode, text: impl Into<Bytes>) -> Answer {
     typed(status, "text/plain; charset=utf-8", text)
 }

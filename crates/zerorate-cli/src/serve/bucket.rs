@@ -1,8 +1,8 @@
-//! A limit on how often something may be done.
+//! A rate limit.
 
 use std::time::{Duration, Instant};
 
-/// A token bucket: `most` actions at once, and `per_s` a second in the long run.
+/// A token bucket: it allows `most` actions at once, and `per_s` actions per second in the long run.
 #[derive(Debug)]
 pub struct Bucket {
     most: f64,
@@ -12,7 +12,7 @@ pub struct Bucket {
 }
 
 impl Bucket {
-    /// A full bucket.
+    /// Starts with a full bucket.
     pub fn new(most: u32, per_s: f64, now: Instant) -> Self {
         Self { most: most.into(), per_s, left: most.into(), at: now }
     }
@@ -23,7 +23,7 @@ impl Bucket {
         self.left >= 1.0
     }
 
-    /// Takes one action, or returns the time until one is allowed.
+    /// Counts an action, or returns the time until one is allowed.
     pub fn take(&mut self, now: Instant) -> Result<(), Duration> {
         self.fill(now);
         if self.left < 1.0 {
@@ -33,7 +33,7 @@ impl Bucket {
         Ok(())
     }
 
-    /// Takes one action in any case, and returns when the next is allowed.
+    /// Counts an action in any case, and returns the time at which the next one is allowed.
     pub fn borrow(&mut self, now: Instant) -> Instant {
         self.fill(now);
         self.left -= 1.0;

@@ -1,4 +1,4 @@
-//! Checks of the connection that only the host of a part can make.
+//! Connection checks that only the part's host can make.
 
 use crate::wording::flag;
 use zerorate::Tally;
@@ -6,14 +6,14 @@ use zerorate_host::{Bus, DeviceInfo};
 use zerorate_jobs::proposal::proposal;
 use zerorate_web::message::CheckResult;
 
-/// Time of checking samples, as in `zerorate probe`, s.
+/// Duration of the samples that are checked, as in `zerorate probe`, s.
 const DURATION_S: f64 = 5.0;
 
 fn check(what: &str, ok: bool, text: impl Into<String>) -> CheckResult {
     CheckResult { what: what.to_owned(), ok, text: text.into() }
 }
 
-/// The checks that opening a device has made.
+/// The results of the checks while the device was opened.
 pub fn connection_checks(revision: Option<u8>, bus: Option<Bus>) -> Vec<CheckResult> {
     let answers = revision.map(|revision| {
         check("part", true, format!("answers, revision {revision:02X}h; every register written reads back"))
@@ -29,19 +29,20 @@ pub fn connection_checks(revision: Option<u8>, bus: Option<Bus>) -> Vec<CheckRes
     answers.into_iter().chain(bus).collect()
 }
 
-/// The check that this host takes all samples, made on the first seconds.
+/// Checks with the first seconds of samples whether this host reads all samples.
 pub struct HostCheck {
     bus: Option<Bus>,
     mclk_hz: u32,
 }
 
 impl HostCheck {
-    /// A check of a device that has not given a sample yet.
+    /// Starts the check, before the first sample.
     pub fn new(facts: &DeviceInfo, bus: Option<Bus>) -> Self {
         Self { bus, mclk_hz: facts.mclk_hz }
     }
 
-    /// Returns the result once there are enough samples. The inner value is none where all is well.
+    /// The result, once the duration is reached; `None` before. The inner value is `None` if there is nothing to
+    /// report.
     pub fn ended(&self, tally: &Tally) -> Option<Option<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;

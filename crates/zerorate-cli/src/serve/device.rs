@@ -1,4 +1,4 @@
-//! The device behind the page. It is opened, read, and opened again after it was unplugged or on request.
+//! The device behind the page. It is opened and read, and opened again after it was disconnected or on request.
 
 use super::connection::connection_checks;
 use anyhow::Result;
@@ -13,20 +13,20 @@ use zerorate_record::CaptureInfo;
 use zerorate_web::registers;
 use zerorate_web::session::About;
 
-/// The device, and how to read it.
+/// The address of the device, and the settings for opening it.
 #[derive(Clone, Debug)]
 pub struct Opener {
-    /// The device.
+    /// The address of the device.
     pub spec: DeviceSpec,
-    /// How to read it.
+    /// The settings for reading it.
     pub setup: Setup,
     /// The serial number of the part, if the user gave it.
     pub serial: Option<String>,
-    /// The request to end.
+    /// The stop of the whole server.
     pub stop: Stop,
 }
 
-/// A device that was opened, initialised and checked, and is not read yet.
+/// A device that was opened, initialised and checked, but is not being read yet.
 pub struct OpenDevice {
     pub hub: Arc<Hub>,
     pub about: About,
@@ -34,7 +34,7 @@ pub struct OpenDevice {
 }
 
 impl Opener {
-    /// Opens the device and checks it as `zerorate probe` does.
+    /// Opens the device and checks it like `zerorate probe`.
     pub fn open(&self) -> Result<OpenDevice> {
         let hub = Hub::open(&self.spec, self.setup.clone(), &self.stop)?;
         let revision = hub.with(|source| source.initialise())?;
@@ -56,15 +56,15 @@ impl Opener {
         Ok(OpenDevice { hub: Arc::new(hub), about, bus })
     }
 
-    /// The same in a thread of its own, after `before` was dropped.
+    /// Opens the device in a separate thread, after dropping the previous hub `before`.
     pub fn open_again(&self, before: Option<Arc<Hub>>) -> Opening {
         let (opener, (tell, told)) = (self.clone(), channel());
         let body = move || {
             drop(before);
-            // the receiver may be gone
+            // the receiver may have been dropped
             let _ = tell.send(opener.open());
         };
-        // if no thread can be started, the channel is closed
+        // if no thread can be started, the channel is closed, which `ready` reports
         drop(thread::Builder::new().name("opening".to_owned()).spawn(body));
         Opening(told)
     }
@@ -74,7 +74,7 @@ impl Opener {
 pub struct Opening(Receiver<Result<OpenDevice>>);
 
 impl Opening {
-    /// The result, once it is known.
+    /// The result; `None` while the device is being opened.
     pub fn ready(&self) -> Option<Result<OpenDevice>> {
         match self.0.try_recv() {
             Ok(opened) => Some(opened),
@@ -84,24 +84,25 @@ impl Opening {
     }
 }
 
-/// The samples for the session: all of them, unless a real part would have to wait.
+/// The samples for the session: all of them, except that a real part is never made to wait.
 pub enum SampleFeed {
-    /// Simulated and recorded time waits for the session.
+    /// Simulated or replayed time waits for the session.
     LosslessReader(LosslessReader),
-    /// A real part does not wait: samples that do not fit into this queue are missed, and counted.
+    /// A real part does not wait. Samples that do not fit into the queue are missed, and counted.
     Watcher(Watcher),
 }
 
-/// Length of the queue for a real part, in batches of 20 ms: 20 s, so that only a session that hangs misses samples.
+/// Length of the queue for a real part, in batches of 20 ms. It holds 20 s, so that only a session that hangs misses
+/// samples.
 const PATIENCE: usize = 1024;
 
 impl SampleFeed {
-    /// A feed that begins now.
+    /// Subscribes to the samples from now on.
     pub fn of(hub: &Hub) -> Self {
         if hub.facts().is_real { Self::Watcher(hub.watch(PATIENCE)) } else { Self::LosslessReader(hub.everything()) }
     }
 
-    /// Waits this long for samples. After the end the hub knows the reason.
+    /// Waits for samples, for `patience` at most. After the end, the hub has the reason.
     pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         match self {
             Self::LosslessReader(everything) => match everything.next_within(patience) {
@@ -114,7 +115,7 @@ impl SampleFeed {
     }
 }
 
-/// Begins to read, with time at this speed.
+/// Starts reading the device at this speed.
 pub fn begin(hub: &Hub, speed: f64) -> Result<(), DeviceError> {
     hub.read(Pace::RealTime, Vec::new())?;
     hub.speed().set(speed);

@@ -1,5 +1,5 @@
-//! Calibrations on disk: read at the start, and written when the page makes one. Their names are made here and never
-//! taken from a request.
+//! The calibrations on disk: read at the start, and written when the page makes one. This module makes the file
+//! names; they are never taken from a request.
 
 use crate::output::{Outputs, say, warn};
 use crate::wording::text;
@@ -12,30 +12,30 @@ use zerorate_input::limits;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::{NoticeText, Session};
 
-/// The folder that keeps calibrations. Without a path none are kept.
+/// The folder with the calibrations. Without a path, none are saved.
 #[derive(Debug, Default)]
 pub struct Folder {
     path: Option<PathBuf>,
-    /// Ids that are in the folder, or came from a file.
+    /// Ids of calibrations that are in the folder or came from a file.
     known: HashSet<String>,
     /// The files of each id in the folder.
     files: HashMap<String, Vec<PathBuf>>,
-    /// The number of changes of the calibrations that were handled.
+    /// The session's number of changes up to which the folder is up to date.
     seen: u64,
 }
 
 impl Folder {
-    /// Keeps calibrations in the folder at `path`.
+    /// Saves calibrations to the folder at `path`.
     pub fn new(path: Option<PathBuf>) -> Self {
         Self { path, ..Self::default() }
     }
 
-    /// Whether calibrations are kept at all.
+    /// Whether calibrations are saved at all.
     pub fn is_there(&self) -> bool {
         self.path.is_some()
     }
 
-    /// Puts all calibrations of the folder on file. Files that cannot be read are named on stderr.
+    /// Stores all calibrations of the folder in the session. Prints the names of files that cannot be read.
     ///
     /// # Errors
     /// Returns an error if the folder cannot be created or read.
@@ -56,7 +56,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Puts a calibration on file and returns its id.
+    /// Stores a calibration from a file in the session, and returns its id.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read, or is not a calibration.
@@ -68,8 +68,8 @@ impl Folder {
         Ok(id)
     }
 
-    /// Writes new calibrations, if there is a folder, and renames the files of removed ones. Failures are reported on
-    /// stderr and on the page.
+    /// Writes new calibrations, if there is a folder, and renames the files of removed ones. Failures are reported
+    /// on stderr and on the page.
     pub fn keep(&mut self, session: &mut Session) {
         let changes = session.store_changes();
         if std::mem::replace(&mut self.seen, changes) == changes {
@@ -96,7 +96,7 @@ impl Folder {
         }
     }
 
-    /// Renames the files of removed calibrations, so that these do not come back with the next start.
+    /// Renames the files of removed calibrations, so that they are not read at the next start.
     fn put_away(&mut self, session: &mut Session) {
         let on_file: HashSet<String> = session.calibrations().map(Calibration::id).collect();
         let removed: Vec<String> = self.known.difference(&on_file).cloned().collect();
@@ -126,7 +126,7 @@ pub fn tell(session: &mut Session, warning: SessionWarning) {
     session.note(notice);
 }
 
-/// Gives the file a name by which it is not read again. No file is deleted.
+/// Renames a file so that it is not read again. No file is deleted.
 fn rename(file: &Path, id: &str) -> Result<PathBuf> {
     let mut names = (1..=MOST_REMOVED).map(|count| file.with_extension(removed_ending(id, count)));
     let free = names.find(|path| path.symlink_metadata().is_err());
@@ -135,10 +135,10 @@ fn rename(file: &Path, id: &str) -> Result<PathBuf> {
     Ok(removed)
 }
 
-/// Largest number of removed files of one id.
+/// Largest number of removed files with one id.
 const MOST_REMOVED: u32 = 1000;
 
-/// The ending of a removed file. The first removed file of an id keeps its name when a second one follows.
+/// The extension of a removed file. Later removed files of the same id get a number.
 fn removed_ending(id: &str, count: u32) -> String {
     match count {
         1 => format!("toml.removed-{id}"),

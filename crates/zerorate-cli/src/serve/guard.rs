@@ -1,5 +1,5 @@
-//! Access to the server. A request must use the server's own name, come from its own page, and show the token where
-//! one is required.
+//! Access control. A request must use the server's own name, come from its own page, and show the token if one is
+//! required.
 
 use crate::exit::Usage;
 use anyhow::{Result, anyhow};
@@ -11,23 +11,23 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::Path;
 use subtle::ConstantTimeEq;
 
-/// A secret that a browser must show before it sees samples.
+/// A secret that a client must show to get samples.
 pub struct Token(String);
 
-/// 128 bits, which nobody guesses.
+/// Size of a random token: 128 bits, which cannot be guessed.
 const TOKEN_BYTES: usize = 16;
 /// Allowed lengths of a token that the user gives.
 pub const TOKEN_LENGTHS: std::ops::RangeInclusive<usize> = 16..=256;
 
 impl Token {
-    /// A new token from the random numbers of the operating system.
+    /// Makes a random token.
     pub fn random() -> Result<Self> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers for the token: {error}"))?;
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// The token in the first line of `text`, which the file at `path` holds.
+    /// The token in the first line of `text`, the content of the file `path`.
     pub fn of_file(path: &Path, text: &str) -> Result<Self> {
         let token = text.lines().next().unwrap_or_default().trim();
         let fits = TOKEN_LENGTHS.contains(&token.len()) && token.bytes().all(|byte| byte.is_ascii_alphanumeric());
@@ -38,7 +38,7 @@ impl Token {
         Ok(Self(token.to_owned()))
     }
 
-    /// Whether `shown` is the token. The comparison takes the same time for every wrong token.
+    /// Whether `shown` is the token, in constant time.
     pub fn is(&self, shown: &str) -> bool {
         self.0.as_bytes().ct_eq(shown.as_bytes()).into()
     }
@@ -55,17 +55,17 @@ impl fmt::Debug for Token {
     }
 }
 
-/// The conditions that a request must meet.
+/// The checks that a request must pass.
 #[derive(Debug)]
 pub struct Guard {
     token: Option<Token>,
     is_local: bool,
-    /// Names of the machine, beside its IP addresses.
+    /// Additional names of this machine.
     names: Vec<String>,
     cookie: String,
 }
 
-/// Why a request is refused.
+/// The status and the reason of a refusal.
 pub type Refusal = (StatusCode, &'static str);
 
 const NOT_OUR_NAME: Refusal = (
@@ -81,21 +81,21 @@ const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 const FETCH_MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
 
 impl Guard {
-    /// A guard for a server at this address. A token is required where other machines can reach it.
+    /// The checks for a server at `address`. A token is required if other machines can reach it.
     pub fn new(address: SocketAddr, token: Option<Token>, names: Vec<String>) -> Self {
         let cookie = format!("zerorate_{}", address.port());
         Self { token, is_local: address.ip().is_loopback(), names, cookie }
     }
 
-    /// The token, where one is required.
+    /// The token; `None` if none is required.
     pub fn token(&self) -> Option<&Token> {
         self.token.as_ref()
     }
 
-    /// Checks what holds for every request: our own name, our own page, a known method and no body.
+    /// Checks what every request must fulfil: our own name, our own page, a known method and no body.
     pub fn check(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
         let host = self.own_name(headers)?;
-        // a request line with a host goes before the header (RFC 9112, 3.2.2)
+        // a host in the request line takes precedence over the header (RFC 9112, 3.2.2)
         if uri.authority().is_some_and(|named| !named.as_str().eq_ignore_ascii_case(host)) {
             return Err(NOT_OUR_NAME);
         }
@@ -108,13 +108,13 @@ impl Guard {
         }
     }
 
-    /// The cookie that carries the token. It is sent to this server only, and scripts cannot read it.
+    /// The cookie that stores the token. The browser sends it to this server only, and scripts cannot read it.
     pub fn cookie(&self) -> Option<HeaderValue> {
         let token = self.token.as_ref()?.reveal();
         HeaderValue::try_from(format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", self.cookie)).ok()
     }
 
-    /// The tokens in a request: in the cookie, or for programs as `Authorization: Bearer`.
+    /// The tokens in a request: in the cookie, or for other programs in `Authorization: Bearer`.
     pub fn shown<'a>(&'a self, headers: &'a HeaderMap) -> impl Iterator<Item = &'a str> {
         let texts = |name| headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
         let cookies = texts(header::COOKIE).flat_map(|value| value.split(';'));
@@ -122,8 +122,8 @@ impl Guard {
         in_cookies.chain(texts(header::AUTHORIZATION).filter_map(|value| value.strip_prefix("Bearer ")))
     }
 
-    /// Protects against DNS rebinding: a site that points its own name here is recognised by that name. An IP address
-    /// has no such owner. The port is not compared, since it may be forwarded.
+    /// Protects against DNS rebinding: if another site points its name to this machine, the request has that name.
+    /// IP addresses are accepted. The port is not compared, since it may be forwarded.
     fn own_name<'a>(&self, headers: &'a HeaderMap) -> Result<&'a str, Refusal> {
         let mut all = headers.get_all(header::HOST).iter();
         let (Some(host), None) = (all.next().and_then(|host| host.to_str().ok()), all.next()) else {
@@ -139,8 +139,8 @@ impl Guard {
     }
 }
 
-/// Refuses requests from other sites. A browser lets any site open a WebSocket to this machine, or post to it, but
-/// states the site.
+/// Refuses requests from pages of other sites. A browser allows any site to open a WebSocket to this machine, or to
+/// post to it, but states the site.
 fn from_own_page(method: &Method, host: &str, headers: &HeaderMap) -> Result<(), Refusal> {
     for origin in headers.get_all(header::ORIGIN) {
         let of = origin.to_str().ok().and_then(|origin| origin.split_once("://"));
@@ -151,7 +151,7 @@ fn from_own_page(method: &Method, host: &str, headers: &HeaderMap) -> Result<(),
     let is = |name, text: &str| headers.get(name).is_some_and(|value| value == text);
     let told = headers.contains_key(FETCH_SITE);
     let from_here = is(FETCH_SITE, "same-origin") || is(FETCH_SITE, "none");
-    // a link on another site may lead here
+    // a link on another site may lead to this page
     let follows_link = is(FETCH_MODE, "navigate") && method == Method::GET;
     if told && !from_here && !follows_link { Err(NOT_OUR_PAGE) } else { Ok(()) }
 }

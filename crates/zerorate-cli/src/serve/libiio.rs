@@ -1,4 +1,4 @@
-//! Clients of libiio beside the page. Each opening of the device has a server of its own.
+//! Serves libiio clients, beside the page. Each time the device is opened, a new server is started.
 
 use crate::output::warn;
 use anyhow::{Context, Result};
@@ -11,7 +11,7 @@ use zerorate_host::{Hub, Stop};
 use zerorate_view::SessionWarning;
 use zerorate_web::session::NoticeText;
 
-/// The listener for clients, and the data that they get.
+/// The listener for clients, and the settings of their server.
 pub struct Libiio {
     listener: TcpListener,
     calibration: Option<Calibration>,
@@ -20,7 +20,7 @@ pub struct Libiio {
 }
 
 impl Libiio {
-    /// Serves nothing yet.
+    /// Does not serve yet.
     pub fn new(listener: TcpListener, calibration: Option<Calibration>, may_be_written: bool) -> Self {
         Self { listener, calibration, may_be_written, running: None }
     }
@@ -28,15 +28,15 @@ impl Libiio {
     /// The address that clients connect to.
     ///
     /// # Errors
-    /// Returns an error if the system does not know the address.
+    /// Returns an error if the system cannot tell the address.
     pub fn address(&self) -> Result<SocketAddr> {
         self.listener.local_addr().context("the libiio server")
     }
 
-    /// Serves the device of this hub from here on.
+    /// Starts to serve the device of this hub.
     ///
     /// # Errors
-    /// Returns an error if no thread or no socket can be had.
+    /// Returns an error if the socket cannot be cloned or no thread can be started.
     pub fn begin(&mut self, hub: &Arc<Hub>) -> Result<()> {
         self.end();
         let (hub, stop) = (Arc::clone(hub), Stop::default());
@@ -57,11 +57,11 @@ impl Libiio {
         Ok(())
     }
 
-    /// Ends serving, and drops the hub and all clients.
+    /// Ends the server, and drops the hub and all clients.
     pub fn end(&mut self) {
         if let Some((stop, thread)) = self.running.take() {
             stop.ask();
-            // a server that failed has said so
+            // a server that failed has already reported that
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! Numbers of samples read and lost for Prometheus, from the same snapshot that a page gets.
+//! Metrics for Prometheus about samples read and lost, from the same snapshot that a page gets.
 
 use super::answer::{self, Answer};
 use super::server::Server;
@@ -7,7 +7,7 @@ use hyper::StatusCode;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// `GET /metrics`.
+/// Answers `GET /metrics`.
 pub async fn metrics(server: &Server) -> Answer {
     match text_of(server).await {
         Some(text) => answer::typed(StatusCode::OK, "text/plain; version=0.0.4; charset=utf-8", text),
@@ -15,19 +15,19 @@ pub async fn metrics(server: &Server) -> Answer {
     }
 }
 
-/// The metrics as text; none if the device is not read any more.
+/// The metrics as text; `None` if the device cannot be read any longer.
 pub async fn text_of(server: &Server) -> Option<String> {
     let head = watch::snapshot(&server.requests).await.as_deref().and_then(head)?;
     Some(text(&head, server.watchers()))
 }
 
-/// The header of a frame (docs/formats/page.md).
+/// Parses the header of a frame (docs/formats/page.md).
 fn head(frame: &[u8]) -> Option<Value> {
     let (length, rest) = frame.split_first_chunk()?;
     serde_json::from_slice(rest.get(..u32::from_le_bytes(*length) as usize)?).ok()
 }
 
-/// Numbers in the header, each with its name, kind, help and place.
+/// Metrics of the device: name, kind, help, and JSON pointer into the header.
 const OF_THE_DEVICE: [(&str, &str, &str, &str); 8] = [
     ("samples_total", "counter", "Samples read since the device was opened.", "/ledger/samples"),
     ("samples_lost_total", "counter", "Samples lost, as the part and the host count them.", "/ledger/lost"),
@@ -39,7 +39,7 @@ const OF_THE_DEVICE: [(&str, &str, &str, &str); 8] = [
     ("temperature_celsius", "gauge", "Mean of the last second.", "/now/temp_c"),
 ];
 
-/// Numbers of each axis, each with its name, help and place.
+/// Metrics of each axis: name, help, and JSON pointer into the axis's values.
 const OF_AN_AXIS: [(&str, &str, &str); 2] = [
     ("rate_dps", "Mean angular rate of the last second, degrees per second.", "/rate_dps"),
     ("corrected_rate_dps", "The same with the calibration that is applied.", "/corrected_dps"),

@@ -1,10 +1,10 @@
-//! The live page. One thread reads the device, one keeps the session of the page, and one talks to browsers. The
-//! session gets every sample. Browsers get what they can take, and nothing waits for them.
+//! The server of the live page. One thread reads the device, one runs the session, and one talks to browsers. The
+//! session gets every sample. Browsers get what they can receive, and nothing waits for them.
 //!
-//! `session_thread.rs` has the device (`device.rs`), its recordings (`recordings.rs`) and the calibrations on disk
-//! (`folder.rs`). `server.rs` accepts connections, checks each request with the guard (`guard.rs`), and counts the
-//! tokens that are tried (`trials.rs`). `watch.rs`, `page.rs` and `metrics.rs` answer requests, in the form of
-//! `answer.rs`. `libiio.rs` serves other clients.
+//! `session_thread.rs` owns the device (`device.rs`), its recordings (`recordings.rs`) and the calibrations on disk
+//! (`folder.rs`). `server.rs` accepts connections, checks each request (`guard.rs`), and limits attempts to guess
+//! the token (`trials.rs`). `watch.rs`, `page.rs` and `metrics.rs` answer requests, with `answer.rs`. `libiio.rs`
+//! serves libiio clients.
 
 mod answer;
 mod bucket;

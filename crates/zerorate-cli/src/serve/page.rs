@@ -1,4 +1,4 @@
-//! The files of the page, which are part of the program. A request can name a file of this table and nothing else.
+//! The files of the page, which are embedded in the program. A request can only name a file of this table.
 
 use super::answer::{self, Answer};
 use flate2::read::GzDecoder;
@@ -9,18 +9,18 @@ use std::io::Read;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::NoticeText;
 
-/// A file, packed by gzip. Unlike brotli, browsers accept gzip from any host over plain HTTP.
+/// An embedded file, compressed by gzip. Unlike brotli, browsers accept gzip from any host over plain HTTP.
 struct Asset {
     name: &'static str,
-    /// A hash of the content, for caches.
+    /// A hash of the content, as the ETag for caches.
     tag: &'static str,
     packed: &'static [u8],
 }
 
-/// The files of the page that the build found; empty without the page.
+/// The files of the page that the build found; empty if there were none.
 static PAGE: &[Asset] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
-/// Whether the page is part of this program.
+/// Whether the page is in this program.
 pub fn is_there() -> bool {
     !PAGE.is_empty()
 }
@@ -30,7 +30,7 @@ pub fn absent() -> NoticeText {
     SessionWarning::NoPage.into()
 }
 
-/// Answers with the file that the request names.
+/// Answers with the file that the request path names.
 pub fn file(uri: &Uri, headers: &HeaderMap) -> Answer {
     let name = match uri.path().trim_start_matches('/') {
         "" => "index.html",
@@ -59,14 +59,14 @@ impl Asset {
         }
         own.insert(header::ETAG, HeaderValue::from_static(self.tag));
         own.insert(header::VARY, HeaderValue::from_static("accept-encoding"));
-        // the file belongs to this program, and another program may answer here tomorrow
+        // the address may belong to another program tomorrow, so the browser must revalidate its cache
         own.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
         answer
     }
 
     fn unpacked(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        // the build packed it, so it is whole
+        // the build compressed it, so it cannot be damaged
         let _ = GzDecoder::new(self.packed).read_to_end(&mut bytes);
         bytes
     }

@@ -1,4 +1,4 @@
-//! Recordings while the page is served: one file for each opening of the device.
+//! Records while the page is served. Each time the device is opened, a new file is started.
 
 use crate::output::{Outputs, say};
 use anyhow::{Context, Result};
@@ -11,22 +11,22 @@ use zerorate_jobs::Recorder;
 use zerorate_jobs::output::{OutputError, Recording};
 use zerorate_record::{CaptureInfo, Format};
 
-/// The recordings of a run. A device that is opened again begins another recording, since its time begins anew.
+/// The recordings of a run. When the device is opened again, its time restarts, so another recording is started.
 pub struct Recordings {
     files: Option<Arc<Mutex<Files>>>,
     running: Option<JoinHandle<Result<()>>>,
 }
 
 impl Recordings {
-    /// Records into files named after `path`. Without a path nothing is recorded.
+    /// Records into files named after `path`; without a path, nothing.
     pub fn new(path: Option<PathBuf>, outputs: Outputs) -> Self {
         let files = path.map(|path| Arc::new(Mutex::new(Files { path, outputs, count: 0 })));
         Self { files, running: None }
     }
 
-    /// Begins to record the samples of a hub, in a thread of its own, which gets every sample. The first file is
-    /// created at once, so that a user who cannot record is told immediately. Later files are created with their first
-    /// samples, because a broken part is opened again and again without giving any. `info` is stored with the samples.
+    /// Starts to record all samples of a hub, in a separate thread. The first file is created at once, so that a
+    /// user who cannot record learns that immediately. Later files are created with their first samples, because a
+    /// broken part may be opened again and again without giving any. `info` is the description of the capture.
     pub fn begin(&mut self, hub: &Hub, info: &CaptureInfo) -> Result<()> {
         self.end()?;
         let Some(files) = &self.files else { return Ok(()) };
@@ -36,7 +36,7 @@ impl Recordings {
         let (begun, waits) = channel();
         let body = move || {
             let mut open = first.map(|file| OpenRecording::create(file, &info)).transpose()?;
-            // the receiver still waits
+            // the receiver waits for this
             let _ = begun.send(());
             while let Ok(Some(batch)) = everything.next() {
                 if batch.rows.is_empty() {
@@ -53,17 +53,17 @@ impl Recordings {
         let thread =
             thread::Builder::new().name("recorder".to_owned()).spawn(body).context("starting the recorder")?;
         self.running = Some(thread);
-        // the thread sends nothing if it could not begin
+        // the thread drops the sender if it could not start
         waits.recv().or_else(|_| self.end())
     }
 
-    /// Returns why the recording ended, if it failed.
+    /// The error that ended the recording, if it failed.
     pub fn failure(&mut self) -> Option<anyhow::Error> {
         let is_over = self.running.as_ref().is_some_and(JoinHandle::is_finished);
         if is_over { self.end().err() } else { None }
     }
 
-    /// Waits for the end of the recording. Its device must have ended.
+    /// Waits for the end of the recording. Its device must have ended before.
     pub fn end(&mut self) -> Result<()> {
         let Some(thread) = self.running.take() else { return Ok(()) };
         thread.join().unwrap_or_else(|_| anyhow::bail!("the recorder died"))
@@ -78,19 +78,19 @@ fn lock(files: &Mutex<Files>) -> std::sync::MutexGuard<'_, Files> {
 struct Files {
     path: PathBuf,
     outputs: Outputs,
-    /// The number of the last file.
+    /// The number of the last created file.
     count: u32,
 }
 
 impl Files {
-    /// Creates the first file, unless it exists already.
+    /// Creates the first file, unless a file was created already.
     fn first(&mut self) -> Result<Option<Recording>> {
         if self.count == 0 { self.next().map(Some) } else { Ok(None) }
     }
 
-    /// Creates the next file. Numbered files of an earlier run are skipped and not touched.
+    /// Creates the next file. Numbered files of an earlier run are skipped and not changed.
     fn next(&mut self) -> Result<Recording> {
-        // check the form before anything is created
+        // checks the format before anything is created
         Format::choose(None, &self.path)?;
         loop {
             self.count += 1;
@@ -115,7 +115,7 @@ impl OpenRecording {
         Ok(Self { name: path.display().to_string(), recorder })
     }
 
-    /// Records until the end, however it comes. The samples until then are complete.
+    /// Records until the end or an error. The file is completed with the samples up to then.
     fn record(mut self, first: &Batch, more: &LosslessReader) -> Result<()> {
         let mut written = self.push(first);
         while written.is_ok() {
@@ -138,7 +138,7 @@ impl OpenRecording {
     }
 }
 
-/// `unit.arrows`, `unit-2.arrows`, …
+/// The path of a numbered file: `unit.arrows`, `unit-2.arrows`, …
 fn numbered(path: &Path, count: u32) -> PathBuf {
     if count == 1 {
         return path.to_owned();

@@ -1,4 +1,4 @@
-//! Connections and their requests. Every wait and every size has a bound.
+//! Accepts connections and routes their requests. Every wait and every size has a limit.
 
 use super::answer::{self, Answer};
 use super::bucket::Bucket;
@@ -25,34 +25,34 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time;
 use zerorate_host::Stop;
 
-/// Largest number of connections.
+/// Largest number of simultaneous connections.
 const CONNECTIONS: usize = 96;
-/// Largest number of viewers.
+/// Largest number of simultaneous viewers.
 const SEATS: usize = 48;
 /// Largest head of a request, bytes.
 const HEAD: usize = 16 << 10;
 const HEADERS: usize = 64;
-/// Requests at once on a connection, and in a second.
+/// Largest number of requests at once on a connection, and per second in the long run.
 const BURST: u32 = 100;
 const REQUESTS_PER_S: f64 = 20.0;
 /// Largest token, bytes.
 const TOKEN: usize = 1 << 10;
-/// The request to end is checked this often.
+/// Period of the checks for a stop.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Content security policy: scripts and everything else of the page come from this server only.
+/// Content security policy: the page can load everything from this server only.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; \
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self'; manifest-src 'self'; \
     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// The bounds of waiting.
+/// Time limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Time until the head of a request must be complete, and until the next request.
+    /// Time limit for the head of a request, and until the next request.
     pub head: Duration,
     /// Lifetime of a connection that is not a viewer.
     pub lifetime: Duration,
-    /// A viewer must give a sign of life this often.
+    /// Time within which a viewer must answer a ping.
     pub sign_of_life: Duration,
 }
 
@@ -72,7 +72,7 @@ pub struct Server {
     trials: Trials,
 }
 
-/// A connection, with the limit on its requests.
+/// A connection, with its rate limit.
 pub struct Connection {
     requests: Mutex<Bucket>,
     _place: OwnedSemaphorePermit,
@@ -88,14 +88,14 @@ impl Server {
         Self { requests, seats: Arc::new(Semaphore::new(SEATS)), limits, guard, trials: Trials::new(Instant::now()) }
     }
 
-    /// Checks the token, where one is required. Samples and requests need it.
+    /// Checks the token, if one is required. Needed for samples and commands.
     fn admit(&self, headers: &HeaderMap) -> Result<(), Refusal> {
         let Some(token) = self.guard.token() else { return Ok(()) };
         self.trials.admit(token, self.guard.shown(headers), Instant::now())
     }
 }
 
-/// Requests the end of everything when it is dropped, also by a panic.
+/// Requests a stop of all threads when it is dropped, also after a panic.
 pub struct EndsAll(pub Stop);
 
 impl Drop for EndsAll {
@@ -104,10 +104,10 @@ impl Drop for EndsAll {
     }
 }
 
-/// Serves until the request to end.
+/// Serves until a stop is requested.
 ///
 /// # Errors
-/// Returns an error if the system does not let it serve.
+/// Returns an error if the operating system does not allow serving.
 pub fn run(listener: TcpListener, guard: Guard, requests: RequestSender, stop: &Stop) -> Result<()> {
     serve(listener, Server::new(guard, requests, Limits::default()), stop)
 }
@@ -136,7 +136,7 @@ async fn accept(listener: tokio::net::TcpListener, server: Arc<Server>) {
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            // no room for another file, or the client has left
+            // too many open files, or the client has left
             time::sleep(POLL).await;
             continue;
         };
@@ -152,7 +152,7 @@ fn turn_away(stream: &TcpStream) {
 }
 
 async fn attend(stream: TcpStream, server: Arc<Server>, place: OwnedSemaphorePermit) {
-    // frames are small, and late frames are useless
+    // frames are small and must not be delayed
     let _ = stream.set_nodelay(true);
     let requests = Mutex::new(Bucket::new(BURST, REQUESTS_PER_S, Instant::now()));
     let connection = Arc::new(Connection { requests, _place: place });
@@ -164,11 +164,11 @@ async fn attend(stream: TcpStream, server: Arc<Server>, place: OwnedSemaphorePer
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD).max_headers(HEADERS);
     let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
-    // a client that breaks off is not a failure of the server
+    // an error of a client is not an error of the server
     let _ = time::timeout(limits.lifetime, served).await;
 }
 
-/// Checks every request, and sets the headers of every answer.
+/// Checks and answers a request, and sets the headers that every answer has.
 async fn checked(server: &Arc<Server>, connection: Arc<Connection>, request: Request<Incoming>) -> Answer {
     let taken = lock(&connection.requests).take(Instant::now());
     let checked = server.guard.check(request.method(), request.uri(), request.headers());
@@ -191,7 +191,7 @@ async fn checked(server: &Arc<Server>, connection: Arc<Connection>, request: Req
     answer
 }
 
-/// Answers a request that may be answered. Samples and requests need the token.
+/// Answers a request that passed the checks. Samples and commands need the token.
 async fn routed(server: &Arc<Server>, connection: Arc<Connection>, request: Request<Incoming>) -> Answer {
     let path = request.uri().path();
     let has_samples = matches!(path, "/ws" | "/metrics") || path == "/" && !page::is_there();
@@ -216,15 +216,15 @@ fn refused((status, why): Refusal) -> Answer {
     answer
 }
 
-/// Tells the page where it runs (docs/formats/page.md).
+/// Tells the page that it is served and whether it needs a token (docs/formats/page.md).
 fn home(server: &Server, headers: &HeaderMap) -> Answer {
     let token_needed = server.admit(headers).is_err();
     let text = json!({"home": "served", "token_needed": token_needed}).to_string();
     answer::typed(StatusCode::OK, "application/json", text)
 }
 
-/// Checks a token that was typed into the page, or that the page took from the fragment of its address. The answer
-/// sets the cookie.
+/// Checks a token that the user typed into the page, or that the page took from the fragment of its address. The
+/// answer sets the cookie.
 async fn token(server: &Server, body: Incoming) -> Answer {
     let shown = match time::timeout(server.limits.head, Limited::new(body, TOKEN).collect()).await {
         Ok(Ok(body)) => body.to_bytes(),

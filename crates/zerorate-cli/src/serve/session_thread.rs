@@ -1,4 +1,4 @@
-//! The thread of the session: it takes samples, sends frames, and answers requests in between.
+//! The thread of the session. It processes samples, sends frames, and answers requests in between.
 
 use super::connection::HostCheck;
 use super::device::{self, OpenDevice, Opener, Opening, SampleFeed};
@@ -19,37 +19,37 @@ use zerorate_view::SessionWarning;
 use zerorate_web::message::DeviceState;
 use zerorate_web::session::{HostCommand, NoticeText, RequestResult, Session};
 
-/// Time between two frames.
+/// Period of the frames.
 const FRAME: Duration = Duration::from_millis(33);
-/// Requests wait at most this long when no samples come.
+/// Longest wait for samples before requests are handled.
 const TURN: Duration = Duration::from_millis(10);
-/// A part that is gone is opened again this often.
+/// Period at which a disconnected part is opened again.
 const RETRY: Duration = Duration::from_secs(3);
-/// Frames that a browser may be behind: one second.
+/// Number of frames that a browser may lag behind: one second.
 pub const BEHIND: usize = 32;
 /// Length of the queue of requests. Each connection has at most one request in it.
 const QUEUE: usize = 256;
-/// Largest number of requests between two looks at the samples.
+/// Largest number of requests that are handled before samples are checked again.
 const MOST_REQUESTS: usize = 64;
 
 /// A request to the thread.
 pub enum SessionRequest {
     /// Answer a request of the page.
     Ask(String, oneshot::Sender<String>),
-    /// Send everything so far, and then each new frame.
+    /// Send a snapshot of everything, and then each new frame.
     Watch(oneshot::Sender<Subscription>),
 }
 
-/// The state so far, and the frames that follow it.
+/// A snapshot, and the frames that follow it.
 pub struct Subscription {
     pub snapshot: Bytes,
     pub frames: broadcast::Receiver<Bytes>,
 }
 
-/// The sender for requests.
+/// The sender of requests to the thread.
 pub type RequestSender = SyncSender<SessionRequest>;
 
-/// The session, the device, and the viewers that wait for their first snapshot.
+/// The session, its device, and the viewers that wait for their first snapshot.
 pub struct SessionThread {
     session: Session,
     opener: Opener,
@@ -63,18 +63,18 @@ pub struct SessionThread {
     pending: Vec<oneshot::Sender<Subscription>>,
     /// The time at which the next frame is due.
     frame_due: Instant,
-    /// The last reason that was printed why the device cannot be read.
+    /// The last printed reason why the device cannot be read.
     failed: Option<String>,
-    /// The first failure of a recording.
+    /// The first error of a recording.
     failure: Option<anyhow::Error>,
 }
 
 enum Device {
-    /// The device is open and is not read yet.
+    /// The device is open but is not being read yet.
     Opened(Arc<Hub>, Option<Bus>),
     Opening(Opening),
     Reading(Box<Reading>),
-    /// There is nothing to read. A real part is opened again later.
+    /// There is nothing to read. A real part will be opened again at `again`.
     Over {
         hub: Option<Arc<Hub>>,
         again: Option<Instant>,
@@ -97,7 +97,8 @@ impl Reading {
 }
 
 impl SessionThread {
-    /// A thread for a device that was opened and is not read yet, with the sender for requests.
+    /// Prepares the thread for a device that was opened and is not being read yet. Also returns the sender of
+    /// requests.
     pub fn new(opener: Opener, opened: OpenDevice, recordings: Recordings, folder: Folder) -> (Self, RequestSender) {
         let (sender, requests) = sync_channel(QUEUE);
         let (frames, _) = broadcast::channel(BEHIND);
@@ -119,20 +120,20 @@ impl SessionThread {
         (thread, sender)
     }
 
-    /// Adds a server for clients of libiio.
+    /// Adds a server for libiio clients.
     pub fn with_libiio(self, libiio: Option<Libiio>) -> Self {
         Self { libiio, ..self }
     }
 
-    /// The session and the calibrations on file, before anything is read.
+    /// The session and the folder of calibrations, before anything is read.
     pub fn calibrations(&mut self) -> (&mut Session, &mut Folder) {
         (&mut self.session, &mut self.folder)
     }
 
-    /// Begins to read the device that was opened.
+    /// Starts to read the device that was opened.
     ///
     /// # Errors
-    /// Returns an error if the recording cannot begin.
+    /// Returns an error if the recording or the reading cannot start.
     pub fn begin(&mut self) -> Result<()> {
         self.note_standing();
         match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
@@ -144,7 +145,7 @@ impl SessionThread {
         }
     }
 
-    /// Notes what is true of the program, however often the device is opened.
+    /// Adds notices about the program itself, which apply each time the device is opened.
     fn note_standing(&mut self) {
         if !self.folder.is_there() {
             self.session.note(SessionWarning::NoFolder);
@@ -162,10 +163,10 @@ impl SessionThread {
         Ok(())
     }
 
-    /// Runs until the request to end, and completes the recording.
+    /// Runs until a stop is requested, and completes the recording.
     ///
     /// # Errors
-    /// Returns the first failure of a recording.
+    /// Returns the first error of a recording.
     pub fn run(mut self, stop: &Stop) -> Result<()> {
         while !stop.asked() {
             self = self.turn(stop);
@@ -201,7 +202,7 @@ impl SessionThread {
         self
     }
 
-    /// Waits for samples and takes all that have come, because samples that wait too long are missed.
+    /// Waits for samples and processes all that are queued, because samples that wait too long are missed.
     fn take_what_waits(&mut self, stop: &Stop) {
         let begun = Instant::now();
         let until = self.frame_due.max(begun + TURN);
@@ -250,7 +251,7 @@ impl SessionThread {
         }
     }
 
-    /// Handles the end of a replay, or a device that failed.
+    /// Handles the end of a recording, or a failure of the device.
     fn end_reading(&mut self) {
         let Device::Reading(reading) = &self.device else { return };
         let hub = Arc::clone(&reading.hub);
@@ -265,7 +266,8 @@ impl SessionThread {
         }
     }
 
-    /// Handles a device that cannot be read. The terminal is told once, however often opening it is tried.
+    /// Handles a device that cannot be read. The reason is printed only when it changes, however often opening is
+    /// tried.
     fn gone(&mut self, error: &anyhow::Error, look_again: bool) {
         let hub = match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
             Device::Over { hub, .. } => hub,
@@ -295,7 +297,7 @@ impl SessionThread {
                 return;
             }
         };
-        // the libiio server holds the hub
+        // the libiio server holds the hub, so it must end first
         self.libiio.iter_mut().for_each(Libiio::end);
         self.device = Device::Opening(self.opener.open_again(hub));
         self.session.state(DeviceState::Opening);
@@ -309,7 +311,7 @@ impl SessionThread {
                 self.session = self.session.reopened(about);
                 self.note_standing();
                 self.failed = None;
-                // the part is shown nevertheless
+                // the page still shows the part
                 if let Err(error) = self.recordings.begin(&hub, &self.session.about().info) {
                     self.note_failure(error);
                 }
@@ -328,7 +330,7 @@ impl SessionThread {
     fn receive(&mut self) {
         for _ in 0..MOST_REQUESTS {
             match self.requests.try_recv() {
-                // the client may be gone
+                // the client may have left
                 Ok(SessionRequest::Ask(request, answer)) => drop(answer.send(self.answer(&request))),
                 Ok(SessionRequest::Watch(subscriber)) => self.pending.push(subscriber),
                 Err(_) => return,
@@ -357,13 +359,13 @@ impl SessionThread {
         self.session.speed(factor);
     }
 
-    /// Sends the new frame to all viewers. Viewers that came since the last frame share one snapshot of everything.
+    /// Sends the new frame to all viewers. New viewers since the last frame share one snapshot.
     fn frame(&mut self) {
         let now = Instant::now();
         let next = self.frame_due + FRAME;
         self.frame_due = if next > now { next } else { now + FRAME };
         if let Some(frame) = self.session.frame() {
-            // there may be no viewer
+            // an error only means that there are no viewers
             let _ = self.frames.send(frame.into());
         }
         if !self.pending.is_empty() {

@@ -1,4 +1,4 @@
-//! The page of a program that was built without the whole one: what is read, as numbers.
+//! A minimal page for a program that was built without the live page. It shows the metrics.
 
 use super::answer::{self, Answer};
 use super::metrics;
@@ -7,17 +7,17 @@ use hyper::StatusCode;
 
 const PAGE: &str = include_str!("small_page.html");
 
-/// `GET /`.
+/// Answers `GET /`.
 pub async fn small_page(server: &Server) -> Answer {
     let text = metrics::text_of(server).await;
     answer::typed(StatusCode::OK, "text/html; charset=utf-8", filled(text.as_deref()))
 }
 
-/// The page with these metrics; none: nothing is read any more.
+/// The page with these metrics. `None` means that the device cannot be read any longer.
 fn filled(metrics: Option<&str>) -> String {
     let Some(metrics) = metrics else { return PAGE.replace("{numbers}", "The device is not read any more.") };
     let numbers = metrics.lines().filter_map(|line| line.strip_prefix("zerorate_"));
-    // a name of an axis comes from a file
+    // the name of an axis comes from a file
     let escaped = |line: &str| line.replace('&', "&amp;").replace('<', "&lt;");
     PAGE.replace("{numbers}", &numbers.map(escaped).collect::<Vec<_>>().join("\n"))
 }

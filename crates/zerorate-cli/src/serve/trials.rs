@@ -1,4 +1,4 @@
-//! A limit on the tokens that are tried, wherever they are shown.
+//! Limits attempts to guess the token, over all clients.
 
 use super::bucket::Bucket;
 use super::guard::{Refusal, TOKEN_LENGTHS, Token};
@@ -7,18 +7,18 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Tokens that all clients together may try at once, and in a second.
+/// Number of different tokens that may be tried at once, and per second in the long run.
 const AT_ONCE: u32 = 5;
 const PER_S: f64 = 0.5;
-/// Wrong tokens that are remembered. A page that was left open shows its old token again and again, and guesses
-/// nothing.
+/// Number of wrong tokens that are remembered and not counted again. A page that was left open repeats its old
+/// token, which is not a guess.
 const REMEMBERED: usize = 64;
 
 const NO_TOKEN: Refusal =
     (StatusCode::UNAUTHORIZED, "this needs the token that was printed when the server started\n");
 const TOO_MANY: Refusal = (StatusCode::TOO_MANY_REQUESTS, "too many tokens were tried: wait some seconds\n");
 
-/// The tokens that were tried so far.
+/// The attempts so far.
 #[derive(Debug)]
 pub struct Trials(Mutex<TrialLog>);
 
@@ -29,13 +29,13 @@ struct TrialLog {
 }
 
 impl Trials {
-    /// No token was tried yet.
+    /// Starts without attempts.
     pub fn new(now: Instant) -> Self {
         Self(Mutex::new(TrialLog { bucket: Bucket::new(AT_ONCE, PER_S, now), wrong: VecDeque::new() }))
     }
 
-    /// Whether one of these is the token. While too many are tried, the right token is refused as well, since the
-    /// answer would confirm a guess.
+    /// Checks whether one of these is the token. While there are too many attempts, even the right token is refused,
+    /// since the answer would confirm a guess.
     pub fn admit<'a>(
         &self,
         token: &Token,
@@ -63,7 +63,7 @@ impl TrialLog {
         if token.is(shown) {
             return Ok(true);
         }
-        // `has_one` has checked it
+        // `has_one` was true
         let _ = self.bucket.take(now);
         if self.wrong.len() == REMEMBERED {
             self.wrong.pop_front();

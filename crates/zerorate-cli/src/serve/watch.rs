@@ -1,4 +1,4 @@
-//! A viewer behind a WebSocket: it gets frames and sends requests.
+//! Serves a viewer over a WebSocket: sends frames and answers requests.
 
 use super::answer::{self, Answer};
 use super::bucket::Bucket;
@@ -21,17 +21,17 @@ use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message};
 
-/// A viewer that takes nothing for this long is dropped, and connects again.
+/// Time without receiving after which a viewer is dropped. It then reconnects.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Largest message of a page: a calibration file, with a margin.
+/// Largest message of a page, bytes: a calibration file, with a margin.
 const MESSAGE: usize = 1 << 20;
-/// Requests at once, and in a second. Faster ones wait.
+/// Number of requests at once, and per second in the long run. Faster ones are delayed.
 const BURST: u32 = 40;
 const REQUESTS_PER_S: f64 = 20.0;
 
 type WebSocket = WebSocketStream<TokioIo<Upgraded>>;
 
-/// Takes a new viewer.
+/// Accepts a new viewer.
 pub fn watch(server: &Arc<Server>, connection: Arc<Connection>, request: Request<Incoming>) -> Answer {
     let Ok(accepted) = create_response_with_body(&request, Full::default) else {
         return answer::text(StatusCode::BAD_REQUEST, "this is not a WebSocket handshake (RFC 6455, version 13)\n");
@@ -41,7 +41,7 @@ pub fn watch(server: &Arc<Server>, connection: Arc<Connection>, request: Request
     };
     let server = Arc::clone(server);
     tokio::spawn(async move {
-        // a client that breaks off is not a failure of the server
+        // an error of a client is not an error of the server
         if let Ok(upgraded) = hyper::upgrade::on(request).await {
             let config = WebSocketConfig::default();
             let config = config.max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE)).write_buffer_size(0);
@@ -54,7 +54,7 @@ pub fn watch(server: &Arc<Server>, connection: Arc<Connection>, request: Request
     accepted
 }
 
-/// The state so far and the frames that follow; none if the session has closed.
+/// Requests a snapshot and the frames that follow; `None` if the session has ended.
 pub async fn subscribe(requests: &RequestSender) -> Option<Subscription> {
     let (subscriber, subscription) = oneshot::channel();
     requests.try_send(SessionRequest::Watch(subscriber)).ok()?;
@@ -67,12 +67,12 @@ struct Watch {
 }
 
 impl Watch {
-    /// Serves the viewer until it leaves, stalls, gives no sign of life, or the session ends. A page that misses
-    /// frames gets everything anew.
+    /// Serves the viewer until it leaves, stalls, does not answer a ping, or the session ends. A page that misses
+    /// frames gets a new snapshot.
     async fn serve(mut self, sign_of_life: Duration) {
         let mut allowance = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
         let mut rounds = time::interval_at(time::Instant::now() + sign_of_life, sign_of_life);
-        // after a late turn the answer still has its full time
+        // if this loop is late, the viewer still gets the full time to answer
         rounds.set_missed_tick_behavior(time::MissedTickBehavior::Delay);
         let mut is_alive = true;
         while let Some(Subscription { snapshot, mut frames }) = subscribe(&self.requests).await {
@@ -113,12 +113,12 @@ impl Watch {
         }
     }
 
-    /// Sends a message. False if the viewer does not take it in time.
+    /// Sends a message. Returns false if the viewer does not receive it in time.
     async fn send(&mut self, message: Message) -> bool {
         matches!(time::timeout(PATIENCE, self.socket.send(message)).await, Ok(Ok(())))
     }
 
-    /// Handles a message. False if it was the last one.
+    /// Handles a message. Returns false if it was the last one.
     async fn heed(&mut self, message: Message) -> bool {
         match message {
             Message::Text(request) => {
@@ -136,7 +136,7 @@ impl Watch {
                 false
             }
             Message::Close(_) => {
-                // reading on sends the answer (RFC 6455, 5.5.1)
+                // reading on sends the closing answer (RFC 6455, 5.5.1)
                 let _ = time::timeout(PATIENCE, self.socket.next()).await;
                 false
             }
@@ -144,7 +144,7 @@ impl Watch {
         }
     }
 
-    /// Tells the viewer why nothing more of it is read, where it is still there.
+    /// Tells the viewer why its connection is closed, if it is still there.
     async fn break_off(&mut self, error: &Error) {
         let (code, reason) = match error {
             Error::Utf8(_) => (CloseCode::Invalid, "a text is not UTF-8"),
@@ -160,13 +160,13 @@ impl Watch {
     }
 }
 
-/// Reads the next message, not before `at`.
+/// Reads the next message, but not before the time `at`.
 async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Result<Message, Error>> {
     time::sleep_until(at).await;
     socket.next().await
 }
 
-/// The whole state of the session, once.
+/// Requests a snapshot of the session.
 pub async fn snapshot(requests: &RequestSender) -> Option<Bytes> {
     subscribe(requests).await.map(|subscription| subscription.snapshot)
 }

@@ -1,4 +1,4 @@
-//! `imu.yaml` in the form of Kalibr, for a gyroscope alone. `zerorate imu` has all axes and other readers.
+//! Writes `imu.yaml` in Kalibr's format for a gyroscope alone. `zerorate imu` supports all axes and other formats.
 
 use super::warnings;
 use crate::column::flag;
@@ -9,7 +9,7 @@ use zerorate_imu::Record;
 use zerorate_imu::{Combine, Format, NoiseFileOptions, Rejections, Rule};
 use zerorate_logs::{Names, Quantity};
 
-/// Writes the gyroscope's part of the file. Of several logs it takes the worst values.
+/// Writes the gyroscope's values. With several logs it writes the largest ones.
 pub fn write(file: StagedOutput, records: &[Record]) -> Result<()> {
     if let Some(other) = records.iter().find(|record| record.quantity != Some(Quantity::AngularRate)) {
         let why = "the column does not state a unit of angular rate, and imu.yaml needs rad/s; give --unit or --scale";

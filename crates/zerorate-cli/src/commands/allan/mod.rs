@@ -1,4 +1,4 @@
-//! `zerorate allan`: by how much the mean of a rate at rest varies with the averaging time.
+//! `zerorate allan`: the Allan deviation of a rate at rest over the averaging time.
 
 mod imu_yaml;
 mod pool;
@@ -155,7 +155,7 @@ enum Steps {
 }
 
 impl AllanArgs {
-    /// Whether an option shows or uses noise coefficients.
+    /// Whether an option needs the noise coefficients.
     fn wants_fit(&self) -> bool {
         self.fit || self.pool || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
@@ -196,7 +196,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.pool {
         return pooled(args, &records, files);
     }
-    // the reader of stdout may leave, so the files come first
+    // files are written first, because the reader of stdout may close it early
     let written = files.write(&records, warnings);
     let printed = print_records(args, &records);
     written?;
@@ -204,7 +204,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.fit { records.iter().try_for_each(check_model) } else { Ok(()) }
 }
 
-/// The records of all logs, or of each of their series.
+/// Analyses all logs. With several `--where` conditions, each log is analysed once for each.
 fn records(args: &AllanArgs) -> Result<Vec<Record>> {
     let options = args.options();
     let [_, _, ..] = args.column.series() else { return allan(&args.files, &options) };
@@ -218,7 +218,7 @@ fn records(args: &AllanArgs) -> Result<Vec<Record>> {
     Ok(each.into_iter().flatten().collect())
 }
 
-/// The warnings of a single record, each in full. Several records have a line for each kind of warning.
+/// The warnings about the records. A single record has each of them in full; several have one line for each code.
 fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     match records {
         [only] if !args.column.is_list() => warnings::of_motion(records).into_iter().chain(only.warnings()).collect(),
@@ -229,13 +229,13 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     }
 }
 
-/// Refuses a record whose coefficients must not become a result.
+/// Refuses a record whose noise model is not valid.
 fn check_model(record: &Record) -> Result<()> {
     let refused = |doubt: Rejection| CodedRefusal::new(doubt.code(), format!("{}: {doubt}", record.label()));
     Ok(record.valid_model().map(drop).map_err(refused)?)
 }
 
-/// Fits and prints one model of all records.
+/// Fits and prints one common model of all records.
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
     warn(&pool.record.warnings());
@@ -259,7 +259,7 @@ fn print_pool(args: &AllanArgs, records: &[Record], pool: &Pool) -> Result<()> {
     texts.iter().try_for_each(|text| print_lines(text))
 }
 
-/// Refuses records of different quantities where a picture or a table has one unit.
+/// Refuses records of different quantities if a plot or a table with only one unit is requested.
 fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
     let mixed = records.windows(2).find(|pair| pair[0].quantity != pair[1].quantity);
     mixed.filter(|_| args.csv || !args.plot.is_empty()).map_or(Ok(()), |pair| {
@@ -268,7 +268,7 @@ fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
     })
 }
 
-/// The files to write, claimed before hours of data are read.
+/// The requested output files. They are claimed before hours of data are read.
 struct Files {
     pictures: Pictures,
     page: Option<StagedOutput>,
@@ -299,7 +299,7 @@ impl Files {
     }
 }
 
-/// The page of all records. The warnings of a single record are in its own section.
+/// The HTML page of all records. The warnings about a single record are in its own section.
 fn page(records: &[Record], warnings: Vec<String>) -> AllanPage<'_> {
     let title = match records {
         [first, ..] if are_axes(records) => first.file.display().to_string(),
@@ -310,7 +310,7 @@ fn page(records: &[Record], warnings: Vec<String>) -> AllanPage<'_> {
     AllanPage { title, command, warnings, records, ..AllanPage::default() }
 }
 
-/// Several columns as JSON.
+/// The JSON report of several columns.
 #[derive(Serialize)]
 struct AxesReport {
     axes: Vec<AxisReport>,
@@ -327,7 +327,7 @@ impl AxesReport {
     }
 }
 
-/// Several logs as JSON, and their common model.
+/// The JSON report of several logs, with their common model if requested.
 #[derive(Serialize)]
 struct Reports {
     files: Vec<AllanReport>,

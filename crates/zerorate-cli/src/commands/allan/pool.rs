@@ -1,4 +1,4 @@
-//! `--pool`: one model of several records of one type.
+//! `--pool`: one noise model for several records of one type of sensor.
 
 use crate::exit::{CodedRefusal, Usage};
 use anyhow::Result;
@@ -9,7 +9,7 @@ use zerorate_allan::{self as allan, Stat};
 use zerorate_imu::AllanReport;
 use zerorate_jobs::pool::{NoPool, Outlier, Pool};
 
-/// Formats the spread between the records, a line for each coefficient.
+/// Formats the spread between the records, one line per coefficient.
 pub fn text(pool: &Pool) -> Result<String> {
     let mut text = format!("One model of {} records: {}\n", pool.used.len(), pool.used.join("; "));
     writeln!(text, "Spread between them beyond their own intervals:")?;
@@ -24,7 +24,7 @@ pub fn text(pool: &Pool) -> Result<String> {
     Ok(text)
 }
 
-/// The report of the common model, and the spread of the records.
+/// The JSON report of the common model, with the spread of the records.
 #[derive(Serialize)]
 pub struct PoolReport {
     #[serde(flatten)]
@@ -46,7 +46,7 @@ impl PoolReport {
     pub fn new(report: AllanReport, pool: &Pool) -> Self {
         let of = |spread: &allan::Spread| {
             let &allan::Spread { records, relative, least, largest, .. } = spread;
-            // a name ends with its letter
+            // the last letter of the name is the coefficient
             let letter = spread.noise.name().chars().last().unwrap_or_default();
             (letter.to_ascii_lowercase(), Spread { records, relative, least, largest })
         };
@@ -62,7 +62,7 @@ pub fn failed(why: NoPool) -> anyhow::Error {
     }
 }
 
-/// Refuses a statistic that the noise model does not describe.
+/// Refuses a statistic to which the noise model does not apply.
 pub fn check_statistic(stat: Stat) -> Result<(), Usage> {
     match stat.is_allan() {
         true => Ok(()),

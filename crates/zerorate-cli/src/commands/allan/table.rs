@@ -1,4 +1,4 @@
-//! The result as text and as CSV.
+//! Formats the results as text and as CSV.
 
 use anyhow::Result;
 use std::fmt::Write;
@@ -19,7 +19,7 @@ pub fn heading(report: &AllanReport) -> String {
     )
 }
 
-/// Formats what was removed from the record before the analysis, a line each.
+/// Formats what was removed from the record before the analysis, one line each.
 pub fn removed(report: &AllanReport) -> Vec<String> {
     let skipped = (report.skipped_s > 0.0).then(|| format!("without the first {}", span(report.skipped_s)));
     let unit = report.unit.unwrap_or("");
@@ -40,7 +40,7 @@ pub fn removed(report: &AllanReport) -> Vec<String> {
     skipped.into_iter().chain(detrended).collect()
 }
 
-/// Formats a row for each averaging time, then a line for each time that could not be computed.
+/// Formats a row for each averaging time, then a line for each averaging time that was not possible.
 pub fn text(report: &AllanReport) -> Result<String> {
     let per_hour = report.unit == Some("°/s");
     let mut text = String::new();
@@ -64,7 +64,7 @@ pub fn text(report: &AllanReport) -> Result<String> {
     Ok(text)
 }
 
-/// Formats the noise model with its intervals, then the advice.
+/// Formats the noise model with its intervals, then advice.
 pub fn coefficients_text(report: &AllanReport) -> Result<String> {
     let mut text = String::from("\nNoise coefficients with their 95 % intervals\n");
     if let Some(why) = &report.fit_error {
@@ -95,8 +95,8 @@ pub fn coefficients_text(report: &AllanReport) -> Result<String> {
     Ok(text)
 }
 
-/// Formats all records as one table. Several records add a column with the file, and several records of one file add
-/// one with the name of the column.
+/// Formats all records as one CSV table. With several records it has a column with the file, and with several
+/// records of one file also a column with the log column's name.
 pub fn csv(reports: &[AllanReport]) -> Result<String> {
     let several = reports.len() > 1;
     let of_columns = reports.windows(2).any(|pair| pair[0].file == pair[1].file);
@@ -119,7 +119,7 @@ pub fn csv(reports: &[AllanReport]) -> Result<String> {
     Ok(String::from_utf8(rows.into_inner()?)?)
 }
 
-/// The ending of a column name that states the unit.
+/// The suffix of a column name that states the unit.
 fn suffix(report: &AllanReport) -> &'static str {
     match report.unit {
         Some("°/s") => "_dps",

@@ -1,4 +1,4 @@
-//! Options for a record during which the temperature changed.
+//! Options for records in which the temperature changed.
 
 use crate::column::flag;
 use crate::exit::Usage;

@@ -1,11 +1,11 @@
-//! Warnings about records in words: each in full, or a line for each code, the important ones first.
+//! The texts of warnings about records: each in full, or one line for each code, the most important first.
 
 use zerorate_imu::{ImuWarning, Record};
 use zerorate_logs::LogWarning;
 use zerorate_view::noise;
 
-/// Codes of findings about the model, the most damaging first. Findings with other codes come before all: they concern
-/// the log.
+/// The codes of warnings about the noise model, the most serious first. Warnings with other codes are about the log
+/// and precede them.
 const BY_WEIGHT: [&str; 18] = [
     "model-rejected",
     "follows-temperature",
@@ -27,15 +27,15 @@ const BY_WEIGHT: [&str; 18] = [
     "not-identified",
 ];
 
-/// A longer line about the model of an axis goes without its advice, which `explain` has as well.
+/// The longest line about an axis's model that keeps its advice, characters. `explain` has the advice as well.
 const MOST_CHARS: usize = 100;
 
-/// Formats the motion that several axes of one log show at once. Moving spans, jumps and knocks get a line each.
+/// Formats motion that appears on several axes of one log. Moving spans, jumps and knocks get one line each.
 pub fn of_motion(axes: &[Record]) -> Vec<String> {
     Record::motion(axes).iter().map(ImuWarning::coded).collect()
 }
 
-/// Formats the warnings about all records, a line for each code.
+/// Formats the warnings about all records, one line for each code.
 pub fn condensed(records: &[Record]) -> Vec<String> {
     let is_of_one_log = records.len() == 1 || noise::are_axes(records);
     let of_record = |record: &Record| -> Vec<String> {
@@ -49,15 +49,15 @@ pub fn condensed(records: &[Record]) -> Vec<String> {
     first_of_each(&lines)
 }
 
-/// The code of a line `code: text`.
+/// The code in a line `code: text`.
 pub fn code(line: &str) -> &str {
     line.split_once(": ").map_or("", |(code, _)| code)
 }
 
-/// The code whose lines differ in their cause and in what to do.
+/// The code whose lines are all shown, because their causes and remedies differ.
 const EACH: &str = "implausible";
 
-/// The first line of each code, with the number of other lines that have the code.
+/// The first line of each code, with the number of further lines of that code.
 pub fn first_of_each(lines: &[String]) -> Vec<String> {
     let mut firsts: Vec<(&String, Vec<&String>)> = Vec::new();
     for line in lines {

@@ -1,4 +1,4 @@
-//! Delivers the result of an hour to its user, even if its files cannot be written.
+//! Prints the result of a calibration, even if its files cannot be written.
 
 use super::{ResultArgs, text};
 use crate::output::{print, print_json, print_lines, reader_left, say};
@@ -7,7 +7,7 @@ use anyhow::Result;
 use zerorate::Calibration;
 use zerorate_jobs::calibrate::{CalibrationReport, DeliveryFailure, RescuedCalibration};
 
-/// Prints the result. If printing fails and no file holds the result either, it is rescued.
+/// Prints the result. If printing fails and no file holds the result, it is saved to another file.
 pub fn print_result(report: &CalibrationReport, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
     let printed = match args.json {
         true => print_json(report),
@@ -26,8 +26,8 @@ pub fn print_result(report: &CalibrationReport, calibration: &Calibration, args:
     }
 }
 
-/// Prints the calibration itself: as the text of its file, so that it can be redirected into one, or in the JSON
-/// object.
+/// Prints the calibration after its file could not be written: as the text of the file, which can be redirected, or
+/// in the JSON object.
 pub fn print_undelivered(
     failure: DeliveryFailure,
     mut report: CalibrationReport,

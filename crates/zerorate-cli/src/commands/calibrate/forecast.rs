@@ -1,12 +1,12 @@
-//! `--target-dph`: a forecast of how long the recording will take.
+//! `--target-dph`: forecasts how long the recording will take.
 
 use zerorate::{Part, Plan};
 use zerorate_view::duration::Seconds;
 
-/// The target is checked once a minute.
+/// Period at which the target is checked, s.
 const MINUTE_S: f64 = 60.0;
 
-/// The forecast, a line for each axis.
+/// Formats the forecast, one line per axis.
 pub fn lines(part: &Part, plan: &Plan) -> Vec<String> {
     let Some(target_dps) = plan.target_dps else { return Vec::new() };
     let target_dph = 3600.0 * target_dps;

@@ -1,4 +1,4 @@
-//! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a sensor or on its recording.
+//! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a part or on its recording.
 
 mod deliver;
 mod forecast;
@@ -109,7 +109,7 @@ impl ResultArgs {
         OutputOptions { output, log, serial, notes: notes.into(), saves }
     }
 
-    /// Before anything is read.
+    /// The output files of the run, before any is claimed.
     fn outputs(&self) -> Outputs {
         Outputs::new(self.force).printing()
     }
@@ -134,7 +134,7 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
-/// Where the result will go. Printed before the long run.
+/// A line that tells where the result will go, printed before the long run.
 fn whereto(job: &Job) -> &'static str {
     match job.saves() {
         true => "the result will be saved as calibration-<id>.toml in this folder; -o FILE names it",

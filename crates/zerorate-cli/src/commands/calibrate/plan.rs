@@ -1,4 +1,4 @@
-//! The durations and limits of F-51 on the command line. The core defines the defaults.
+//! Options for the durations and limits of F-51. The core defines the defaults.
 
 use crate::commands::earth::EarthArgs;
 use clap::{Args, ValueEnum};
@@ -67,7 +67,7 @@ enum MethodArg {
     Cycle,
 }
 
-/// The durations of the procedure, which a unit left out would change.
+/// A line with the durations of the procedure, so that the user notices a wrong unit. `None` for other methods.
 pub fn durations(plan: &Plan) -> Option<String> {
     let [average, warmup, settle, offset] = [plan.average_s, plan.warmup_s, plan.settle_s, plan.offset_s].map(Seconds);
     (plan.method == Method::An1042).then(|| {
@@ -77,7 +77,7 @@ pub fn durations(plan: &Plan) -> Option<String> {
 }
 
 impl PlanArgs {
-    /// The plan for the core. A method without steps uses the whole of a recording.
+    /// The plan for the core. On a recording, a method without steps uses all of it.
     pub fn plan(&self, recorded: bool) -> Plan {
         let method = match self.method {
             MethodArg::An1042 => Method::An1042,

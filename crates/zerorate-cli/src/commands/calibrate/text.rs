@@ -1,4 +1,4 @@
-//! The result of a calibration, for people.
+//! Formats the result of a calibration for people.
 
 use std::path::Path;
 use zerorate::temperature::TERMS;
@@ -8,7 +8,7 @@ use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::{PlusMinus, remark};
 
-/// Formats the result; `file` holds the calibration.
+/// Formats the result. `file` is the path of the calibration.
 pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
     let mut text = head(report);
     for axis in &report.axes {
@@ -25,13 +25,13 @@ pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str
     text + "\n" + &what_next(file, serial)
 }
 
-/// All warnings. A warning about one axis carries its name.
+/// All warnings. A warning about one axis starts with its name.
 pub fn warnings(report: &CalibrationReport) -> Vec<String> {
     let own = report.axes.iter().flat_map(|axis| axis.warnings.iter().map(|one| format!("axis {}: {one}", axis.name)));
     report.warnings.iter().map(ToString::to_string).chain(own).collect()
 }
 
-/// What every measurement by the same plan implies, in lines of the result.
+/// The standing remarks, which every measurement by the same plan has, as lines of the result.
 pub fn remarks(remarks: &[CodedWarning]) -> String {
     remarks.iter().filter_map(|one| remark(one.code(), &one.text())).map(|line| line + "\n").collect()
 }
@@ -93,13 +93,13 @@ fn found(numbers: &AxisNumbers, factor: f64) -> String {
         .unwrap_or_default()
 }
 
-/// Formats the averages of steps 4 and 6.
+/// Formats the averages of steps 4 and 6; `None` with another method.
 fn means(numbers: &AxisNumbers) -> Option<String> {
     let (b1_dps, t1_c, b2_dps, t2_c) = (numbers.b1_dps?, numbers.t1_c?, numbers.b2_dps?, numbers.t2_c?);
     Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
 }
 
-/// How well a line is known at the ends of the temperatures seen.
+/// The uncertainty of the correction at the lowest and the highest measured temperature.
 fn ends(numbers: &AxisNumbers, factor: f64) -> String {
     let end = |point: Option<&CurvePoint>| {
         let CurvePoint { temp_c, u_dps, .. } = point?;

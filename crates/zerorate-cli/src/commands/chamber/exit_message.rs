@@ -1,4 +1,4 @@
-//! The last line that the user reads, however the program ends: whether the chamber is at its safe temperature.
+//! The last line of the program's output, however it ends: whether the chamber is at its safe temperature.
 
 use crate::exit_message;
 use crate::output::say;
@@ -7,7 +7,7 @@ use zerorate_host::SafeEnd;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::chamber::{AirListener, AirState};
 
-/// Keeps the last line up to date.
+/// Keeps the exit message up to date with the chamber.
 pub struct ExitMessage;
 
 impl AirListener for ExitMessage {
@@ -32,7 +32,7 @@ impl AirListener for ExitMessage {
 }
 
 impl Drop for ExitMessage {
-    /// Says the message after a panic, since nothing else will.
+    /// Prints the message after a panic, since nothing else does.
     fn drop(&mut self) {
         if std::thread::panicking() {
             exit_message::say_after(|| ());

@@ -1,4 +1,4 @@
-//! `zerorate chamber`: a calibration over the temperatures of a chamber.
+//! `zerorate chamber`: a calibration over the temperature range of a chamber.
 
 mod exit_message;
 mod text;
@@ -135,7 +135,7 @@ struct ControlArgs {
 }
 
 impl ControlArgs {
-    /// What the user asked for.
+    /// The chamber that the options specify; `None` without options.
     fn spec(&self) -> Result<Option<ChamberSpec>> {
         let Some((set, read)) = self.set_temperature.as_deref().zip(self.read_temperature.as_deref()) else {
             return Ok(self.chamber.clone());
@@ -146,7 +146,7 @@ impl ControlArgs {
 }
 
 impl ChamberArgs {
-    /// How the chamber is controlled; none for a recording.
+    /// The control of the chamber; `None` for a recording.
     fn chamber(&self) -> Result<Option<ChamberSpec>> {
         let is_replayed = self.device.file().is_some();
         let is_simulated = self.device.device.is_simulated();
@@ -208,9 +208,9 @@ fn limits(args: &ChamberArgs) -> Result<()> {
     }
 }
 
-/// Makes the measurement ready. The chamber comes first: no hour begins with a chamber that does not answer.
+/// Prepares the measurement. The chamber is started first, so that no hour is spent if it does not respond.
 fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: PlanFile, files: Files) -> Result<Job> {
-    // from here on Ctrl-C only asks for an end, since the chamber must be stopped
+    // from here on Ctrl-C only requests a stop, since the chamber must be set to its safe temperature
     interrupt::listen();
     let is_simulated = args.device.device.is_simulated();
     let (safe_c, stop) = (plan.plan.safe_c, interrupt::stop());
@@ -229,7 +229,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     prepare(acquisition, (control, writer), plan, files, options).map_err(worded)
 }
 
-/// Adds how to begin anew.
+/// Adds advice on how to start anew.
 fn worded(error: Error) -> Error {
     match error.downcast::<UnusableSteps>() {
         Ok(unusable) => Usage(format!("{unusable}; take another -o, or --restart to begin anew")).into(),
@@ -237,10 +237,10 @@ fn worded(error: Error) -> Error {
     }
 }
 
-/// Shows the progress.
+/// Shows the progress, and writes the page or plot.
 struct Looking {
     meter: Meter,
-    /// The form of the picture, where one replaces the page.
+    /// The format of the plot that was requested in place of the page; `None` for the page.
     kind: Option<Kind>,
 }
 

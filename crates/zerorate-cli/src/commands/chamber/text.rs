@@ -1,4 +1,4 @@
-//! The result of a measurement in a chamber, for people.
+//! Formats the result of a measurement in a chamber for people.
 
 use crate::commands::calibrate::remarks;
 use anyhow::Result;
@@ -11,7 +11,7 @@ use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 
-/// Formats the result for people; `file` holds the calibration.
+/// Formats the result as text. `file` is the path of the calibration.
 pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
     let mut text = format!(
         "{}Calibration {} of {}, {}\n{} samples in {}, {} lost, part between {:.1} and {:.1} °C\n",
@@ -36,7 +36,7 @@ pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
     }
 }
 
-/// Formats the result as a page.
+/// Formats the result as an HTML page.
 pub fn page(results: &ChamberResults) -> Result<String> {
     let ChamberResults { report, calibration, record, outcomes } = results;
     let title = format!("{} in a chamber: {}", calibration.part, report.plan);
@@ -45,13 +45,14 @@ pub fn page(results: &ChamberResults) -> Result<String> {
     chamber_page(ChamberPage { title: &title, calibration, record, outcomes, warnings: &warnings, facts })
 }
 
-/// Uncertainty of the curve: the rms over the temperatures seen, °/s at 95 %.
+/// Uncertainty of the curve: rms over the measured temperatures, °/s, as a 95 % interval.
 fn u_dps(axis: &AxisReport) -> f64 {
     let squares: f64 = axis.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
     Uncertainty::FACTOR * (squares / f64::from(POINTS)).sqrt()
 }
 
-/// Distance of the curve from the twin's true curve: the rms over the temperatures seen, °/s.
+/// Difference between the curve and the twin's true curve: rms over the measured temperatures, °/s. `None` without a
+/// twin.
 fn off_dps(axis: &AxisReport) -> Option<f64> {
     let truth = &axis.truth.as_ref()?.curve;
     let off = axis.curve.iter().zip(truth).map(|(one, other)| one.correction_dps - other.correction_dps);

@@ -1,4 +1,4 @@
-//! The columns of an IMU's axes and their units: options that `imu` and `tempcal` share.
+//! Options for the columns of an IMU's axes and their units, shared by `imu` and `tempcal`.
 
 use super::codes::CodeArgs;
 use crate::column::{LogArgs, UNITS, flag, listed, positive};
@@ -45,7 +45,7 @@ pub struct AxisArgs {
 }
 
 impl AxisArgs {
-    /// The axes of a log that is read in this way.
+    /// The settings for reading the axes. `reading` has those of the log as a whole.
     pub fn options(&self, reading: &LogArgs) -> ImuOptions {
         ImuOptions {
             columns: self.column.as_deref().and_then(listed),
@@ -61,7 +61,7 @@ fn kind(columns: &Option<String>, unit: Option<Unit>, scale: Option<f64>) -> Kin
     KindOptions { columns: columns.as_deref().and_then(listed).unwrap_or_default(), unit, scale, codes: None }
 }
 
-/// Returns the option of a setting. Unit and scale belong to a kind of sensor.
+/// The name of a setting's option. Unit and scale have one for each kind of sensor.
 pub fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",

@@ -1,4 +1,4 @@
-//! The options about integer codes.
+//! Options for integer codes.
 
 use crate::column::{UNITS, positive};
 use crate::exit::Usage;
@@ -31,7 +31,7 @@ pub struct CodeArgs {
 }
 
 impl CodeArgs {
-    /// The options, with the scales of the part.
+    /// The settings, including the scales of the named part.
     pub fn options(&self, outputs: &mut Outputs) -> Result<CodeOptions> {
         let Self { part, gyro_range, accel_range } = self;
         let (mut gyro_range_dps, accel_range_g) = (*gyro_range, *accel_range);

@@ -1,4 +1,4 @@
-//! The comparison of the axes with a data sheet.
+//! Compares the axes with a data sheet.
 
 use crate::exit::Usage;
 use crate::output::Outputs;
@@ -11,7 +11,7 @@ use zerorate_jobs::catalogue;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
-/// Reads a part of the catalogue, or the file at `path`.
+/// Reads the data sheet of a catalogue part, or the file at `path`.
 pub fn read(path: &Path, outputs: &mut Outputs) -> Result<DataSheet> {
     let text = catalogue::text(path, outputs)?.map_err(|error| match error.kind() {
         ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
@@ -25,7 +25,7 @@ pub fn read(path: &Path, outputs: &mut Outputs) -> Result<DataSheet> {
     DataSheet::parse(&text).map_err(|error| Usage(format!("{}: {error}", path.display())).into())
 }
 
-/// The comparison of all axes with the data sheet, line by line.
+/// The table that compares all axes with the data sheet, line by line; `None` without a data sheet.
 pub fn table(report: &ImuReport) -> Option<Table> {
     let sheet = report.data_sheet.as_ref()?;
     let of_kind = |kind: Kind| {
@@ -42,7 +42,7 @@ pub fn table(report: &ImuReport) -> Option<Table> {
     })
 }
 
-/// Names of the columns of that table.
+/// The heads of the table's columns.
 const HEAD: [&str; 5] = ["figure", "data sheet", "axis", "measured [95 % interval]", "verdict"];
 
 fn row(axis: &str, line: &LineReport) -> Vec<String> {
@@ -51,7 +51,7 @@ fn row(axis: &str, line: &LineReport) -> Vec<String> {
     vec![line.figure.to_owned(), stated, axis.to_owned(), found(line), judged(line)]
 }
 
-/// `0.0569 [0.0565, 0.0573]`, in the unit of the line.
+/// Formats a measured value in the unit of the line: `0.0569 [0.0565, 0.0573]`.
 fn found(line: &LineReport) -> String {
     match (line.measured, line.measured_lo, line.measured_hi) {
         (Some(value), Some(lo), Some(hi)) if lo > 0.0 => {
@@ -62,7 +62,7 @@ fn found(line: &LineReport) -> String {
     }
 }
 
-/// The verdict, with the ratio where it is meaningful.
+/// Formats the verdict, with the ratio if it is meaningful.
 fn judged(line: &LineReport) -> String {
     let measured = line.measured.filter(|_| line.measured_lo.is_some_and(|lo| lo > 0.0));
     match measured.filter(|_| matches!(line.verdict, "better" | "worse")) {

@@ -1,4 +1,4 @@
-//! `zerorate imu`: turns the log of an IMU at rest into the noise file of a filter.
+//! `zerorate imu`: analyses a log of an IMU at rest, and writes a noise file for a filter.
 
 pub mod axes;
 mod codes;
@@ -103,7 +103,7 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
-    /// The options for one of several series. Its files are named after its value: `imu-1.yaml`.
+    /// The options for one condition of `--where`. Its files are named after the condition's value: `imu-1.yaml`.
     fn of_series(&self, only: &Only) -> Self {
         let plain = |one: &Condition| one.value.replace(|c: char| !c.is_alphanumeric(), "_");
         let value = only.conditions.iter().map(plain).collect::<Vec<_>>().join("-");
@@ -166,7 +166,7 @@ fn run_one(args: &ImuArgs) -> Result<()> {
     let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.iter().cloned().partition(|line| DOUBTS.contains(&code(line)));
     let findings: Vec<String> = warnings::of_motion(&axes).into_iter().chain(warnings::condensed(&axes)).collect();
     let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
-    // the reader of stdout may leave, so the files come first
+    // files are written first, because the reader of stdout may close it early
     let drawn = pictures.write(|| axes_svg(&axes));
     let written =
         page.map_or(Ok(()), |file| Ok(file.fill(allan_page(&self::page(&report, &axes, with(&doubts)))?.as_bytes())?));
@@ -183,10 +183,10 @@ fn run_one(args: &ImuArgs) -> Result<()> {
     printed
 }
 
-/// Lines of warnings that a person reads.
+/// Largest number of lines of warnings on stderr.
 const LINES: usize = 8;
 
-/// Codes of warnings about the samples themselves, which may explain all others.
+/// Codes of warnings about the samples themselves, which may be the cause of all others.
 const DOUBTS: [&str; 8] = [
     "implausible",
     "rate-contradicts",
@@ -198,7 +198,7 @@ const DOUBTS: [&str; 8] = [
     "frozen",
 ];
 
-/// The first of these lines, with one that names the codes of the rest.
+/// Limits the warnings to this many lines. If there are more, the last line names the other codes.
 fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
     if warnings.len() <= lines {
         return warnings.to_vec();
@@ -209,7 +209,7 @@ fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
     shown.iter().cloned().chain([more]).collect()
 }
 
-/// The page, with facts about the log as a whole.
+/// The HTML page, with facts about the log as a whole.
 fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) -> AllanPage<'a> {
     let log = report.axes.first().map_or("", |axis| &axis.report.file);
     let topic = report.topic.as_deref().map(|topic| Fact::new("topic", topic));
@@ -228,7 +228,8 @@ fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) ->
     }
 }
 
-/// Writes the file, if its numbers are results or the user asked for them nevertheless. Gives the lines that say so.
+/// Writes the noise file, if its numbers are valid or the user accepts invalid ones. Returns the lines that tell
+/// about it.
 fn deliver(
     args: &ImuArgs,
     axes: &[Record],

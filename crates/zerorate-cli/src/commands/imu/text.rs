@@ -1,4 +1,4 @@
-//! The result as text.
+//! Formats the result as text.
 
 use anyhow::Result;
 use std::fmt::Write;
@@ -8,14 +8,14 @@ use zerorate_view::noise::{GaussMarkov, gauss_markov, is_without_misfit, stated}
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
-/// Formats a table for each kind of sensor, with a row for each axis.
+/// Formats one table for each kind of sensor, with a row for each axis.
 pub fn table(report: &ImuReport) -> Result<String> {
     let mut text = String::new();
     if let Some(axis) = report.axes.first() {
         let ImuReport { samples, rate_hz, .. } = *report;
         let length = span(samples as f64 / rate_hz);
         write!(text, "{}: {samples} samples at {rate_hz:.6} Hz, {length}", axis.report.file)?;
-        // the accelerometer may be of a topic of its own
+        // the accelerometer may have its own topic with another rate
         if let Some(other) = report.axes.iter().find(|other| other.report.rate_hz != rate_hz) {
             let AllanReport { samples, rate_hz, .. } = other.report;
             write!(text, "; {} {samples} samples at {rate_hz:.6} Hz", other.kind.map_or("others", Kind::name))?;
@@ -32,7 +32,7 @@ pub fn table(report: &ImuReport) -> Result<String> {
     Ok(text)
 }
 
-/// Formats the comparison with a data sheet, a row for each line and axis.
+/// Formats the comparison with a data sheet: a row for each of its lines and each axis.
 pub fn comparison(table: &Table) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(&table.head).chain(&table.rows).cloned().collect();
     format!("\n{}\n{}", table.title, aligned(&rows))
@@ -68,7 +68,7 @@ fn value(of: &CoefficientReport) -> String {
     of.in_unit(0).map_or_else(String::new, |value| stated(value, of.identified))
 }
 
-/// The terms of a model beside N, B and K, a row each.
+/// Rows for the model's terms other than N, B and K, one each.
 fn further(others: &[(char, &CoefficientReport)], fit: &FitReport) -> Vec<Vec<String>> {
     let coefficient =
         |(letter, of): &(char, &CoefficientReport)| format!("{letter} {} {}", value(of), of.units[0].unit);
@@ -79,7 +79,7 @@ fn further(others: &[(char, &CoefficientReport)], fit: &FitReport) -> Vec<Vec<St
     all.map(|text| vec![String::new(), text]).collect()
 }
 
-/// Aligns the columns. The second cell of a row with two cells spans the rest.
+/// Aligns the columns. In a row of two cells, the second one spans the rest.
 fn aligned(rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter(|row| row.len() > 2 || column == 0).filter_map(|row| row.get(column));

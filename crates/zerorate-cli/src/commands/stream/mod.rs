@@ -66,7 +66,7 @@ pub struct StreamArgs {
     tracking: TrackArgs,
 }
 
-/// Rows per second that a person can follow.
+/// Number of rows per second that a person can read.
 const READABLE_HZ: f64 = 10.0;
 
 /// The forms of a row.
@@ -98,13 +98,13 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     stream(acquisition, &calibration, options, tracking, &mut rows)
 }
 
-/// Prints rows.
+/// Prints the rows of a stream.
 struct RowPrinter {
     out: BufWriter<Stdout>,
     format: RowFormat,
-    /// The columns of the rates.
+    /// The names of the columns with the rates.
     rates: Vec<String>,
-    /// Columns of the tracked bias and its uncertainty, for each axis.
+    /// The names of the columns with the tracked bias and its uncertainty, for each axis.
     biases: Vec<String>,
     id: String,
     flush_each: bool,

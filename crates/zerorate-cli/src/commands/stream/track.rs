@@ -1,4 +1,4 @@
-//! `stream --track`: options and messages of learning the bias whenever the sensor rests.
+//! `stream --track`: options and messages of tracking the bias whenever the sensor is at rest.
 
 use crate::exit::Usage;
 use crate::output::{Outputs, say, warn};
@@ -42,7 +42,7 @@ pub struct TrackArgs {
 }
 
 impl TrackArgs {
-    /// Begins to track, if the user asked for it.
+    /// Starts tracking, if `--track` was given.
     pub fn begin(
         &self,
         facts: &DeviceInfo,
@@ -76,7 +76,7 @@ impl TrackArgs {
         }
     }
 
-    /// The Earth's rotation that a sensor at rest shows beyond its calibrated bias.
+    /// The Earth's rotation that a sensor at rest measures beyond its calibrated bias, °/s.
     fn earth(&self, calibration: &Calibration) -> Result<f64> {
         let taken_out = calibration.run.and_then(|run| run.earth_dps);
         match (self.earth_dps, taken_out) {
@@ -94,7 +94,7 @@ impl TrackArgs {
     }
 }
 
-/// Says what was learned about an axis.
+/// Prints what was learned about an axis.
 pub fn say_learned(learned: &LearnedAxis<'_>) {
     let LearnedAxis { name, counts: Counts { learned_s, rolled_back, .. }, tracked } = learned;
     let change = tracked.map_or(String::new(), |tracked| {
