@@ -1,4 +1,4 @@
-//! The program `zerorate`, for the tasks that run it.
+//! The program `zerorate`, for tasks that run it.
 
 use anyhow::Result;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ pub struct ProgramArgs {
 }
 
 impl ProgramArgs {
-    /// The program that was named, or else one that is built now.
+    /// The path of the given program, or of one that is built now.
     pub fn program(&self) -> Result<PathBuf> {
         Ok(std::path::absolute(self.program.clone().map_or_else(program, Ok)?)?)
     }

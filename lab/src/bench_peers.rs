@@ -1,5 +1,5 @@
-//! `cargo xtask bench-peers`: the Allan deviation of zerorate beside allantools and the crates `allan` and
-//! `allan-tools`, on one array.
+//! `cargo xtask bench-peers`: compares the speed of zerorate's Allan deviation with allantools and the crates
+//! `allan` and `allan-tools`, on one array.
 
 use crate::venv::{self, done, printed};
 use anyhow::{Context, Result};
@@ -35,7 +35,7 @@ pub struct Line {
     pub dev: Option<Vec<Option<f64>>>,
 }
 
-/// Installs the peers, runs them one after the other, prints seconds and ratios.
+/// Installs the peers, runs them one after the other, and prints times and ratios.
 pub fn run(args: &BenchPeersArgs) -> Result<()> {
     let python = venv::python("peers", Path::new("lab/tools/peers/requirements.txt"))?;
     let peers = peers()?;
@@ -65,7 +65,7 @@ pub fn run(args: &BenchPeersArgs) -> Result<()> {
     time_files(args.samples, &python)
 }
 
-/// The program that times us and the crates, built.
+/// Builds the program that times us and the crates, and returns its path.
 pub fn peers() -> Result<PathBuf> {
     done(&mut lab::cargo("build", "peers", "peers")?)?;
     Ok(lab::folder()?.join("peers/peers"))
@@ -75,7 +75,7 @@ pub fn parse(text: &str) -> Result<Vec<Line>> {
     text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
 }
 
-/// Each run, in seconds and as a multiple of the peer's time for the same work.
+/// Prints the time of each run, and how many times as fast as the best peer it is for the same work.
 fn print_times(lines: &[Line]) {
     let copy = lines.iter().find(|line| line.work == "copy").and_then(|line| line.seconds).unwrap_or(f64::NAN);
     println!("{:22} {:22} {:>10} {:>12} {:>16}", "work", "who", "seconds", "numpy copies", "times as fast as");
@@ -87,7 +87,7 @@ fn print_times(lines: &[Line]) {
     }
 }
 
-/// Work, and the goal: how many times as fast as allantools on two threads.
+/// The goals: how many times as fast as allantools each kind of work must be, on two threads.
 const GOALS: [(&str, f64); 5] =
     [("oadev", 45.0), ("oadev, fine", 60.0), ("mdev", 40.0), ("ohdev", 40.0), ("totdev", 40.0)];
 
@@ -106,7 +106,7 @@ fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 
-/// The best peer that did the same work. Work on codes is compared with work on rates.
+/// The fastest peer for the same work. Work on codes is compared with work on rates.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
     let is_ours = |line: &Line| line.who.starts_with("zerorate");
@@ -115,7 +115,8 @@ fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     times.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// The largest relative difference from allantools, work by work: speed means nothing if the numbers differ.
+/// Prints the largest relative difference from allantools for each kind of work. Speed means nothing if the numbers
+/// differ.
 fn print_agreement(lines: &[Line]) {
     for theirs in lines.iter().filter(|line| line.who == "allantools") {
         for ours in lines.iter().filter(|line| line.who.starts_with("zerorate, 2") && line.work == theirs.work) {
@@ -127,7 +128,7 @@ fn print_agreement(lines: &[Line]) {
     }
 }
 
-/// From a capture of an hour in Parquet to the table on stdout.
+/// Times the whole program, from a capture of an hour in Parquet to the table on stdout.
 fn time_program() -> Result<()> {
     let build = ["build", "--profile", "dist", "--quiet", "-p", "zerorate-cli", "--target-dir", "target/peers"];
     done(Command::new("cargo").args(build).args(["--features", "full"]))?;
@@ -151,10 +152,11 @@ fn time_program() -> Result<()> {
     Ok(std::fs::remove_file(CAPTURE)?)
 }
 
-/// Files, and the goal with each: how many times as fast as polars or NumPy and allantools.
+/// The files, each with its goal: how many times as fast as polars or NumPy and allantools.
 const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.parquet", 15.0), ("one.npy", 15.0)];
 
-/// From a log of noise to the table: the whole program beside a whole program in Python, each the best of three.
+/// Times the whole program from a log of noise to the table, and a whole Python program for comparison. Each is the
+/// best of three.
 fn time_files(samples: u64, python: &Path) -> Result<()> {
     std::fs::create_dir_all(LOGS)?;
     let peers = || {
@@ -194,7 +196,7 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
     Ok(std::fs::remove_dir_all(LOGS)?)
 }
 
-/// A noise model beside the deviations alone, which took `seconds`; both are whole programs.
+/// Times fitting a noise model as well. Computing the deviations alone took `seconds`.
 fn time_fit(python: &Path, path: &str, seconds: f64, samples: u64) -> Result<()> {
     const MOST_TIMES: f64 = 4.0;
     const MOST_COLUMNS: f64 = 1.5;
@@ -222,7 +224,7 @@ fn analysis<'a>(path: &'a str, columns: &'a str) -> [&'a str; 8] {
     ["allan", path, "--column", columns, "--rate", "1", "--unit", "dps"]
 }
 
-/// The program's peak memory as a multiple of the columns as f64.
+/// Prints the program's peak memory as a multiple of the columns' size as f64.
 fn print_peak(python: &Path, path: &str, columns: &str, samples: u64) -> Result<()> {
     let peak = peak(python, &analysis(path, columns))?;
     let asked = columns.split(',').count() as f64 * samples as f64 * 8.0;
@@ -245,7 +247,7 @@ fn best_of_three(command: &mut Command) -> Result<f64> {
     Ok(best)
 }
 
-/// The processor and how many of it there are.
+/// Describes the processor and its number of cores.
 fn machine() -> String {
     let cpus = std::thread::available_parallelism().map_or(1, usize::from);
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

@@ -1,5 +1,5 @@
-//! `cargo xtask bench-web`: times the core as WebAssembly beside the same core as a program on one thread. It also
-//! measures how soon the page shows something, and how much it loads.
+//! `cargo xtask bench-web`: compares the speed of the core as WebAssembly with a native program on one thread. It
+//! also measures how soon the page shows something, and how much it loads.
 
 use crate::bench_peers::{self, Line};
 use crate::venv::{done, printed};
@@ -9,16 +9,16 @@ use serde::Deserialize;
 use std::process::Command;
 
 const DATA: &str = "target/bench-web.f64";
-/// An hour at 5.7 kSPS.
+/// Number of samples: an hour at 5.7 kSPS.
 const SAMPLES: &str = "20500000";
-/// How many times as long WebAssembly may take.
+/// Largest ratio of WebAssembly's time to the native time.
 const MOST_TIMES: f64 = 1.6;
-/// Time until something is drawn, s.
+/// Largest time until something is drawn, s.
 const MOST_S: f64 = 1.0;
-/// Size loaded before anything is drawn, and size of the readers of logs, KB.
+/// Largest size loaded before anything is drawn, and largest size of the readers of logs, KB.
 const MOST_KB: [f64; 2] = [150.0, 800.0];
 
-/// The output of the browser's side.
+/// The results that the browser printed.
 #[derive(Deserialize)]
 struct Page {
     seconds: f64,
@@ -30,7 +30,7 @@ struct Page {
     recordings_bytes: f64,
 }
 
-/// Builds both as distributed, runs them one after the other, prints the figures and the missed goals.
+/// Builds both as they are distributed, runs them one after the other, and prints the results and missed goals.
 pub fn run() -> Result<()> {
     web::build_small()?;
     let peers = bench_peers::peers()?;

@@ -1,4 +1,4 @@
-//! `cargo xtask coverage`: calibrates many units of the twin and compares the statements with their truth.
+//! `cargo xtask coverage`: calibrates many simulated units and compares results and uncertainties with the truth.
 
 use crate::residuals::rms;
 use crate::seeds::{self, for_each_seed};
@@ -9,7 +9,7 @@ use anyhow::{Context, ensure};
 use std::ops::RangeInclusive;
 use zerorate::{Axis, Correction, Plan, Reading, Refusal, Uncertainty};
 
-/// How long the part is off before its second warm-up, s.
+/// Time for which the part is off before its second warm-up, s.
 const OFF_S: u64 = 3600;
 
 /// Command line of `cargo xtask coverage`.
@@ -69,7 +69,7 @@ struct DefaultUnit {
     corrected_change_dps: f64,
 }
 
-/// A row of the table of `docs/reference/accuracy.md`.
+/// Prints a row of the table in `docs/reference/accuracy.md`.
 fn report_fault(args: &CoverageArgs, fault: &Fault) -> anyhow::Result<()> {
     let ended = for_each_seed(&args.seeds, args.threads, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
     let count = |is: fn(&trial::TrialEnd) -> bool| ended.iter().filter(|ended| is(ended)).count();
@@ -104,7 +104,7 @@ fn linear_unit(seed: u64) -> anyhow::Result<Unit> {
     Ok(judge(&outcome, &truth))
 }
 
-/// `None` if the measurement was refused.
+/// Calibrates a unit with default settings; `None` if the measurement was refused.
 fn default_unit(seed: u64) -> anyhow::Result<Option<DefaultUnit>> {
     let mut rig = Rig::new(Spec::from_seed(seed));
     let (outcome, truth) = match rig.calibrate(Plan::default()) {
@@ -118,7 +118,7 @@ fn default_unit(seed: u64) -> anyhow::Result<Option<DefaultUnit>> {
     Ok(Some(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps }))
 }
 
-/// How the mean rate changes from the first 10 s after switching on to the last 150 s of F-51's time, raw and
+/// The change of the mean rate from the first 10 s after switching on to the last 150 s of F-51's duration, raw and
 /// corrected, °/s.
 fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)> {
     let start_ns = rig.initialise()?;
@@ -136,7 +136,7 @@ fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)>
     Ok((last.raw_dps() - first.raw_dps(), last.corrected_dps() - first.corrected_dps()))
 }
 
-/// Means of the raw and of the corrected rate.
+/// The means of the raw and of the corrected rate.
 #[derive(Default)]
 struct Mean {
     raw: f64,

@@ -1,5 +1,5 @@
-//! The bandwidth of the part, drawn from the numbers in `docs/facts.md`. The drawings of its pins and holes are kept
-//! by hand; a test holds them against the facts.
+//! Plots the part's bandwidth from the numbers in `docs/facts.md`. The drawings of its pins and holes are made by
+//! hand; a test compares them with the facts.
 
 use anyhow::{Context, Result};
 
@@ -7,7 +7,7 @@ const BLUE: &str = "#0072b2";
 const RED: &str = "#c23b00";
 const GREY: &str = "#666";
 
-/// Rows of a table of the facts, cell by cell, that begin with this id.
+/// The rows of the facts' tables whose first cell is `id`, cell by cell.
 fn rows<'a>(facts: &'a str, id: &'a str) -> impl Iterator<Item = Vec<&'a str>> {
     let cells = |line: &'a str| line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>();
     facts.lines().filter(|line| line.starts_with("| ")).map(cells).filter(move |cells| cells.first() == Some(&id))
@@ -20,7 +20,7 @@ fn numbers(text: &str) -> Vec<f64> {
         .collect()
 }
 
-/// The value of the fact `id` whose words hold `word`.
+/// The numbers in the value of the fact `id` whose description contains `word`.
 fn value(facts: &str, id: &str, word: &str) -> Result<Vec<f64>> {
     let row = rows(facts, id).find(|cells| cells.get(1).is_some_and(|words| words.contains(word)));
     let row = row.with_context(|| format!("{id} says nothing of {word}"))?;
@@ -51,15 +51,15 @@ fn rect(at: (f64, f64), size: (f64, f64), style: &str) -> String {
     format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>\n")
 }
 
-/// Places on the axes of a picture of densities, both logarithmic.
+/// Converts values to pixels in a log-log plot of densities.
 struct Plot;
 
 impl Plot {
     const X: (f64, f64) = (70.0, 690.0);
     const Y: (f64, f64) = (40.0, 330.0);
-    /// Hz.
+    /// Range of the horizontal axis, Hz.
     const HZ: (f64, f64) = (10.0, 20_000.0);
-    /// °/s/√Hz.
+    /// Range of the vertical axis, °/s/√Hz.
     const DENSITY: (f64, f64) = (1e-4, 3e-2);
 
     fn x(hz: f64) -> f64 {
@@ -72,7 +72,7 @@ impl Plot {
         Self::Y.1 - part * (Self::Y.1 - Self::Y.0)
     }
 
-    /// A curve, as far as it is in the picture.
+    /// Draws a curve, as far as it is inside the plot.
     fn curve(density: impl Fn(f64) -> f64, colour: &str) -> String {
         let hz = (0..=200).map(|step| Self::HZ.0 * (Self::HZ.1 / Self::HZ.0).powf(f64::from(step) / 200.0));
         let inside = hz.map(|hz| (hz, density(hz))).filter(|(_, density)| *density >= Self::DENSITY.0);
@@ -82,7 +82,7 @@ impl Plot {
     }
 }
 
-/// The picture.
+/// Draws the plot as SVG.
 pub fn draw(facts: &str) -> Result<String> {
     let first =
         |id, word| -> Result<f64> { value(facts, id, word)?.first().copied().context("a fact without a number") };
@@ -126,7 +126,7 @@ pub fn draw(facts: &str) -> Result<String> {
     Ok(svg(720, 388, "Bandwidth of the rate, and where the resonance folds to", &body))
 }
 
-/// The frequency at which a tone appears among samples at `rate_hz`.
+/// The frequency at which a tone appears after aliasing, with samples at `rate_hz`.
 pub fn fold(hz: f64, rate_hz: f64) -> f64 {
     (hz - (hz / rate_hz).round() * rate_hz).abs()
 }

@@ -1,5 +1,6 @@
-//! `codegen [--check]`: the files that are made of the sources and of `docs/facts.md`. `cargo xtask codegen` calls it.
-//! `codegen protocol` makes the types of the page, which `cargo xtask web` needs and git does not keep.
+//! `codegen [--check]`: writes the files that are generated from the sources and from `docs/facts.md`. `cargo xtask
+//! codegen` calls it. `codegen protocol` writes the types of the page, which `cargo xtask web` needs and git does
+//! not keep.
 
 mod bandwidth;
 mod protocol;
@@ -20,7 +21,7 @@ fn main() -> Result<()> {
     }
 }
 
-/// Writes each file that is not as it would be made now, and names it.
+/// Writes each file that is out of date, and prints its name.
 fn write() -> Result<()> {
     for (path, text) in old()? {
         fs::write(path, text).with_context(|| path.to_owned())?;
@@ -29,21 +30,21 @@ fn write() -> Result<()> {
     Ok(())
 }
 
-/// Names each file that is not as it would be made now.
+/// Returns an error that names each file that is out of date.
 fn check() -> Result<()> {
     let old: Vec<&str> = old()?.into_iter().map(|(path, _)| path).collect();
     ensure!(old.is_empty(), "out of date: {}; `cargo xtask codegen` writes them", old.join(", "));
     Ok(())
 }
 
-/// The files that are not as they would be made now, each with its new text.
+/// The files that are out of date, each with its new text.
 fn old() -> Result<Vec<(&'static str, String)>> {
     let mut made = made()?;
     made.retain(|(path, text)| fs::read_to_string(path).map_or(true, |there| there != *text));
     Ok(made)
 }
 
-/// All files that are made, each with its text.
+/// All generated files, each with its text.
 fn made() -> Result<Vec<(&'static str, String)>> {
     let facts = fs::read_to_string("docs/facts.md").context("docs/facts.md: run this in the project's folder")?;
     Ok(vec![
@@ -53,7 +54,7 @@ fn made() -> Result<Vec<(&'static str, String)>> {
     ])
 }
 
-/// The calibration of the firmware's examples as `zerorate export --format rust` writes it.
+/// The calibration of the firmware's examples, as `zerorate export --format rust` writes it.
 fn unit() -> Result<String> {
     const CALIBRATION: &str = "firmware/examples/unit.toml";
     let text = fs::read_to_string(CALIBRATION).context(CALIBRATION)?;

@@ -1,4 +1,5 @@
-//! Spectra of the twin at rest, read in three ways: what bandwidth, capacitor and divider do to noise and resonance.
+//! Plots spectra of the twin at rest, sampled in three ways. They show how bandwidth, capacitor and divider change
+//! noise and resonance.
 
 use crate::bandwidth::fold;
 use adis16130::blocking::Adis16130;
@@ -10,29 +11,31 @@ use zerorate::Axis;
 use zerorate_allan::welch;
 use zerorate_view::plot::{Spectrum, Tone, spectra};
 
-/// A unit that has the temperature of the room from the start: what moves is its noise. Its clock is made nominal, so
-/// that the resonance folds to where the facts say (F-07).
+/// The unit starts at room temperature, so that only its noise varies. Its clock is nominal, so that the resonance
+/// aliases to the frequency that the facts state (F-07).
 const UNIT: &str = "seed=4,warmup_c=0";
-/// Segments of Welch's estimate for a record at the full rate: 0.35 Hz apart.
+/// Length of the segments of Welch's estimate at the full rate, in samples: a resolution of 0.35 Hz.
 const SAMPLES: usize = 1 << 17;
-/// Segments for a record at less than a twentieth of the rate, where the full number would take minutes.
+/// Length of the segments for a record at less than a twentieth of the rate, where the full length would take
+/// minutes.
 const SAMPLES_DIVIDED: usize = 1 << 14;
-/// A part that gives no edge for this long is dead.
+/// Time without an edge after which the part counts as failed, ns.
 const NO_EDGE_NS: u64 = 100_000_000;
-/// Multiples of the rate from around which noise folds in; above these the poles leave next to nothing.
+/// Number of multiples of the sampling rate, on either side, around which noise is aliased. The poles suppress noise
+/// above them.
 const IMAGES: i32 = 64;
 
-/// One way of reading the part.
+/// One way of sampling the part.
 struct Setup {
     name: &'static str,
     roa: Roa,
     divider: u16,
     samples: usize,
-    /// F-03, F-04, Hz.
+    /// The bandwidth to mark, Hz (F-03, F-04).
     bandwidth_hz: Option<f64>,
 }
 
-/// The picture, as SVG.
+/// Draws the plot as SVG.
 pub fn draw() -> Result<String> {
     let (open, filtered) = (Axis::ADIS16130.bandwidth_hz, Some(Axis::ADIS16130_ROA_10NF_HZ));
     let ways = [
@@ -79,7 +82,7 @@ impl Setup {
         })
     }
 
-    /// Rates, and how many came a second.
+    /// The rates, °/s, and the sample rate, Hz.
     fn record(&self) -> Result<(Vec<f64>, f64)> {
         let twin = Twin::new(Spec { roa: self.roa, mclk_hz: f64::from(MCLK_HZ), ..Spec::parse_keys(UNIT)? });
         let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
@@ -97,7 +100,7 @@ impl Setup {
         Ok((samples.iter().map(|sample| f64::from(sample.rate.to_dps())).collect(), rate_hz))
     }
 
-    /// White noise behind the poles (F-02, F-03, F-04), with what folds in, °/s/√Hz.
+    /// The expected density: white noise behind the poles (F-02, F-03, F-04) with aliased noise, °/s/√Hz.
     fn expected(&self, hz: f64, rate_hz: f64) -> f64 {
         let pole_hz = match self.roa {
             Roa::Open => POLE_HZ,

@@ -1,5 +1,5 @@
-//! The files of arrow-testing and parquet-testing: whole ones of other writers, and those that crashed a reader. The
-//! judge is PyArrow.
+//! The files of arrow-testing and parquet-testing: valid ones of other writers, and ones that crashed a reader.
+//! PyArrow's results are the reference.
 
 use super::reader::{self, Reader};
 use super::tally::Tally;
@@ -7,9 +7,9 @@ use anyhow::{Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders of arrow-testing with streams and files of Arrow.
+/// The folders of arrow-testing with Arrow streams and files.
 const OF_ARROW: [&str; 2] = ["data/arrow-ipc-stream", "data/arrow-ipc-file"];
-/// Folders of parquet-testing.
+/// The folders of parquet-testing.
 const OF_PARQUET: [&str; 3] = ["data", "bad_data", "shredded_variant"];
 
 pub fn arrow(program: &Path, folder: &Path) -> Result<Option<Tally>> {

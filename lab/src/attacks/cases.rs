@@ -1,22 +1,22 @@
-//! Requests that a server and whoever stands before it may read in two ways.
+//! HTTP requests that a server and a proxy in front of it may parse differently (request smuggling).
 //!
-//! The obfuscations of `Transfer-Encoding` and `Content-Length` have the names of PortSwigger's http-request-smuggler
-//! (`DesyncBox.java`, for HTTP/1.1). The rest follows RFC 9112 and the classes of narfindustries' http-garden and
-//! nodejs' llhttp. All are written anew.
+//! The obfuscations of `Transfer-Encoding` and `Content-Length` have the names of PortSwigger's
+//! http-request-smuggler (`DesyncBox.java`, for HTTP/1.1). The rest follows RFC 9112 and the categories of
+//! narfindustries' http-garden and nodejs' llhttp. All were written anew.
 
-/// What must come back for a request with [`SMUGGLED`] behind or inside it.
+/// The expected answers to a request with [`SMUGGLED`] after or inside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expectation {
-    /// Nothing, or one refusal. The connection is closed.
+    /// No answer or one refusal. The connection is closed.
     Refused,
     /// One answer, and none to the smuggled request.
     Once,
-    /// Two answers: there is no doubt where the second request begins.
+    /// Two answers, because it is unambiguous where the second request starts.
     Both,
 }
 use Expectation::{Both, Once, Refused};
 
-/// A request, and what must come back.
+/// A request and the expected answers.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub name: String,
@@ -24,7 +24,7 @@ pub struct Case {
     pub expected: Expectation,
 }
 
-/// A request of its own, whose answer nothing else has.
+/// The smuggled request. Its answer differs from all other answers.
 pub const SMUGGLED: &[u8] = b"GET /home.json HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
 
 const POST: &[u8] = b"POST /token HTTP/1.1\r\nHost: localhost\r\n";
@@ -55,8 +55,8 @@ fn case(name: &str, expected: Expectation, bytes: &[&[u8]]) -> Case {
     Case { name: name.to_owned(), bytes: bytes.concat(), expected }
 }
 
-/// Both lengths at once. In CL.TE the length reaches behind the smuggled request, and the chunks end before it. In
-/// TE.CL it is the other way round.
+/// Both lengths in one request. In CL.TE the content length includes the smuggled request, and the chunks end before
+/// it. In TE.CL it is the other way round.
 fn both_lengths(name: &str, line: &[u8], expected: Expectation) -> [Case; 2] {
     let ended = [b"0\r\n\r\n", SMUGGLED].concat();
     let size = format!("{:x}\r\n", SMUGGLED.len());
@@ -70,7 +70,7 @@ fn both_lengths(name: &str, line: &[u8], expected: Expectation) -> [Case; 2] {
 
 fn transfer_encodings() -> Vec<Case> {
     let both = TRANSFER_ENCODINGS.iter().flat_map(|(name, line, expected)| both_lengths(name, line, *expected));
-    // these lines are other headers, so that the length alone counts
+    // these lines are other headers, so that only the content length counts
     let other = OTHER_HEADERS.iter().map(|(name, line)| {
         let [of_length, _] = both_lengths(name, line, Once);
         of_length
@@ -78,10 +78,10 @@ fn transfer_encodings() -> Vec<Case> {
     both.chain(other).collect()
 }
 
-/// Bytes that some parsers take as blanks or leave out.
+/// Bytes that some parsers treat as white space or ignore.
 const SPECIAL: [u8; 14] = [0, 1, 4, 8, 9, 11, 12, 13, 28, 31, 32, 127, 160, 255];
 
-/// Each of them around the name and the value.
+/// Requests with each of these bytes around the header's name and value.
 fn special_bytes() -> Vec<Case> {
     let places = SPECIAL.iter().flat_map(|byte| {
         let in_value = if matches!(byte, b' ' | b'\t') { Once } else { Refused };

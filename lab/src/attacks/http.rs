@@ -1,4 +1,4 @@
-//! Each case on a connection of its own, and what came back until the server closed it.
+//! Sends each case on its own connection, and checks all answers until the server closes it.
 
 use super::cases::{self, Case, Expectation};
 use super::tally::{Outcome, Tally};
@@ -11,9 +11,10 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::Duration;
 
-/// The server waits 5 s for the next request. Longer than that on any machine.
+/// Read timeout. The server closes a connection after waiting 5 s for the next request, so this suffices on any
+/// machine.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Connections at once, well below the bound of the server.
+/// Number of simultaneous connections, well below the limit of the server.
 const TOGETHER: usize = 32;
 
 /// Sends all cases. After them the server must still answer.
@@ -35,7 +36,7 @@ pub fn run(program: &Path) -> Result<Tally> {
     Ok(tally)
 }
 
-/// Whether the answers to a case are the expected ones.
+/// Checks the answers to a case.
 fn judge(case: &Case, address: &str) -> Outcome {
     let answers = exchange(address, &case.bytes).and_then(|bytes| answers(&bytes));
     let answers = match answers {
@@ -54,11 +55,11 @@ fn judge(case: &Case, address: &str) -> Outcome {
     if is_right { Outcome::Right } else { Outcome::Wrong(format!("{:?}, answered with {found:?}", case.expected)) }
 }
 
-/// All that comes back until the connection is closed.
+/// Sends a request and reads until the connection is closed.
 fn exchange(address: &str, bytes: &[u8]) -> Result<Vec<u8>> {
     let mut stream = TcpStream::connect(address)?;
     stream.set_read_timeout(Some(PATIENCE))?;
-    // the server may close before it has read everything
+    // the server may close the connection before it has read everything
     let _ = stream.write_all(bytes);
     let (mut all, mut piece) = (Vec::new(), [0; 4096]);
     loop {
@@ -71,7 +72,7 @@ fn exchange(address: &str, bytes: &[u8]) -> Result<Vec<u8>> {
     }
 }
 
-/// The answers in these bytes: status and content.
+/// Parses answers: the status and the body of each.
 fn answers(mut bytes: &[u8]) -> Result<Vec<(u16, Vec<u8>)>> {
     let mut answers = Vec::new();
     while !bytes.is_empty() {

@@ -1,4 +1,4 @@
-//! libiio's own programs, turned on the server for its clients.
+//! Runs libiio's own programs against the server for libiio clients.
 
 use super::tally::{Outcome, Tally};
 use crate::server::Server;
@@ -11,16 +11,16 @@ const TOOLS: [Tool; 2] = [
     Tool { program: "iio_stresstest", package: "libiio-utils" },
     Tool { program: "iio_info", package: "libiio-utils" },
 ];
-/// `iio_stresstest` of libiio 0.24 forgets the port after its first connection.
+/// The default port, because `iio_stresstest` of libiio 0.24 forgets the port after its first connection.
 const ADDRESS: &str = "127.0.0.1:30431";
 const URI: &str = "ip:127.0.0.1";
 const DEVICE: &str = "iio:device0";
-/// How long the stress lasts, s. Then it is interrupted and prints what it did.
+/// Duration of the stress test, s. Then it is interrupted and prints its counts.
 const STRESS: &str = "10";
-/// More threads than the server has connections for.
+/// A number of threads that exceeds the server's limit on connections.
 const CROWD: &str = "200";
 
-/// Runs the programs. `None` where they are missing or their port is taken, which is said.
+/// Runs the programs. If they are missing or their port is in use, prints that and returns `None`.
 pub fn run(program: &Path) -> Result<Option<Tally>> {
     if !tools::available(&TOOLS, "libiio's test programs")? {
         return Ok(None);
@@ -31,7 +31,7 @@ pub fn run(program: &Path) -> Result<Option<Tally>> {
     }
     let server = Server::start_with(&mut Command::new(program), ADDRESS, &["--device", "twin:seed=4"])?;
     let mut tally = Tally::default();
-    // with its first client the server has opened what it keeps open
+    // after its first client, the server has opened all that it keeps open
     tally.note("iio_genxml", described_again()?);
     let before = server.descriptors()?;
     tally.note("iio_stresstest, 4 threads", stress("4", true)?);
@@ -45,7 +45,7 @@ pub fn run(program: &Path) -> Result<Option<Tally>> {
     Ok(Some(tally))
 }
 
-/// What a gyroscope without outputs, registers and triggers must refuse.
+/// Requests that a gyroscope without outputs, registers and triggers must refuse.
 const REFUSED: [(&str, &[&str]); 5] = [
     ("iio_writedev", &["-u", URI, "-b", "256", "-s", "256", DEVICE]),
     ("iio_reg", &["-u", URI, DEVICE, "0"]),
@@ -54,15 +54,15 @@ const REFUSED: [(&str, &[&str]); 5] = [
     ("iio_attr", &["-u", URI, "-c", DEVICE, "anglvel_z", "raw", "1"]),
 ];
 
-/// A program of libiio with a bound on time. Then it is interrupted, and killed if that does not help.
+/// Runs a libiio program with a time limit, after which it is interrupted, and killed if that does not help.
 fn tool(seconds: &str, name: &str, arguments: &[&str]) -> Result<Output> {
     let mut command = Command::new("timeout");
     command.args(["--signal=INT", "--kill-after=10", seconds, name]).args(arguments).stdin(Stdio::null());
     command.output().context("timeout")
 }
 
-/// Contexts and buffers that come and go for a while. Alone they must get samples without an error. A crowd is mostly
-/// turned away, and must only leave the server alive.
+/// Opens and closes contexts and buffers for a while. If `alone`, all must get samples without an error. With too
+/// many threads, most are refused, and the server must merely survive.
 fn stress(threads: &str, alone: bool) -> Result<Outcome> {
     let output = tool(STRESS, "iio_stresstest", &["-u", URI, "-b", "256", "-t", threads, "-T", "5", DEVICE])?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
@@ -78,7 +78,7 @@ fn stress(threads: &str, alone: bool) -> Result<Outcome> {
     })
 }
 
-/// Whether the server still describes itself.
+/// Checks that the server still describes its device.
 fn answers() -> Result<Outcome> {
     let output = tool("60", "iio_info", &["-u", URI])?;
     let text = String::from_utf8_lossy(&output.stdout);
@@ -86,13 +86,13 @@ fn answers() -> Result<Outcome> {
     Ok(if is_there { Outcome::Right } else { Outcome::Wrong(format!("the server does not answer: {text}")) })
 }
 
-/// A request that must fail at once, with a reason.
+/// Sends a request that must fail at once, with a reason.
 fn refused(name: &str, arguments: &[&str]) -> Result<Outcome> {
     let output = tool("60", name, arguments)?;
     let said = String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
     let reason = said.trim().lines().next().unwrap_or_default().chars().take(100).collect::<String>();
     let is_alive = matches!(answers()?, Outcome::Right);
-    // iio_readdev ends with 0 whatever happens
+    // iio_readdev exits with 0 in any case
     let has_nothing = output.status.code() != Some(124) && (!output.status.success() || output.stdout.is_empty());
     Ok(match is_alive && has_nothing && !reason.is_empty() {
         true => Outcome::Refused(reason),
@@ -100,7 +100,7 @@ fn refused(name: &str, arguments: &[&str]) -> Result<Outcome> {
     })
 }
 
-/// libiio writes its description of the device, and makes a context from it again.
+/// Lets libiio write its description of the device, and make a context from it again.
 fn described_again() -> Result<Outcome> {
     let output = tool("60", "iio_genxml", &["-u", URI])?;
     let text = String::from_utf8_lossy(&output.stdout);
@@ -108,9 +108,9 @@ fn described_again() -> Result<Outcome> {
     Ok(if is_same { Outcome::Right } else { Outcome::Wrong(text.into_owned()) })
 }
 
-/// The server has closed what its clients left.
+/// Checks that the server has closed the files of clients that left.
 fn settled(server: &Server, before: usize) -> Result<Outcome> {
-    /// The server drops a client that stops in the middle of a line after 10 s.
+    /// Longest wait, s. The server drops a client that stops in the middle of a line after 10 s.
     const PATIENCE_S: u32 = 60;
     for _ in 0..PATIENCE_S {
         if server.descriptors()? <= before {

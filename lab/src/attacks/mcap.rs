@@ -1,4 +1,4 @@
-//! MCAP's conformance files.
+//! Reads MCAP's conformance files.
 
 use super::reader::{self, Reader};
 use super::tally::{Outcome, Tally};
@@ -48,7 +48,7 @@ fn topics(described: &Value) -> Result<Vec<String>> {
     of("Message").map(channel).collect()
 }
 
-/// The program has read the records where it names the topics with their types: none is of an IMU.
+/// The records were read if the program's refusal names all topics with their types; none is an IMU.
 fn judge(why: String, topics: &[String]) -> Outcome {
     let is_read = if topics.is_empty() {
         why.contains("it has no messages")

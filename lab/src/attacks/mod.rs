@@ -1,5 +1,5 @@
-//! `cargo xtask attacks`: what other projects attack or try their own readers and servers with, turned on the program.
-//! Nothing of theirs is carried along: it is installed, or read from checkouts.
+//! `cargo xtask attacks`: runs attack suites and test files of other projects against the program. They are not
+//! copied into this repository: they are installed, or read from checkouts.
 
 mod apache;
 mod cases;
@@ -52,7 +52,7 @@ enum Part {
 const ALL: [Part; 6] = [Part::Http, Part::Websocket, Part::Libiio, Part::Mcap, Part::Arrow, Part::Parquet];
 
 impl Part {
-    /// Runs its cases. `None` where a tool or the data is missing, which is said.
+    /// Runs the cases of this part. If a tool or the data is missing, prints that and returns `None`.
     fn run(self, program: &Path, data: Option<&Path>) -> Result<Option<Tally>> {
         let checkout = |name: &str| {
             let folder = data.map(|data| data.join(name)).filter(|folder| folder.is_dir());
@@ -72,7 +72,7 @@ impl Part {
     }
 }
 
-/// Runs the parts, and fails where an outcome is wrong.
+/// Runs the parts, and fails if any outcome is wrong.
 pub fn run(args: &AttacksArgs) -> Result<()> {
     let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
     let parts = if args.parts.is_empty() { &ALL[..] } else { &args.parts };

@@ -1,4 +1,4 @@
-//! Files, read by the program and by the project that they come from.
+//! Reads files with the program and with the project that they come from, and compares the numbers.
 
 use super::tally::{Outcome, Tally};
 use crate::app::target_folder;
@@ -9,32 +9,32 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const REQUIREMENTS: &str = "lab/attacks-requirements.txt";
-/// Bounds of one reading, far above what a file of some megabytes needs on the slowest machine.
+/// Limits of one reading, far above what a file of some megabytes needs on a slow machine.
 const SECONDS: &str = "60";
 const MEMORY: &str = "--as=4294967296";
-/// The exit code of `timeout` where it had to end the command.
+/// The exit code of `timeout` when it ended the command.
 const TIMED_OUT: i32 = 124;
-/// A decimal of more than 53 bits is rounded twice on its way to a float, and then as text: a few units of the last
-/// place.
+/// Allowed relative difference. A decimal of more than 53 bits is rounded when it is parsed and again when it is
+/// printed: a few units in the last place.
 const ROUNDING: f64 = 1e-15;
 
-/// What a reader says of a file.
+/// The result of reading a file.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reading {
-    /// The columns of numbers, each with its name.
+    /// The numeric columns, each with its name.
     Columns(Vec<(String, Vec<Option<f64>>)>),
-    /// Why it cannot be read.
+    /// The reason why it cannot be read.
     Refused(String),
 }
 
-/// An environment of Python with the readers of the projects. `None` where that cannot be had, which is said.
+/// A Python environment with the readers of the projects. If it cannot be made, prints that and returns `None`.
 pub fn python() -> Option<PathBuf> {
     let python = venv::python("attacks", Path::new(REQUIREMENTS));
     python.inspect_err(|why| println!("SKIPPED: readers of the projects, in Python: {why:#}")).ok()
 }
 
-/// What PyArrow says of each file of this form.
+/// The results of PyArrow for each file of this format.
 pub fn theirs(python: &Path, form: &str, files: &[PathBuf]) -> Result<Vec<Reading>> {
     let mut said = Vec::new();
     while said.len() < files.len() {
@@ -57,20 +57,20 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Builds the example as the program is built, so that nothing is compiled twice.
+    /// Builds the example with the same settings as the program, so that nothing is compiled twice.
     pub fn new(program: &Path) -> Result<Self> {
         let arguments = "build --release --workspace --all-features --quiet --example columns";
         done(Command::new("cargo").args(arguments.split(' ')))?;
         Ok(Self { columns: target_folder()?.join("release/examples/columns"), program: program.to_owned() })
     }
 
-    /// What the library says of a file.
+    /// The result of our library for a file.
     fn ours(&self, file: &Path) -> Result<Reading> {
         let (_, stdout, _) = confined(Command::new(&self.columns).arg(file), &[0])?;
         Ok(serde_json::from_str(&stdout)?)
     }
 
-    /// What the program prints against a file; nothing where it has no objection.
+    /// The program's error about a file; empty if it accepts the file.
     pub fn refusal(&self, file: &Path) -> Result<String> {
         let options = ["allan", "--rate", "100", "--unit", "dps", "--column", "all"];
         let (code, _, stderr) = confined(Command::new(&self.program).args(options).arg(file), &[0, 1, 2, 3])?;
@@ -80,7 +80,7 @@ impl Reader {
         Ok(if code == 0 { String::new() } else { stderr })
     }
 
-    /// Notes the outcome of each file.
+    /// Compares our results with theirs, and counts the outcomes.
     pub fn compare(&self, files: &[PathBuf], theirs: &[Reading], folder: &Path) -> Tally {
         let mut tally = Tally::default();
         for (file, theirs) in files.iter().zip(theirs) {
@@ -92,7 +92,7 @@ impl Reader {
     }
 }
 
-/// Runs a reader with a bound on time and memory. Returns exit code, stdout and stderr.
+/// Runs a reader with limits on time and memory. Returns exit code, stdout and stderr.
 fn confined(reader: &Command, codes: &[i32]) -> Result<(i32, String, String)> {
     let mut command = Command::new("prlimit");
     command.args([MEMORY, "timeout", SECONDS]).arg(reader.get_program()).args(reader.get_args());
@@ -119,7 +119,7 @@ fn judge(name: &str, ours: Reading, theirs: &Reading) -> Outcome {
     }
 }
 
-/// Whether their reader has this column too. Missing numbers at the ends are nothing.
+/// Whether their reader has this column too. Missing numbers at the start and the end are ignored.
 fn is_one_of(ours: &(String, Vec<Option<f64>>), theirs: &[(String, Vec<Option<f64>>)]) -> bool {
     let is_same = |a: &Option<f64>, b: &Option<f64>| match (a, b) {
         (Some(a), Some(b)) => (a - b).abs() <= ROUNDING * b.abs(),

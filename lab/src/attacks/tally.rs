@@ -1,12 +1,12 @@
-//! The outcomes of the cases of a part.
+//! Counts the outcomes of a part's cases.
 
-/// What became of a case.
+/// The outcome of a case.
 #[derive(Debug)]
 pub enum Outcome {
-    /// Read or answered as it must be.
+    /// Read or answered correctly.
     Right,
     Refused(String),
-    /// Neither: a crash, a hang, other numbers, or an answer where there must be none.
+    /// Anything else: a crash, a hang, other numbers, or an answer to a request that needs none.
     Wrong(String),
 }
 
@@ -31,7 +31,7 @@ impl Tally {
         self.0.iter().filter(|(_, outcome)| is(outcome)).count()
     }
 
-    /// Prints the numbers, all that is wrong, and on demand everything.
+    /// Prints the counts and everything that is wrong; with `all`, every case.
     pub fn print(&self, part: &str, all: bool) {
         for (case, outcome) in &self.0 {
             match outcome {

@@ -1,4 +1,4 @@
-//! Autobahn's test suite for WebSocket, turned on the page's server.
+//! Runs Autobahn's test suite for WebSocket against the page's server.
 
 use super::tally::{Outcome, Tally};
 use crate::app::target_folder;
@@ -9,19 +9,20 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::thread;
 
-/// The suite runs under this Python alone.
+/// The only Python version that the suite supports.
 const PYTHON: &str = "python2.7";
-/// Where several Pythons stand side by side under pyenv, this one is meant.
+/// The setting that selects this version if several are installed with pyenv.
 const PYENV: (&str, &str) = ("PYENV_VERSION", "2.7");
 const SUITE: &str = "autobahntestsuite==25.10.1";
-/// The cases, in parts of about the same time, which run side by side.
+/// The groups of cases that run in parallel, each of about the same duration.
 const PARTS: [&str; 4] = ["1.*,2.*,3.*,4.*", "5.*,7.*,10.*", "6.*", "9.*"];
-/// Round trips by the thousand, which the server slows down by intention (docs/serve.md).
+/// Left out: thousands of round trips, which the server slows down on purpose (docs/serve.md).
 const LEFT_OUT: &str = "9.7.*,9.8.*";
-/// The cases that the parts have, of compression none: the server does not offer it.
+/// The least number of cases that must run. Cases of compression are not among them, since the server does not offer
+/// it.
 const LEAST: usize = 280;
 
-/// A case, as `suite.py` prints it.
+/// The result of a case, as `suite.py` prints it.
 #[derive(Debug, Deserialize)]
 struct CaseResult {
     case: String,
@@ -31,7 +32,7 @@ struct CaseResult {
     what: String,
 }
 
-/// Runs the suite. `None` where it cannot be installed, which is said.
+/// Runs the suite. If it cannot be installed, prints that and returns `None`.
 pub fn run(program: &Path) -> Result<Option<Tally>> {
     let folder = target_folder()?.join("autobahntestsuite");
     if !folder.join("twisted").is_dir() && !install(&folder)? {
@@ -72,13 +73,14 @@ fn found(output: &Output) -> Result<Vec<CaseResult>> {
     lines.map(|line| serde_json::from_str(line).with_context(|| line.to_owned())).collect()
 }
 
-/// The suite's own verdict, but for what the page's server refuses by design: binary messages and those above 1 MiB.
+/// The suite's verdict, except for messages that the page's server refuses by design: binary ones and those above 1
+/// MiB.
 fn judge(found: &CaseResult) -> Outcome {
     let by_design = refusal(&found.case);
     let is_done = matches!(&*found.behavior, "OK" | "NON-STRICT" | "INFORMATIONAL")
         && matches!(&*found.closing, "OK" | "INFORMATIONAL");
     match (by_design, is_done) {
-        // it may hang up before the suite has sent everything
+        // the server may close the connection before the suite has sent everything
         (Some(code), _) if found.code.is_none_or(|told| told == code) => Outcome::Refused(format!("closed, {code}")),
         (None, true) => match found.code {
             Some(code @ (1002 | 1003 | 1007 | 1009)) => Outcome::Refused(format!("closed, {code}")),
@@ -90,12 +92,12 @@ fn judge(found: &CaseResult) -> Outcome {
     }
 }
 
-/// The close code with which the server refuses a valid message of this case.
+/// The close code with which the server refuses a valid message of this case; `None` if it accepts it.
 fn refusal(case: &str) -> Option<u16> {
     let is_binary = ["1.2.", "9.2.", "9.4.", "9.6."].iter().any(|group| case.starts_with(group));
     let is_large = matches!(case, "9.1.4" | "9.1.5" | "9.1.6") || case.starts_with("9.3.");
     match (is_binary, is_large) {
-        // those of 4 MiB and more are too large before they are binary
+        // messages of 4 MiB and more are refused for their size first
         (true, _) if matches!(case, "9.2.4" | "9.2.5" | "9.2.6") || case.starts_with("9.4.") => Some(1009),
         (true, _) => Some(1003),
         (false, true) => Some(1009),

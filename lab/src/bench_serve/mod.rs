@@ -1,5 +1,5 @@
-//! `cargo xtask bench-serve`: runs `zerorate serve` in real time with pages, clients of libiio and a recording at
-//! once. The recording must lose nothing.
+//! `cargo xtask bench-serve`: runs `zerorate serve` in real time with pages, libiio clients and a recording at once.
+//! The recording must not lose samples.
 
 pub mod page;
 pub mod samples;
@@ -16,12 +16,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 const DEVICE: &str = "twin:seed=1";
-/// Pairs of conversions a second at the nominal clock (F-31): 11 385 conversions, of the rate and the temperature in
-/// turn.
+/// Pairs of conversions per second at the nominal clock (F-31): 11 385 conversions, of rate and temperature in turn.
 const PAIRS_HZ: f64 = 5692.6;
-/// Share of the elapsed time that the twin must give to count as real time.
+/// Smallest ratio of the twin's time to the elapsed time that counts as real time.
 const REAL_TIME: f64 = 0.98;
-/// How many times as long the twin may take on a busy machine.
+/// Largest ratio of the elapsed time to the twin's time, on a busy machine.
 const LONGEST: u32 = 10;
 const STEP: Duration = Duration::from_millis(100);
 
@@ -46,7 +45,7 @@ pub struct BenchServeArgs {
     check: bool,
 }
 
-/// Starts the server and all watchers, and prints the cost.
+/// Starts the server and all watchers, and prints the load.
 pub fn run(args: &BenchServeArgs) -> Result<()> {
     let program = program(args)?;
     let clients = if has_iio(args)? { args.clients } else { 0 };
@@ -61,7 +60,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let recorded = CaptureSummary::of(&program, &capture)?;
     print(&seen, &recorded, wall_s, peak_mb);
     recorded.check(&program, DEVICE, folder.path())?;
-    // F-31: within 2 % at any clock
+    // F-31: within 2 % for any clock
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!((recorded.rows as f64 / expected - 1.0).abs() < 0.03, "{} samples do not match the time", recorded.rows);
     check_clients(&seen.clients, &program, &capture)
@@ -74,19 +73,19 @@ fn program(args: &BenchServeArgs) -> Result<PathBuf> {
     }
 }
 
-/// Whether clients of libiio can take part.
+/// Whether libiio clients can take part.
 fn has_iio(args: &BenchServeArgs) -> Result<bool> {
     let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
     Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)
 }
 
-/// The figures of all watchers.
+/// The measured values of all watchers.
 struct Watchers {
     /// Processor time as a share of one core.
     share: f64,
     wall_s: f64,
     pages: Vec<Frames>,
-    /// Bytes of each client of libiio.
+    /// The bytes that each libiio client received.
     clients: Vec<Vec<u8>>,
 }
 
@@ -124,7 +123,7 @@ fn print(seen: &Watchers, recorded: &CaptureSummary, wall_s: f64, peak_mb: f64) 
     println!("real time     {verdict}: {span_s:.1} s in {wall_s:.1} s, {:.1} %", share * 100.0);
     let frames_per_s = seen.pages.iter().map(|page| page.count).min().unwrap_or_default() as f64 / seen.wall_s;
     let kb_per_s = seen.pages.iter().map(|page| page.bytes).max().unwrap_or_default() as f64 / 1e3 / seen.wall_s;
-    // the first snapshot does not count: every page gets one
+    // the first snapshot is not counted, because every page gets one
     let late: u64 = seen.pages.iter().map(|page| page.snapshots.saturating_sub(1)).sum();
     println!(
         "pages         {}, at least {frames_per_s:.1} frames/s, at most {kb_per_s:.0} KB/s each; \
@@ -135,7 +134,7 @@ fn print(seen: &Watchers, recorded: &CaptureSummary, wall_s: f64, peak_mb: f64) 
     println!("memory        {peak_mb:.1} MB at most");
 }
 
-/// Checks that each client got samples that were recorded.
+/// Checks that each client received samples that were recorded.
 fn check_clients(clients: &[Vec<u8>], program: &Path, capture: &Path) -> Result<()> {
     if clients.is_empty() {
         println!("libiio        no client");

@@ -1,4 +1,4 @@
-//! A page that looks on, as far as it takes frames and holds them to docs/formats/page.md.
+//! A minimal page: it receives frames and checks them against docs/formats/page.md.
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -7,9 +7,9 @@ use std::net::TcpStream;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Longer than any frame takes on a busy machine.
+/// Timeout, longer than any frame takes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Numbers in a bin of a strip of one axis: least and largest of rate, corrected rate and temperature.
+/// Numbers in a bin of one axis: smallest and largest of rate, corrected rate and temperature.
 const COLUMNS: u64 = 6;
 
 /// First byte of a binary frame, with FIN.
@@ -18,7 +18,7 @@ const FRAME: u8 = 0x82;
 const TEXT: u8 = 0x81;
 /// First byte of a ping, with FIN. A connected page answers it.
 const PING: u8 = 0x89;
-/// The answer: an empty pong with FIN, masked as every message of a page.
+/// The answer to a ping: an empty pong with FIN, masked like every message of a page.
 const PONG: [u8; 6] = [0x8a, 0x80, 0, 0, 0, 0];
 
 /// The frames that one page received.
@@ -26,11 +26,12 @@ const PONG: [u8; 6] = [0x8a, 0x80, 0, 0, 0, 0];
 pub struct Frames {
     pub count: u64,
     pub bytes: u64,
-    /// How often the page was too slow and got a new snapshot.
+    /// How often the page was too slow and received a new snapshot.
     pub snapshots: u64,
 }
 
-/// Takes frames until it is over, two at least. Notes in `shown_ms` how much of the part's time they show.
+/// Receives frames until `is_over`, but at least two. Stores in `shown_ms` how much of the part's time they have
+/// shown.
 pub fn watch(address: &str, is_over: &dyn Fn() -> bool, shown_ms: &AtomicU64) -> Result<Frames> {
     let mut stream = BufReader::new(connect(address)?);
     let (mut frames, mut last) = (Frames::default(), None);
@@ -58,7 +59,7 @@ pub fn watch(address: &str, is_over: &dyn Fn() -> bool, shown_ms: &AtomicU64) ->
     Ok(frames)
 }
 
-/// The answer to a request of a page, a JSON object of less than 126 bytes.
+/// Sends a request like a page and returns the answer, a JSON object of less than 126 bytes.
 pub fn ask(address: &str, request: &str) -> Result<Value> {
     let mut stream = BufReader::new(connect(address)?);
     let length = u8::try_from(request.len()).ok().filter(|length| *length < 126).context("a long request")?;
@@ -73,7 +74,7 @@ pub fn ask(address: &str, request: &str) -> Result<Value> {
     }
 }
 
-/// Whether a page that comes now is shown a notice with this code.
+/// Whether a newly opened page gets a notice with this code.
 pub fn notice(address: &str, code: &str) -> Result<bool> {
     let mut stream = BufReader::new(connect(address)?);
     let header = header(&message(&mut stream)?.1)?;
@@ -88,7 +89,7 @@ fn connect(address: &str) -> Result<TcpStream> {
         sec-websocket-version: 13\r\nsec-websocket-key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
     stream.write_all(ask.as_bytes())?;
     let mut answer = Vec::new();
-    // byte by byte, because frames follow directly
+    // read byte by byte, because frames follow directly
     while !answer.ends_with(b"\r\n\r\n") {
         let mut byte = [0];
         stream.read_exact(&mut byte)?;
@@ -99,7 +100,7 @@ fn connect(address: &str) -> Result<TcpStream> {
     Ok(stream)
 }
 
-/// Reads a message of the server, which has no mask (RFC 6455, 5.2). Returns its kind and its content.
+/// Reads a message of the server, which is not masked (RFC 6455, 5.2). Returns its first byte and its content.
 fn message(stream: &mut impl BufRead) -> Result<(u8, Vec<u8>)> {
     let mut head = [0; 2];
     stream.read_exact(&mut head)?;
@@ -122,7 +123,7 @@ fn message(stream: &mut impl BufRead) -> Result<(u8, Vec<u8>)> {
     Ok((head[0], message))
 }
 
-/// The header of a frame, whose payload is as long as its strips say.
+/// The header of a frame. Checks that the payload has the length that the strips state.
 fn header(frame: &[u8]) -> Result<Value> {
     let (length, rest) = frame.split_first_chunk().context("a frame without a length")?;
     let length = u32::from_le_bytes(*length) as usize;

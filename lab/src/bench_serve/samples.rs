@@ -1,4 +1,4 @@
-//! The recording, compared with the twin's samples and with the samples that clients of libiio got.
+//! Compares the recording with the twin's samples, and with the samples that libiio clients received.
 
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, anyhow, ensure};
@@ -9,10 +9,11 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
-/// Bytes of a sample with all channels of an ADIS16130 without a calibration: code, temperature, lost samples, time.
+/// Size of a sample with all channels of an ADIS16130 without a calibration, bytes: code, temperature, lost samples,
+/// time.
 const SAMPLE: usize = 24;
 
-/// A capture, as `zerorate verify` sees it.
+/// The facts about a capture, from `zerorate verify`.
 pub struct CaptureSummary {
     pub rows: u64,
     pub lost: u64,
@@ -35,7 +36,7 @@ impl CaptureSummary {
         })
     }
 
-    /// Checks that nothing is lost and that every sample is the one of a twin without watchers and without a clock.
+    /// Checks that nothing was lost, and that every sample equals the one of a twin that runs alone and unpaced.
     pub fn check(&self, program: &Path, device: &str, folder: &Path) -> Result<()> {
         ensure!(self.lost == 0, "{} samples were lost", self.lost);
         let alone = folder.join("alone.arrows");
@@ -48,7 +49,7 @@ impl CaptureSummary {
     }
 }
 
-/// Times and codes of a capture.
+/// The times and codes of a capture.
 pub fn rows(program: &Path, capture: &Path) -> Result<Vec<(u64, u32)>> {
     let csv = capture.with_extension("csv");
     done(Command::new(program).arg("repair").arg(capture).arg("-o").arg(&csv).stdout(Stdio::null()))?;
@@ -61,7 +62,7 @@ pub fn rows(program: &Path, capture: &Path) -> Result<Vec<(u64, u32)>> {
     lines.map(|line| row(line).with_context(|| format!("no row: {line}"))).collect()
 }
 
-/// `iio_readdev`, as a user starts it.
+/// A running `iio_readdev`, started as a user would.
 pub struct Client {
     child: Child,
     bytes: JoinHandle<std::io::Result<Vec<u8>>>,
@@ -79,7 +80,7 @@ impl Client {
         Ok(Self { child, bytes })
     }
 
-    /// The bytes that it got until now.
+    /// Stops the client and returns the bytes that it received.
     pub fn end(mut self) -> Result<Vec<u8>> {
         self.child.kill()?;
         self.child.wait()?;
@@ -87,8 +88,8 @@ impl Client {
     }
 }
 
-/// Checks that the times of a client's samples rise, and that it is told of ever more that it missed. Returns how many
-/// it got, and how many it missed.
+/// Checks that the times of a client's samples increase, and that its count of missed samples does not decrease.
+/// Returns the numbers of received and of missed samples.
 pub fn in_order(bytes: &[u8]) -> Result<(u64, u64)> {
     let (mut count, mut missed, mut last_ns) = (0, 0, None);
     for sample in bytes.chunks_exact(SAMPLE) {
@@ -100,18 +101,18 @@ pub fn in_order(bytes: &[u8]) -> Result<(u64, u64)> {
     Ok((count, missed))
 }
 
-/// The count of missing samples and the time in a sample.
+/// The count of missed samples and the time in a sample.
 fn wide(sample: &[u8]) -> Result<[u64; 2]> {
     let at = |at: usize| sample[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)).context("8 bytes");
     Ok([at(8)?, at(16)?])
 }
 
-/// Checks that a client's samples are rows in their order, and that they count the missing rows between them. Returns
-/// how many it got, and how many it was too slow for.
+/// Checks that a client's samples are recorded rows in order, and that they count the missing rows between them.
+/// Returns the numbers of received and of missed samples.
 pub fn check_client(bytes: &[u8], rows: &[(u64, u32)]) -> Result<(u64, u64)> {
     let mut at = None;
     let (mut count, mut missed) = (0, 0);
-    // it may have ended in the middle of a sample
+    // the client may have been stopped in the middle of a sample
     for sample in bytes.chunks_exact(SAMPLE) {
         let code = u32::from_le_bytes(*sample.first_chunk().context("a code")?);
         let [stated, t_ns] = wide(sample)?;

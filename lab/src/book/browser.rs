@@ -1,4 +1,5 @@
-//! Pages of the book in Chromium, from files: their scripts run under their policy, a script in a page does not.
+//! Opens pages of the book in Chromium from files. The book's scripts must run under its content security policy,
+//! and a script inside a page must not.
 
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result, ensure};
@@ -10,7 +11,7 @@ const CHROMIUM: Tool = Tool { program: "chromium", package: "chromium" };
 /// A long page, a page at the root, and a page in a folder.
 const PAGES: [&str; 3] = ["codes.html", "index.html", "formats/capture.html"];
 
-/// Opens some pages of the book in `out`. Without Chromium it says so and skips them.
+/// Checks some pages of the book in `out`. Without Chromium, prints that and skips them.
 pub fn check(out: &Path) -> Result<()> {
     if !available(&[CHROMIUM], "the book in a browser")? {
         return Ok(());
@@ -33,12 +34,12 @@ pub fn check(out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The page after its scripts have run, and the browser's messages about them.
+/// Opens a page. Returns its content after its scripts ran, and the browser's messages about them.
 fn opened(page: &Path) -> Result<(String, String)> {
     let profile = tempfile::tempdir()?;
     let mut chromium = Command::new(CHROMIUM.program);
     chromium.args(["--headless", "--disable-gpu", "--enable-logging=stderr", "--dump-dom"]);
-    // as root Chromium starts without its sandbox or not at all
+    // as root, Chromium only starts without its sandbox
     chromium.args(is_root().then_some("--no-sandbox"));
     chromium.arg(format!("--user-data-dir={}", profile.path().display()));
     let output = chromium.arg(format!("file://{}", page.display())).output().context("cannot start Chromium")?;

@@ -1,11 +1,12 @@
-//! Runs the commands of the chapters on the twin, as a reader would run them.
+//! Runs the commands in the chapters on the twin, as a reader would run them.
 //!
-//! Commands stand in fences, never indented. Every ```sh block whose first word is `zerorate` is run, line by line,
-//! from the first chapter to the last, in one folder. A line ends with 0, or as it says: `# refused (exit 3)`. A block
-//! that needs a part, the reader's files or hours is marked ```sh,untried, which the book shows.
+//! Commands must be in fenced blocks, never indented. Every `sh` block whose first word is `zerorate` is run line by
+//! line, from the first chapter to the last, in one folder. A line must exit with 0, or as its comment says: `#
+//! refused (exit 3)`. A block that needs a part, the reader's files or hours is marked `sh,untried`, which the book
+//! shows.
 //!
-//! A ```text or ```yaml block after such commands shows what they print or write. Each of its lines must occur there,
-//! in this order; `…` stands for lines that the chapter leaves out.
+//! A `text` or `yaml` block after such commands shows what they print or write. Each of its lines must occur in the
+//! output, in the same order; `…` stands for lines that the chapter omits.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
@@ -13,18 +14,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-/// More than any command takes on a busy machine, s.
+/// Time limit of a command, s. No command takes that long on a busy machine.
 const LONGEST_S: &str = "300";
 
-/// As much of what was printed as a person reads.
+/// Largest number of lines of output in an error.
 const MOST_LINES: usize = 60;
 
-/// What a chapter says, in its order.
+/// A command or an output that a chapter shows, in order.
 #[derive(Debug, PartialEq)]
 enum Step {
-    /// A command, and how it must end.
+    /// A command and its expected exit code.
     Run { command: String, exit: i32 },
-    /// Lines that the commands since the last `Shown` print, or write to a file.
+    /// Lines that the commands since the last `Shown` must print, or write to a file.
     Shown(Vec<String>),
 }
 
@@ -49,7 +50,7 @@ pub fn run(program: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Runs the commands of a chapter, and compares what it shows. Returns how many there were.
+/// Runs the commands of a chapter and compares the shown output. Returns the number of commands.
 fn try_chapter(steps: &[Step], program: &Path, folder: &Path) -> Result<usize> {
     let (mut ran, mut printed, mut is_shown) = (0, String::new(), false);
     for step in steps {
@@ -70,11 +71,11 @@ fn try_chapter(steps: &[Step], program: &Path, folder: &Path) -> Result<usize> {
     Ok(ran)
 }
 
-/// Runs a command; returns what it printed and the text files that it names.
+/// Runs a command. Returns its output and the content of the text files that it names.
 fn output(command: &str, exit: i32, program: &Path, folder: &Path) -> Result<String> {
     let path = std::env::var("PATH").unwrap_or_default();
     let beside = program.parent().context("a program in a folder")?;
-    // a command that waits for somebody must not wait for ever
+    // a command that waits for input must not wait forever
     let mut shell = Command::new("timeout");
     shell.args([LONGEST_S, "sh", "-c", command]).current_dir(folder);
     let output = shell.env("PATH", format!("{}:{path}", beside.display())).output()?;
@@ -85,7 +86,7 @@ fn output(command: &str, exit: i32, program: &Path, folder: &Path) -> Result<Str
     Ok(written.fold(printed, |all, file| all + &file))
 }
 
-/// Finds each line in what was printed, in this order.
+/// Finds each line in the output, in order.
 fn compare(lines: &[String], printed: &str) -> Result<()> {
     let mut rest = printed.lines();
     for line in lines.iter().filter(|line| !line.is_empty() && *line != "…") {
@@ -96,7 +97,7 @@ fn compare(lines: &[String], printed: &str) -> Result<()> {
     Ok(())
 }
 
-/// The commands of a chapter that have to be run, and what it shows of them.
+/// The commands of a chapter that must be run, and the outputs that it shows.
 fn steps(text: &str) -> Vec<Step> {
     let (mut steps, mut is_ours) = (Vec::new(), false);
     for block in text.split("```").skip(1).step_by(2) {
@@ -115,7 +116,7 @@ fn steps(text: &str) -> Vec<Step> {
     steps
 }
 
-/// Finds a command of ours in a block that only its indent makes.
+/// Finds one of our commands in an indented block.
 fn indented(text: &str) -> Option<&str> {
     let outside = text.split("```").step_by(2);
     outside.flat_map(str::lines).find(|line| line.starts_with("    zerorate "))
@@ -128,7 +129,7 @@ fn command(text: &str) -> Option<Step> {
     is_command.then(|| Step::Run { command: command.to_owned(), exit })
 }
 
-/// The chapters in `docs`, in their order.
+/// The chapters in `docs`, in order.
 fn chapters(docs: &Path) -> Result<Vec<PathBuf>> {
     let summary = fs::read_to_string(docs.join("SUMMARY.md"))?;
     let targets = summary.split("](").skip(1).filter_map(|rest| rest.split(')').next());

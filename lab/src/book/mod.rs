@@ -1,7 +1,7 @@
-//! `cargo xtask book`: `docs/` as a book, which loads nothing from elsewhere.
+//! `cargo xtask book`: makes a book of `docs/` that loads nothing from other sites.
 //!
-//! `lab/tools/book` renders it, a package of its own for the sake of mdBook's dependencies. Here are the commands of
-//! the chapters, which are run as a reader would.
+//! `lab/tools/book` renders it. It is a separate package because of mdBook's dependencies. This module runs the
+//! commands of the chapters as a reader would.
 
 mod browser;
 mod commands;
@@ -39,7 +39,7 @@ pub fn run(args: &BookArgs) -> Result<()> {
     Ok(())
 }
 
-/// Renders the book into `out`, with all commands and options of `program`, and follows its links.
+/// Renders the book into `out`, with a reference of all commands and options of `program`, and checks its links.
 fn make(out: &Path, program: &Path) -> Result<()> {
     let commands = tempfile::NamedTempFile::new()?;
     fs::write(&commands, printed(Command::new(program).args(["man", "--markdown"]))?)?;

@@ -1,4 +1,4 @@
-//! QEMU with the bridge's firmware.
+//! Runs the bridge's firmware in QEMU.
 
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader};
@@ -7,14 +7,14 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Time within which the emulator must listen.
+/// Time limit for the emulator to listen.
 const START: Duration = Duration::from_secs(20);
 
-/// How the bridge's UART is reached.
+/// How the bridge's UART is connected.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Line {
     Socket,
-    /// A pseudo-terminal, which programs open like a serial port.
+    /// By a pseudo-terminal, which programs open like a serial port.
     Serial,
 }
 
@@ -26,12 +26,12 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Switches on the bridge with this unit of the twin.
+    /// Starts the bridge with this unit of the twin.
     pub fn start(image: &Path, seed: u64, line: Line) -> Result<Self> {
-        // the port was free a moment ago, and nothing else here takes one
+        // the port was free a moment ago, and nothing else here opens one
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
         let serial = match line {
-            // without nodelay every byte of an answer waits until the previous one is acknowledged
+            // without nodelay, every byte of an answer would wait for the acknowledgement of the previous one
             Line::Socket => format!("tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on"),
             Line::Serial => "pty".to_owned(),
         };
@@ -58,7 +58,7 @@ impl Emulator {
         self.device.clone()
     }
 
-    /// Address of the socket.
+    /// The TCP port.
     pub fn port(&self) -> u16 {
         self.port
     }
@@ -78,7 +78,7 @@ impl Emulator {
     }
 }
 
-/// `char device redirected to /dev/pts/3 (label serial0)`
+/// Reads the path from QEMU's line `char device redirected to /dev/pts/3 (label serial0)`.
 fn terminal(mut output: impl BufRead) -> Result<String> {
     let mut line = String::new();
     output.read_line(&mut line)?;

@@ -1,8 +1,8 @@
-//! `cargo xtask bridge`: tries the program with a bridge's firmware on an emulated Cortex-M4F that contains the twin.
-//! It uses a socket and a serial port. Cables that do harm are in the tests of the program.
+//! `cargo xtask bridge`: tests the program with the bridge's firmware on an emulated Cortex-M4F that contains the
+//! twin, over a socket and over a serial port. The program's own tests cover faulty connections.
 
 mod emulator;
-/// The firmware's own loop, to get the bytes that it sends on the host.
+/// The firmware's own loop, compiled for the host to get the bytes that it sends.
 #[path = "../../../firmware/qemu/src/bridge.rs"]
 mod firmware;
 mod script;
@@ -19,9 +19,9 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
 
-/// Samples that controller and host must send alike, byte for byte, and of each capture.
+/// Number of samples that controller and host must send identically, byte for byte, and of each capture.
 const SAMPLES: u32 = 5_000;
-/// A calibration of half a minute of part time.
+/// A calibration of half a minute of the part's time.
 const PLAN: [&str; 10] =
     ["--average", "1s", "--warmup", "10s", "--settle", "10s", "--offset", "5s", "--max-u-btc", "1"];
 
@@ -30,7 +30,7 @@ const PLAN: [&str; 10] =
 struct Findings {
     seed: u64,
     duration_s: f64,
-    /// Bytes of the stream that controller and host send alike.
+    /// Number of bytes that controller and host sent identically.
     bytes_alike: usize,
     probe: Value,
     capture_tcp: Value,
@@ -115,7 +115,8 @@ impl Bench {
         Ok(summary)
     }
 
-    /// The same plan through the bridge and in process: they differ by no more than their uncertainties.
+    /// Calibrates with the same plan through the bridge and in this process. The results must agree within their
+    /// uncertainties.
     fn calibrate(&self) -> Result<(Value, Value)> {
         let emulator = self.emulator(Line::Socket)?;
         let calibrate = |device: &str| {

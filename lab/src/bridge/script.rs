@@ -1,4 +1,4 @@
-//! The same requests to the controller and to the firmware's loop on the host.
+//! Sends the same requests to the emulated controller and to the firmware's loop on the host.
 
 use super::emulator::Emulator;
 use super::firmware::{Port, serve};
@@ -10,11 +10,11 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
-/// Least bytes of a sample (docs/formats/bridge.md).
+/// Smallest size of a sample, bytes (docs/formats/bridge.md).
 const LEAST_BYTES: usize = 26;
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Starts both, and returns how many bytes of so many samples are the same. All must be the same.
+/// Starts both, and compares the bytes of this many samples. Returns their number; all must be equal.
 pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     let start = Command::Start { every_temp: 1, divider: 1, mclk_hz: adis16130::MCLK_HZ };
     let mut room = [0; MAX_FRAME];
@@ -35,7 +35,7 @@ pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     Ok(alike)
 }
 
-/// A port that holds a few requests, and closes when enough was sent.
+/// A port that delivers a few prepared requests, and closes when enough was sent.
 struct Script {
     requests: VecDeque<u8>,
     sent: Vec<u8>,

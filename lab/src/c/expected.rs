@@ -1,5 +1,5 @@
-//! The output that `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure
-//! on fixed memory.
+//! Computes the output that `bindings/c/tests/agree.c` must print with the Rust crates: driver, corrections, and the
+//! procedure on fixed memory.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTestPlan, TempCode, WaitBound};
@@ -21,29 +21,29 @@ const CURVED: Correction = Correction { btc2_dps_per_c2: 0.0005, btc3_dps_per_c3
 const SAMPLES: usize = 500;
 const ROWS: usize = 201;
 
-/// The numbers of bindings/c/src/status.rs, typed again: they may not change.
+/// The status numbers of bindings/c/src/status.rs, repeated here because they must not change.
 const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\nseven bits -3\nno transfer -1\nno \
     average -40\n\
     steep -30\ncurved -30\nsteep curve -30\n\
     ragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
     correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
-/// Failures to read, with the numbers typed again, and the deadline: 64 periods of 175.7 µs (F-31) after the first
-/// question.
+/// The expected failures to read, with the status numbers repeated, and the deadline: 64 periods of 175.7 µs (F-31)
+/// after the first call.
 const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion \
     -25\nconverted 0\n\
     dip -22\ninitialise 0\nbroken -10\nafter it -15\ninitialise 0\nuntouched 7 7\nwhole 0\nheard 0\nquiet 0\nsilent \
     -12\n\
     initialise 0\nbeyond the scale -24\n";
 const FAULTS: &str = "diagnose 0\nzeros -21\nones -20\ndip -22\nagain 0\ncut -12\n";
-/// Self-tests that fail. A pin that was set at all was set low last, unless that was refused.
+/// The expected failures of self-tests. A pin that was set at all must be set low last, unless that was refused.
 const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function -13\n\
     low refused -14\ncalls 1 level 0 n 7\nhigh refused -14\ncalls 3 level 0 n 7\n\
     release refused -14\ncalls 3 level 1 n 7\ncut -12\ncalls 3 level 0 n 7\nzeros -21\ncalls 3 level 0 n 7\n\
     not set up -2\ncalls 0 level 0 n 7\nbroken rdy -11\ncalls 1 level 0 n 7\n\
     no rdy -13\ncalls 0 level 0 n 7\nno delay -13\ncalls 0 level 0 n 7\n";
 
-/// The whole output of the test.
+/// The whole expected output of the test.
 pub fn text(seed: u64) -> Result<String> {
     let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
     let mut text = MISUSE.to_owned();
@@ -57,7 +57,8 @@ pub fn text(seed: u64) -> Result<String> {
     Ok(text)
 }
 
-/// A stream, with the numbers of the statuses typed again. Values that are not written stay 7.
+/// The expected output about a stream, with the status numbers repeated. Values that are not written keep their
+/// initial 7.
 fn stream(text: &mut String) -> Result<()> {
     let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
     let mut corrector = Corrector::new(CorrectorConfig { corrections: [CORRECTION], validity });
@@ -92,7 +93,8 @@ fn line(text: &mut String, status: i32, rate_dps: f64, temp_c: f64, extrapolated
     Ok(writeln!(text, "extrapolated {extrapolated}")?)
 }
 
-/// A minute at rest above the calibration, a motion, a day without power, and a state that cannot be.
+/// The expected output about tracking: a minute at rest with another bias than calibrated, a motion, a day without
+/// power, and an invalid state.
 fn track(text: &mut String) -> Result<()> {
     let prior = Prior {
         u_pbc_dps: 0.003,
@@ -180,7 +182,7 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
     f64_line(text, "curved f64", CURVED.apply(0.33, 33.5))?;
     CURVED.fill_table(0.02, 2.0, &mut rows)?;
     let table = CodeTable::new(&rows, 0.02, CURVED.t3_c, &Axis::ADIS16130.temp);
-    // 27 °C, one above its T3
+    // 27 °C, one degree above its T3
     let row = table.look_up_udps(8_416_794).context("beyond the table")?;
     writeln!(text, "no curve 77\ncurved table 0\ncurved row 0 {row}")?;
     let ready = rig.gyro.wait_ready(&mut rig.twin.delay(), WaitBound::from_us(1000));
@@ -195,7 +197,7 @@ fn self_test(text: &mut String, keys: &str) -> Result<()> {
     let Rig { twin, mut gyro, .. } = Rig::new(keys, 6_000_000)?;
     let seen = gyro.self_test(&mut twin.self_test_pin(), &mut twin.delay(), SelfTestPlan::new(500));
     let seen = seen.map_err(|error| anyhow!("{error}"))?;
-    // 20 °/s at the element, a sensitivity that varies by 3 % (M-07)
+    // 20 °/s at the element; the sensitivity varies by 3 % (M-07)
     ensure!((seen.shift_dps - 20.0).abs() < 4.0, "{seen:?}");
     text.push_str("initialise 0\nplan 0\n100000 20000 6000\nself-test 0\n");
     writeln!(text, "shift_dps {:08x}\nu_dps {:08x}", seen.shift_dps.to_bits(), seen.u_dps.to_bits())?;
@@ -232,7 +234,7 @@ fn calibrate(text: &mut String, keys: &str) -> Result<()> {
         Ok(()) => Vec::new(),
     };
     let progress = procedure.progress();
-    // the numbers of the C interface follow the procedure, but for its end, which has kept its own
+    // the numbers of the C interface follow the procedure's states, except that its end keeps its old number
     let step = if progress.state == State::Done { 10 } else { 3 + progress.state as u32 };
     writeln!(text, "ended {ended}\nremedies [{}]\nstep {step}", remedies.join(","))?;
     f64_line(text, "elapsed_s", progress.elapsed_s)?;
@@ -272,7 +274,7 @@ fn f64_line(text: &mut String, name: &str, value: f64) -> Result<()> {
     Ok(writeln!(text, "{name} {:016x}", value.to_bits())?)
 }
 
-/// The numbers of the C interface, typed again.
+/// The status number of a refusal in the C interface, repeated here.
 fn number(refusal: &Refusal) -> i32 {
     match refusal {
         Refusal::Moving { .. } => -50,

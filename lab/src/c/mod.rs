@@ -1,4 +1,4 @@
-//! `cargo xtask c`: checks the C interface. It looks at what the library links, and compares C with Rust on the host
+//! `cargo xtask c`: checks the C interface. It checks what the library links, and compares C with Rust on the host
 //! and on an emulated Cortex-M4F.
 
 mod expected;
@@ -31,7 +31,7 @@ pub struct CArgs {
     seed: u64,
 }
 
-/// The library first, since C is linked with it.
+/// Checks the library first, then the programs that link it.
 pub fn run(args: &CArgs) -> Result<()> {
     targets::add_missing([M0, M4F].into_iter())?;
     for target in [None, Some(M0), Some(M4F)] {
@@ -50,7 +50,7 @@ pub fn run(args: &CArgs) -> Result<()> {
     Ok(())
 }
 
-/// The static library of a crate of the project.
+/// Builds the static library of a crate in `bindings/c`.
 fn build(package: &str, target: Option<&str>) -> Result<PathBuf> {
     let target_dir = std::path::absolute(WORK)?;
     let mut cargo = Command::new("cargo");
@@ -61,7 +61,7 @@ fn build(package: &str, target: Option<&str>) -> Result<PathBuf> {
     Ok(folder.join(format!("lib{}.a", package.replace('-', "_"))))
 }
 
-/// Nothing in the library panics or allocates.
+/// Checks that nothing in the library panics or allocates.
 fn is_self_contained(library: &Path) -> Result<()> {
     let unwanted = image::unwanted_in_archive(library)?;
     ensure!(unwanted.is_empty(), "{} links {}", library.display(), unwanted.join(", "));
@@ -69,7 +69,7 @@ fn is_self_contained(library: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Exports the correction of the test as `unit.h`, by `zerorate export`.
+/// Exports the correction of the test as `unit.h`, with `zerorate export`.
 fn export_header() -> Result<()> {
     let unit = Path::new(WORK).join("unit.toml");
     fs::write(&unit, expected::CALIBRATION)?;
@@ -78,7 +78,7 @@ fn export_header() -> Result<()> {
     done(zerorate.args(["--format", "c", "--span-c", "2", "--force", "--output"]).arg(Path::new(WORK).join("unit.h")))
 }
 
-/// The test and the examples with the sanitizers for addresses and undefined behaviour.
+/// Runs the test and the examples on the host, with the sanitizers for addresses and undefined behaviour.
 fn on_host(seed: u64, expected: &str) -> Result<()> {
     let libraries = [build("zerorate-c", None)?, build("zerorate-c-twin", None)?];
     let link = |sources: &[&str], program: &str| -> Result<PathBuf> {
@@ -106,7 +106,7 @@ fn on_host(seed: u64, expected: &str) -> Result<()> {
     Ok(())
 }
 
-/// The test with newlib in the emulator; the examples are linked for both cores.
+/// Runs the test with newlib in the emulator, and links the examples for both cores.
 fn on_controller(seed: u64, expected: &str) -> Result<()> {
     let m0 = ["-mcpu=cortex-m0", "-mthumb"];
     let m4f = ["-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"];
@@ -144,7 +144,7 @@ fn compiler(name: &str) -> Command {
     gcc
 }
 
-/// Line by line, so that the first difference is shown.
+/// Compares line by line, so that the error shows the first difference.
 fn same(expected: &str, got: &str, place: &str) -> Result<()> {
     for (index, (expected, got)) in expected.lines().zip(got.lines()).enumerate() {
         ensure!(expected == got, "line {} {place}: C says `{got}`, Rust `{expected}`", index + 1);

@@ -1,9 +1,9 @@
-//! The figures of one coefficient over simulated records; shares in %.
+//! Scores of one coefficient over many simulated records. Shares are in %.
 
 use super::scenario::{Bounds, Scenario};
 use zerorate_allan::Coefficient;
 
-/// Relative to the truth, %, or as it is where the truth is zero.
+/// Errors relative to the truth, %, or absolute if the truth is zero.
 pub struct Error {
     truth: f64,
     rms: f64,
@@ -38,20 +38,20 @@ pub struct Score {
     records: usize,
 }
 
-/// Standard deviations by which chance may be off: one of a hundred rows has more.
+/// Allowed deviation in standard deviations: chance exceeds it in one of a hundred rows.
 const CHANCE: f64 = 2.58;
 
-/// Allowed error of a share of so many records, %.
+/// Allowed error of a share over this many records, %.
 pub fn scatter(share: f64, records: usize) -> f64 {
     CHANCE * (share * (100.0 - share) / records.max(1) as f64).sqrt()
 }
 
-/// Allowed error of the rms error of so many records, as a factor.
+/// Allowed factor of the rms error over this many records.
 fn rms_scatter(records: usize) -> f64 {
     1.0 + CHANCE / (2.0 * records.max(1) as f64).sqrt()
 }
 
-/// The share of something among all, %.
+/// The share of items for which `holds` is true, %.
 pub fn share<T>(all: &[T], holds: impl Fn(&T) -> bool) -> f64 {
     100.0 * all.iter().filter(|one| holds(one)).count() as f64 / all.len().max(1) as f64
 }
@@ -81,7 +81,7 @@ impl std::fmt::Display for Score {
 impl Score {
     pub fn misses<'a>(&'a self, scenario: &'a Scenario, which: usize) -> impl Iterator<Item = String> + 'a {
         let Bounds { coverage, rms, identified, .. } = &scenario.bounds;
-        // where the truth is zero, an interval can miss on one side only
+        // if the truth is zero, an interval can miss it on one side only
         let most = if self.error.truth > 0.0 { coverage.1 } else { 100.0 };
         let covers = self.inside >= coverage.0 - scatter(coverage.0, self.records)
             && self.inside <= most + scatter(most, self.records);
