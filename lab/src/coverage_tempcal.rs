@@ -1,4 +1,5 @@
-//! `cargo xtask coverage-tempcal`: simulates logs of gyroscopes that warm, and compares their curves with the truth.
+//! `cargo xtask coverage-tempcal`: simulates logs of gyroscopes that warm up, and compares the fitted curves with
+//! the truth.
 
 use crate::residuals::rms;
 use crate::seeds::{self, for_each_seed};
@@ -27,13 +28,13 @@ pub struct CoverageTempcalArgs {
 
 const RATE_HZ: f64 = 50.0;
 const AXES: usize = 3;
-/// Standard deviations of the terms over (T − 25 °C)/20 °C, °/s.
+/// Standard deviations of the true bias's coefficients in powers of (T − 25 °C)/20 °C, °/s.
 const TERMS_DPS: [f64; 4] = [1.0, 0.4, 0.08, 0.03];
-/// The same of the terms of order 4 and 5 of a hard bias.
+/// Standard deviation of the coefficients of order 4 and 5 of a hard bias, °/s.
 const HARD_DPS: f64 = 0.02;
 const N: f64 = 0.003 / std::f64::consts::SQRT_2;
 const K: f64 = 1e-4;
-/// Gauss–Markov processes that make the flicker: standard deviation, °/s, and correlation times, s.
+/// Gauss–Markov processes that together approximate flicker: standard deviation, °/s, and correlation times, s.
 const FLICKER_DPS: f64 = 0.0006;
 const FLICKER_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 const TEMP_NOISE_C: f64 = 0.02;
@@ -44,10 +45,10 @@ const LSB_PER_C: f64 = 340.0;
 struct Kind {
     name: &'static str,
     is_hard: bool,
-    /// Longest lag, s; each log draws its own from 0, or has this one.
+    /// Largest lag, s. Each log draws its lag from 0 to this value, or has this value.
     lag_s: f64,
     draws_lag: bool,
-    /// Half width of the play, °C, of which each log draws a share.
+    /// Largest half width of the backlash, °C, of which each log draws a share.
     play_c: f64,
     cools: bool,
     /// Longest time from switch-on to the start of the log, s, of which each log draws a share.
@@ -74,18 +75,19 @@ const KINDS: [Kind; 7] = [
     Kind { name: "cubic, lag of 0 to 150 s, begins up to 400 s after switch-on", begins_s: 400.0, ..DRAWN },
 ];
 
-/// Root mean squares of one axis, the mean taken out, and the ratios of errors to the stated uncertainty.
+/// The rms errors of one axis after subtracting the mean error, and the ratios of the errors to the stated
+/// uncertainty.
 struct AxisErrors {
     cubic: f64,
     quintic: f64,
     curve: f64,
     ratios: Vec<f64>,
-    /// The same with the uncertainty of a sensor that was on before the log began, where it is stated.
+    /// The ratios to the uncertainty of a sensor that was on before the log began, if it is stated.
     ratios_on: Vec<f64>,
     elapsed_s: f64,
 }
 
-/// Temperatures at which curves are compared, °C: the span of the log, less a degree at each end.
+/// Temperatures at which curves are compared, °C: the span of the log without one degree at each end.
 fn temps_c(log: &Log) -> impl Iterator<Item = f64> + Clone + use<> {
     let low_c = log.temps_c[0] + 1.0;
     (0..60).map(move |k| low_c + (43.0 - low_c) * f64::from(k) / 59.0)
@@ -121,12 +123,12 @@ pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Share of the ratios inside 95 % intervals.
+/// Share of the errors that are inside their 95 % intervals.
 fn inside<'a>(ratios: impl Iterator<Item = &'a f64> + Clone) -> f64 {
     ratios.clone().filter(|ratio| ratio.abs() < 1.96).count() as f64 / ratios.count() as f64
 }
 
-/// A log: temperatures as read, rates of each axis, and the terms of the true bias.
+/// A log: measured temperatures, rates of each axis, and the coefficients of the true bias.
 struct Log {
     temps_c: Vec<f64>,
     rates_dps: [Vec<f64>; AXES],
@@ -138,7 +140,7 @@ fn bias_dps(terms: &[f64; 6], temp_c: f64) -> f64 {
     terms.iter().rev().fold(0.0, |sum, term| sum * d + term)
 }
 
-/// The temperature of the sensor: 45 minutes of warming, and as long of cooling.
+/// The temperature of the sensor, °C: 45 minutes of warming, then 45 minutes of cooling.
 fn course_c(at_s: f64) -> f64 {
     let warm = |at_s: f64| 5.0 + 40.0 * (1.0 - (-at_s / 800.0).exp());
     let turn_s = 2700.0;
@@ -229,7 +231,7 @@ fn means(temps_c: &[f64], rates_dps: &[f64]) -> LogMeans {
     means.finish()
 }
 
-/// Means of 2 s, as ArduPilot's script takes them.
+/// Means over 2 s of temperature and rate, as in ArduPilot's script.
 fn points(temps_c: &[f64], rates_dps: &[f64]) -> Vec<(f64, f64)> {
     let per = (2.0 * RATE_HZ) as usize;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
@@ -240,7 +242,7 @@ fn points(temps_c: &[f64], rates_dps: &[f64]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The terms over T − 25 °C of the polynomial of this order by least squares.
+/// The least-squares polynomial of this order in (T − 25 °C)/20 °C.
 fn polynomial(points: &[(f64, f64)], order: usize) -> Option<Vec<f64>> {
     let powers = |temp_c: f64| -> Vec<f64> { (0..=order).map(|k| ((temp_c - 25.0) / 20.0).powi(k as i32)).collect() };
     let all: Vec<(Vec<f64>, f64)> = points.iter().map(|(temp_c, rate)| (powers(*temp_c), *rate)).collect();

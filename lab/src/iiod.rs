@@ -1,5 +1,5 @@
-//! `cargo xtask iiod`: reads the libiio server with clients of other projects. In `bench-serve`, several of them read
-//! while the program records.
+//! `cargo xtask iiod`: reads the libiio server with clients of other projects. (`bench-serve` runs several of them
+//! while the program records.)
 
 use crate::app;
 use crate::tools::{Tool, available, module_available};
@@ -13,10 +13,10 @@ const CLIENTS: Tool = Tool { program: "iio_info", package: "libiio-utils" };
 const REQUIREMENTS: &str = "lab/iiod-requirements.txt";
 const PURPOSE: &str = "the libiio server with libiio's clients";
 
-/// The tests that use the clients; the step `test` has built them.
+/// The tests that use the clients. The step `test` has compiled them.
 const TESTS: &str = "--quiet --test iiod";
 
-/// Installs the clients and runs the tests that use them. Without the clients it says so and passes.
+/// Installs the clients and runs the tests that use them. Without the clients, prints that and succeeds.
 pub fn run() -> Result<()> {
     if !(available(&[CLIENTS], PURPOSE)? && module_available("iio", "python3-libiio", PURPOSE)?) {
         return Ok(());
@@ -30,7 +30,7 @@ pub fn run() -> Result<()> {
     done(&mut tests)
 }
 
-/// A Python with pyadi-iio.
+/// A Python environment with pyadi-iio.
 fn adi() -> Result<PathBuf> {
     let python = venv::python("adi", Path::new(REQUIREMENTS))?;
     Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))

@@ -20,7 +20,7 @@ const DEVICE: &str = "twin:seed=1";
 const PAIRS_HZ: f64 = 5692.6;
 /// Smallest ratio of the twin's time to the elapsed time that counts as real time.
 const REAL_TIME: f64 = 0.98;
-/// Largest ratio of the elapsed time to the twin's time, on a busy machine.
+/// Longest wait for the twin on a busy machine, as a multiple of the measurement's length.
 const LONGEST: u32 = 10;
 const STEP: Duration = Duration::from_millis(100);
 

@@ -1,4 +1,4 @@
-//! `cargo xtask coverage-allan`: simulates records at rest and compares the fitted noise model with their truth.
+//! `cargo xtask coverage-allan`: fits noise models to simulated records at rest, and compares them with the truth.
 
 mod judge;
 mod scenario;
@@ -35,12 +35,12 @@ pub struct CoverageAllanArgs {
     only: String,
 }
 
-/// The results of one record.
+/// The results for one record.
 struct Run {
     curve: Vec<Deviation>,
-    /// N, B, K.
+    /// The fitted N, B and K.
     fitted: [Coefficient; 3],
-    /// σ and T of each Gauss–Markov term.
+    /// The fitted σ and T of each Gauss–Markov term.
     markovs: Vec<(Estimate, Estimate)>,
     has_drift: bool,
     steps: usize,
@@ -49,7 +49,7 @@ struct Run {
     fit_s: f64,
 }
 
-/// Warnings that a coefficient may be off. A warning that something was found and taken out is not among them.
+/// Warnings that a coefficient may be wrong. Warnings about something that was found and removed are not among them.
 const TELLING: [&str; 9] = [
     "many-glitches",
     "many-steps",
@@ -61,11 +61,11 @@ const TELLING: [&str; 9] = [
     "drift-or-walk",
     "model-rejected",
 ];
-/// A coefficient is wrong if the truth is this many half widths of its interval away.
+/// Distance from the truth at which a coefficient is wrong, in half widths of its interval.
 const WRONG: f64 = 3.0;
 
 impl Run {
-    /// Whether a coefficient is called identified, is wrong, and no warning says so.
+    /// Whether a coefficient is identified but wrong, and no warning tells so.
     fn is_silently_wrong(&self, truth: &[f64; 3]) -> bool {
         let is_wrong = |(c, truth): (&Coefficient, &f64)| {
             let half = if *truth > c.value { c.hi - c.value } else { c.value - c.lo };
@@ -76,7 +76,7 @@ impl Run {
     }
 }
 
-/// Runs every scenario and fails if one is out of its bounds.
+/// Runs every scenario, and fails if a result is outside its bounds.
 pub fn run(args: &CoverageAllanArgs) -> anyhow::Result<()> {
     let mut missed = Vec::new();
     for scenario in scenarios().iter().filter(|scenario| scenario.name.contains(&args.only)) {
@@ -89,7 +89,7 @@ pub fn run(args: &CoverageAllanArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints the results, and returns those that are out of bounds.
+/// Prints the results, and returns those that are outside their bounds.
 fn report(scenario: &Scenario, runs: &[Run]) -> Vec<String> {
     let mut missed = Vec::new();
     println!("  Allan variance over the model's, mean of all records: {}", mean_over_model(scenario, runs));
@@ -114,7 +114,7 @@ fn report(scenario: &Scenario, runs: &[Run]) -> Vec<String> {
     missed
 }
 
-/// The terms beside N, B and K.
+/// Prints the results about the terms other than N, B and K, and returns those that are outside their bounds.
 fn terms(scenario: &Scenario, runs: &[Run]) -> Vec<String> {
     let (found, drift) = (share(runs, |run| !run.markovs.is_empty()), share(runs, |run| run.has_drift));
     let steps = share(runs, |run| run.steps > 0);
@@ -180,7 +180,8 @@ fn one(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> anyh
     })
 }
 
-/// One number for each octave, which shows whether the simulation follows the model.
+/// The ratio of the mean Allan variance to the model's, for each octave. It is 1 if the simulation follows the
+/// model.
 fn mean_over_model(scenario: &Scenario, runs: &[Run]) -> String {
     let octaves = runs.iter().map(|run| run.curve.len()).min().unwrap_or(0);
     let ratio = |i: usize| {

@@ -1,11 +1,11 @@
-//! The simulated records, and the bounds for each.
+//! The simulated records, with the bounds on the results for each.
 
 use std::f64::consts::{LN_2, PI};
 
-/// Floor of the Allan deviation per B: √(2 ln 2/π).
+/// Ratio of the Allan deviation's floor to B: √(2 ln 2/π).
 const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
 
-/// A record to simulate, and the truth about it: ° and s.
+/// A record to simulate, with its true coefficients in ° and s.
 #[derive(Clone, Copy)]
 pub struct Scenario {
     pub name: &'static str,
@@ -14,65 +14,67 @@ pub struct Scenario {
     pub b: f64,
     pub k: f64,
     pub q: f64,
-    /// The filter of the sensor, which all noise but quantisation goes through.
+    /// The filter of the sensor. All noise except quantisation passes through it.
     pub filter: Filter,
-    /// σ and T of a Gauss–Markov process.
+    /// σ, °/s, and T, s, of a Gauss–Markov process.
     pub gauss_markov: Option<(f64, f64)>,
     pub disturbance: Disturbance,
     pub bounds: Bounds,
 }
 
-/// A filter whose gain at frequency 0 is 1.
+/// A filter with gain 1 at zero frequency.
 #[derive(Clone, Copy)]
 pub enum Filter {
     None,
-    /// A low-pass of the first order with this time constant, s.
+    /// A first-order low-pass with this time constant, s.
     LowPass(f64),
-    /// A Butterworth low-pass of the second order at this frequency, Hz, by the bilinear transform.
+    /// A second-order Butterworth low-pass with this cut-off frequency, Hz, by the bilinear transform.
     Butterworth(f64),
-    /// The mean of so many samples.
+    /// A moving average over this many samples.
     Mean(usize),
 }
 
-/// A disturbance that is not noise.
+/// A disturbance in addition to the noise.
 #[derive(Clone, Copy)]
 pub enum Disturbance {
     Nothing,
     /// Amplitude, °/s, and frequency, Hz.
     Sine(f64, f64),
-    /// Frequency and half width, Hz, and power as a part of the white noise's power.
+    /// Frequency, Hz, half width, Hz, and power relative to the white noise.
     Resonance(f64, f64, f64),
-    /// This part of the samples is off by ±50 °/s.
+    /// Share of the samples that are outliers by ±50 °/s.
     Outliers(f64),
-    /// A step of this size, °/s, at a random time.
+    /// Size of a step, °/s, at a random time.
     Step(f64),
-    /// This part of the samples is missing, one by one.
+    /// Share of the samples that are missing, one by one.
     Loss(f64),
     /// Longest burst of missing samples, s, and number of bursts.
     Bursts(f64, u32),
-    /// Seconds that are missing at once, at a random time.
+    /// Length of a single gap at a random time, s.
     Gap(f64),
-    /// Step of a code, in standard deviations of a sample.
+    /// Size of one code in standard deviations of a sample.
     Coarse(f64),
-    /// Size, °/s, and time constant, s.
+    /// Size, °/s, and time constant, s, of a warm-up drift.
     WarmUp(f64, f64),
 }
 
 #[derive(Clone, Copy)]
 pub struct Bounds {
     pub coverage: (f64, f64),
-    /// Bounds for N, B and K.
+    /// Upper bounds on the relative rms errors of N, B and K, %.
     pub rms: [f64; 3],
-    /// Share of records with N and B identified.
+    /// Smallest share of records in which N and B are identified, %.
     pub identified: [f64; 2],
-    /// Least share of records in which a Gauss–Markov term is found where there is one, and most where there is none.
+    /// Smallest share of records in which an existing Gauss–Markov term is found, and largest share in which one is
+    /// found that does not exist, %.
     pub found: f64,
     pub false_terms: f64,
-    /// Least share of records in which a step is found, and most.
+    /// Smallest and largest share of records in which a step is found, %.
     pub steps: (f64, f64),
 }
 
-/// Bounds unless a scenario has its own. Chance is allowed for beyond them, by the number of records.
+/// Bounds of scenarios without bounds of their own. The deviation that chance allows for this number of records is
+/// added.
 const OTHER: Bounds = Bounds {
     coverage: (93.0, 97.0),
     rms: [f64::INFINITY; 3],
@@ -81,16 +83,16 @@ const OTHER: Bounds = Bounds {
     false_terms: 2.0,
     steps: (0.0, 2.0),
 };
-/// A warning says that the intervals are wider than chance requires.
+/// Bounds of scenarios with intervals that are wider than chance requires, about which a warning tells.
 const WIDENED: Bounds = Bounds { coverage: (93.0, 100.0), ..OTHER };
-/// Flicker or random walk may pass for something else, but not silently.
+/// Bounds of scenarios in which flicker or random walk may be mistaken for something else, if there is a warning.
 const NOT_SILENT: Bounds = Bounds { coverage: (0.0, 100.0), ..OTHER };
 
 const fn floor(deg_per_h: f64) -> f64 {
     deg_per_h / 3600.0 / FLOOR_PER_B
 }
 
-/// The hour that the project's goals are stated for.
+/// The record of one hour for which the project's goals are stated.
 const HOUR: Scenario = Scenario {
     name: "hour",
     length_s: 3600.0,
@@ -104,12 +106,12 @@ const HOUR: Scenario = Scenario {
     bounds: OTHER,
 };
 
-/// That hour, and others.
+/// All scenarios: the hour and its variations.
 pub fn scenarios() -> Vec<Scenario> {
     [terms(), filtered(), disturbed()].concat()
 }
 
-/// The model's own terms, alone and together.
+/// Records of the model's own terms, alone and combined.
 fn terms() -> Vec<Scenario> {
     let goal = Bounds { rms: [0.13, 9.8, 38.0], identified: [99.0, 95.0], ..OTHER };
     let white = Scenario { b: 0.0, k: 0.0, ..HOUR };
@@ -134,8 +136,8 @@ fn terms() -> Vec<Scenario> {
     ]
 }
 
-/// The hour behind filters. A shape has one cosine more than the data ask for, so that N is less certain than it could
-/// be.
+/// The hour behind filters. The fitted shape has one cosine more than the data require, so that N is less certain
+/// than it could be.
 fn filtered() -> Vec<Scenario> {
     let behind = |name, filter| Scenario { name, filter, bounds: WIDENED, ..HOUR };
     vec![
@@ -149,7 +151,7 @@ fn filtered() -> Vec<Scenario> {
     ]
 }
 
-/// The hour with a disturbance beside the noise, or with samples lost.
+/// The hour with a disturbance, or with lost samples.
 fn disturbed() -> Vec<Scenario> {
     let with = |name, disturbance| Scenario { name, disturbance, ..HOUR };
     let widened = |name, disturbance| Scenario { bounds: WIDENED, ..with(name, disturbance) };
@@ -179,7 +181,7 @@ fn disturbed() -> Vec<Scenario> {
 }
 
 impl Scenario {
-    /// σ²(τ), written out from IEEE Std 952-1997 C.1.
+    /// The true Allan variance σ²(τ), by the formulas in IEEE Std 952-1997 C.1.
     pub fn allan_variance(&self, tau_s: f64) -> f64 {
         let memory = self.gauss_markov.map_or(0.0, |(sigma, t)| {
             let bend = 3.0 - 4.0 * (-tau_s / t).exp() + (-2.0 * tau_s / t).exp();
@@ -192,13 +194,13 @@ impl Scenario {
             + memory
     }
 
-    /// N, B and K as they can be measured: rounding to codes is white, and N is the plateau, which has the tail of a
-    /// resonance in it.
+    /// The N, B and K that can be measured: rounding to codes adds white noise, and N is the plateau, which includes
+    /// the tail of a resonance.
     pub fn truth(&self, rate_hz: f64) -> [f64; 3] {
         if let Disturbance::Resonance(frequency_hz, half_width_hz, part) = self.disturbance {
             let (r, angle) = ((-2.0 * PI * half_width_hz / rate_hz).exp(), 2.0 * PI * frequency_hz / rate_hz);
             let (r2, at_zero) = (r * r, 1.0 - 2.0 * r * angle.cos() + r * r);
-            // of the filter's output for white noise of variance 1
+            // variance of the filter's output for white noise of variance 1
             let variance = (1.0 + r2) / ((1.0 - r2) * (1.0 - 2.0 * r2 * (2.0 * angle).cos() + r2 * r2));
             return [self.n * (1.0 + part / (variance * at_zero * at_zero)).sqrt(), self.b, self.k];
         }

@@ -1,4 +1,4 @@
-//! Records whose truth is known.
+//! Simulates records with known truth.
 
 use super::scenario::{Disturbance, Filter, Scenario};
 use rand::rngs::SmallRng;
@@ -11,13 +11,13 @@ use zerorate::noise::FLICKER_CUTOFF_HZ;
 
 /// Rate of every record, Hz.
 pub const RATE_HZ: f64 = 100.0;
-/// The slow flicker is made at this rate, and interpolated; the fast one at the record's rate.
+/// Rate at which slow flicker is synthesised and then interpolated, Hz. Fast flicker has the record's rate.
 const SLOW_RATE_HZ: f64 = 10.0;
-/// Frequency at which slow and fast flicker meet.
+/// Frequency that separates slow and fast flicker, Hz.
 const SPLIT_HZ: f64 = 0.5;
-/// Points of each synthesis: the slow one repeats after 52 429 s.
+/// Number of points of each synthesis. The slow one repeats after 52 429 s.
 pub const SYNTHESIS: usize = 1 << 19;
-/// Samples before the record, in which a filter forgets how it began.
+/// Number of samples before the record in which a filter settles.
 const LEAD: usize = 3000;
 /// Error of an outlier, °/s.
 const OUTLIER: f64 = 50.0;
@@ -74,7 +74,7 @@ fn filtered(rate: &mut Vec<f64>, filter: Filter) {
     }
 }
 
-/// `k` is the tangent of half the angle of its frequency.
+/// A second-order Butterworth low-pass. `k` is tan(π·f/rate) for the cut-off frequency f.
 fn butterworth(rate: &mut [f64], k: f64) {
     let norm = 1.0 / (1.0 + 2f64.sqrt() * k + k * k);
     let (gain, a1, a2) = (k * k * norm, 2.0 * (k * k - 1.0) * norm, (1.0 - 2f64.sqrt() * k + k * k) * norm);
@@ -110,7 +110,7 @@ fn disturb(rate: &mut [f64], scenario: &Scenario, rng: &mut SmallRng) {
             rate.iter_mut().zip(ring).for_each(|(rate, ring)| *rate += strength * ring);
         }
         Disturbance::Outliers(part) => {
-            // at least one: a record without any is another scenario
+            // at least one outlier, because a record without any is another scenario
             let count = (part * len as f64).round().max(1.0) as usize;
             for _ in 0..count {
                 rate[rng.next_u64() as usize % len] += if some(rng, 0.5) { OUTLIER } else { -OUTLIER };
@@ -148,7 +148,7 @@ fn disturb(rate: &mut [f64], scenario: &Scenario, rng: &mut SmallRng) {
     }
 }
 
-/// White noise through a filter of the second order.
+/// White noise through a resonant second-order filter.
 fn resonance(len: usize, frequency_hz: f64, half_width_hz: f64, rng: &mut SmallRng) -> Vec<f64> {
     let radius = (-2.0 * PI * half_width_hz / RATE_HZ).exp();
     let turn = 2.0 * radius * (2.0 * PI * frequency_hz / RATE_HZ).cos();
@@ -167,12 +167,13 @@ fn add_flicker(rate: &mut [f64], b: f64, fft: &Arc<dyn Fft<f64>>, rng: &mut Smal
     for (i, rate) in rate.iter_mut().enumerate() {
         let at = i as f64 * SLOW_RATE_HZ / RATE_HZ;
         let (whole, part) = (at as usize, at.fract());
-        // A record longer than the fast synthesis gets it again: nothing that fast spans a repetition.
+        // Fast flicker repeats in a long record, which is harmless, because its correlations are far shorter than a
+        // repetition.
         *rate += slow[whole] * (1.0 - part) + slow[whole + 1] * part + fast[i % SYNTHESIS];
     }
 }
 
-/// Spectral synthesis: a one-sided density of B²/(πf) gives a line at f the variance B²/(πf)·df.
+/// Flicker by spectral synthesis: with the one-sided density B²/(πf), a component at f has the variance B²/(πf)·df.
 fn flicker(
     b: f64,
     rate_hz: f64,

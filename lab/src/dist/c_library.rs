@@ -1,4 +1,4 @@
-//! The C library as archives: header, static library, and the files for CMake and pkg-config.
+//! Archives of the C library: header, static library, and files for CMake and pkg-config.
 
 use super::{Folder, TARGET_DIR, VERSION, fill, papers, put, repository, without_paths};
 use crate::targets;
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The target of a library, and how a small project is built with it here.
+/// A target of the library, and the tools to build and run a small project with it.
 struct Kind {
     target: &'static str,
     compiler: Tool,
@@ -51,14 +51,14 @@ const TOOLS: [Tool; 4] = [
     Tool { program: "qemu-aarch64-static", package: "qemu-user-static" },
     Tool { program: "arm-none-eabi-gcc", package: "libnewlib-arm-none-eabi" },
 ];
-/// The output of the trial: a corrected code, and the text for a failing bus.
+/// The expected output of the trial program: a corrected code, and the text for a failing bus.
 const PRINTED: &str = "8499475\nthe SPI transfer failed; reset and initialise the part\n";
 
 fn name(kind: &Kind) -> String {
     format!("zerorate-c-{VERSION}-{}", kind.target)
 }
 
-/// Builds and packs all kinds.
+/// Builds the library for all targets and packs the archives.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(KINDS.iter().map(|kind| kind.target))?;
     for kind in &KINDS {
@@ -92,7 +92,7 @@ fn build(kind: &Kind) -> Result<PathBuf> {
     Ok(Path::new(TARGET_DIR).join(kind.target).join("release/libzerorate_c.a"))
 }
 
-/// A small project finds each by CMake and by pkg-config, and runs where it can be run.
+/// Builds a small project with each archive, by CMake and by pkg-config, and runs it if possible.
 pub fn check(folder: &Folder) -> Result<()> {
     if !available(&[TOOLS.as_slice(), &KINDS.map(|kind| kind.compiler)].concat(), "the C library in a project")? {
         return Ok(());

@@ -1,7 +1,7 @@
 //! The Debian package: the program with its manual page, completions, udev rules and a systemd unit.
 //!
-//! dpkg-deb, which is on every Debian, makes it from the files in `packaging/`. cargo-deb would have to be compiled
-//! first. It finds the libraries that a program needs, and this program needs none.
+//! dpkg-deb, which is part of every Debian, makes it from the files in `packaging/`. cargo-deb would have to be
+//! compiled first. Its advantage is finding the libraries that a program needs, and this program needs none.
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
@@ -16,7 +16,7 @@ use std::process::Command;
 
 const TOOLS: [Tool; 2] = [Tool { program: "dpkg-deb", package: "dpkg" }, Tool { program: "gzip", package: "gzip" }];
 
-/// Texts that the program prints about itself, and the files they go to.
+/// The texts that the program prints about itself, and their paths in the package.
 const PRINTED: [(&[&str], &str); 4] = [
     (&["man"], "usr/share/man/man1/zerorate.1"),
     (&["completions", "bash"], "usr/share/bash-completion/completions/zerorate"),
@@ -24,7 +24,7 @@ const PRINTED: [(&[&str], &str); 4] = [
     (&["completions", "fish"], "usr/share/fish/vendor_completions.d/zerorate.fish"),
 ];
 
-/// Files of `packaging/`, and where they go.
+/// The files of `packaging/`, and their paths in the package.
 const PACKAGED: [(&str, &str); 5] = [
     ("udev/60-zerorate.rules", "usr/lib/udev/rules.d/60-zerorate.rules"),
     ("systemd/zerorate@.service", "usr/lib/systemd/system/zerorate@.service"),
@@ -33,7 +33,7 @@ const PACKAGED: [(&str, &str); 5] = [
     ("debian/postrm", "DEBIAN/postrm"),
 ];
 
-/// Files that Debian wants compressed.
+/// The files that Debian's policy wants compressed.
 const COMPRESSED: [&str; 5] = [
     "usr/share/man/man1/zerorate.1",
     "usr/share/doc/zerorate/changelog",
@@ -46,7 +46,7 @@ fn name(machine: &Machine) -> String {
     format!("zerorate_{VERSION}_{}.deb", machine.debian)
 }
 
-/// Packs the programs that were made before.
+/// Packs the programs that were built before.
 pub fn make(folder: &Folder) -> Result<()> {
     if !available(&TOOLS, "the Debian packages")? {
         return Ok(());
@@ -61,7 +61,7 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// The tree of files, as it will lie on the user's disk.
+/// Makes the tree of files as it will be on the user's disk.
 fn lay_out(folder: &Folder, machine: &Machine, tree: &Path) -> Result<()> {
     let binary = folder.of(program::name(machine));
     let bytes = fs::read(&binary).with_context(|| format!("{}: make it first", binary.display()))?;
@@ -88,7 +88,7 @@ fn lay_out(folder: &Folder, machine: &Machine, tree: &Path) -> Result<()> {
     fill("debian/control", &tree.join("DEBIAN/control"), &values)
 }
 
-/// The texts that the licences require, and the changelog.
+/// Writes the texts that the licences require, and the changelog.
 fn documents(folder: &Folder, to: &Path) -> Result<()> {
     let mit: String = fs::read_to_string("LICENSE-MIT")?
         .lines()
@@ -103,8 +103,8 @@ fn documents(folder: &Folder, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Installs this machine's package into a bare Debian, uses it as a user and with the rights of the unit, and removes
-/// it. The packages of the others are unpacked there, and their programs run under emulators.
+/// Tests the packages in a bare Debian. This machine's package is installed, used as an ordinary user and with the
+/// rights of the systemd unit, and removed. The other packages are unpacked, and their programs run under emulators.
 pub fn check(folder: &Folder) -> Result<()> {
     let Some(root) = Root::unpack(folder)? else { return Ok(()) };
     for machine in &MACHINES {
@@ -129,7 +129,7 @@ pub fn check(folder: &Folder) -> Result<()> {
     unit(folder)
 }
 
-/// systemd takes the unit, for the example that comes with it.
+/// Checks that systemd accepts the unit, with the example configuration.
 fn unit(folder: &Folder) -> Result<()> {
     let Some(root) = Root::with(folder, "adduser,systemd,udev")? else { return Ok(()) };
     let package = name(&MACHINES[0]);
@@ -143,7 +143,7 @@ fn unit(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// Every file is there and not empty, and the user is.
+/// A script that checks that every file was installed and is not empty, and that the user exists.
 const INSTALLED: &str = "
     for file in usr/bin/zerorate usr/share/man/man1/zerorate.1.gz \
         usr/lib/systemd/system/zerorate@.service usr/lib/udev/rules.d/60-zerorate.rules \
@@ -154,7 +154,7 @@ const INSTALLED: &str = "
     id zerorate > /dev/null
     bash -n /usr/share/bash-completion/completions/zerorate";
 
-/// Runs a command as a user without rights.
+/// A script that uses the program as an ordinary user.
 const USED: &str = "
     mkdir -p /home/user && chown nobody /home/user && cd /home/user
     setpriv --reuid nobody --clear-groups ZERORATE probe > probe.txt 2>&1 < /dev/null || { cat probe.txt; exit 1; }
@@ -162,7 +162,7 @@ const USED: &str = "
         --max-u-btc 0.05 --force -o unit.toml 2> /dev/null
     rm unit.toml";
 
-/// With the rights of the unit and no others, memory can be locked and the priority raised.
+/// A script that checks that the rights of the unit suffice to lock memory and raise the priority.
 const AS_THE_UNIT: &str = "
     caps=$(sed -n 's/^AmbientCapabilities=//p' /usr/lib/systemd/system/zerorate@.service |
         tr A-Z a-z | sed 's/cap_/+/g; s/ /,/g')

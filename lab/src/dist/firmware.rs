@@ -1,4 +1,4 @@
-//! The bridge for both boards: ELF for a debug probe, UF2 for a boot loader.
+//! The bridge firmware for all boards: ELF for a debug probe, UF2 for a boot loader.
 
 use super::uf2::{self, Loader};
 use super::{Folder, TARGET_DIR, VERSION, without_paths};
@@ -32,7 +32,7 @@ impl Form {
     }
 }
 
-/// A Black Pill has flash at another address behind a boot loader.
+/// The boards. With a boot loader, the firmware of a Black Pill is at another flash address.
 const BOARDS: [Board; 3] = [
     Board {
         name: "pico",
@@ -61,7 +61,7 @@ fn name(board: &Board, form: &Form) -> String {
     format!("zerorate-bridge-{VERSION}-{}.{}", board.name, form.ending())
 }
 
-/// Builds all of them.
+/// Builds the firmware for all boards.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(BOARDS.iter().map(|board| board.target))?;
     for board in &BOARDS {
@@ -86,7 +86,7 @@ fn build(board: &Board) -> Result<PathBuf> {
     Ok(Path::new(TARGET_DIR).join(board.target).join("release").join(board.bin))
 }
 
-/// Checks the form of the files; no board is at hand to take them.
+/// Checks the format of the files. They are not tested on a board.
 pub fn check(folder: &Folder) -> Result<()> {
     for board in &BOARDS {
         for form in board.forms {

@@ -1,4 +1,4 @@
-//! The computers that programs and packages are made for.
+//! The kinds of computers for which programs and packages are built.
 
 use crate::tools::{Tool, available};
 use anyhow::Result;
@@ -7,15 +7,15 @@ use std::process::Command;
 
 /// A kind of computer that runs Linux.
 pub struct Machine {
-    /// Its name in the names of files.
+    /// The name in file names.
     pub name: &'static str,
-    /// Rust's name of it.
+    /// The target name in Rust.
     pub target: &'static str,
-    /// Debian's name of it.
+    /// The architecture name in Debian.
     pub debian: &'static str,
-    /// Debian's compiler for it, with the C library that the program takes into itself.
+    /// Debian's cross compiler, with the C library that is linked statically.
     pub compiler: Tool,
-    /// The emulator that runs its programs here; none for this computer.
+    /// The emulator that runs its programs here; `None` for this kind of computer.
     pub emulator: Option<&'static str>,
 }
 
@@ -44,14 +44,14 @@ pub const MACHINES: [Machine; 3] = [
 ];
 
 impl Machine {
-    /// Whether its programs can be run here; says so where they cannot.
+    /// Whether its programs can be run here. If not, prints that they are skipped.
     pub fn runs_here(&self) -> Result<bool> {
         let Some(program) = self.emulator else { return Ok(true) };
         available(&[Tool { program, package: "qemu-user-static" }], &format!("running programs for {}", self.name))
     }
 
     /// A command that runs `program`, which was built for this machine. A program that starts itself again, as
-    /// `zerorate` does to read files under a limit, cannot do that under an emulator, and goes on without.
+    /// `zerorate` does to limit its memory, cannot do that under an emulator and continues without.
     pub fn command(&self, program: &Path) -> Command {
         let Some(emulator) = self.emulator else { return Command::new(program) };
         let mut command = Command::new(emulator);

@@ -1,5 +1,5 @@
-//! `cargo xtask dist`: makes all distributed files on Debian 12 on x86-64, in `target/dist/`, and tries them where
-//! they would run.
+//! `cargo xtask dist`: builds all distributed files on Debian 12 on x86-64, in `target/dist/`, and tests them on the
+//! systems that they are for.
 
 mod c_library;
 mod deb;
@@ -33,14 +33,14 @@ pub struct DistArgs {
     check: bool,
 }
 
-/// A kind of file that is distributed.
+/// A part of the distribution: one kind of file.
 struct Part {
     name: &'static str,
     make: fn(&Folder) -> Result<()>,
     check: fn(&Folder) -> Result<()>,
 }
 
-/// In the order in which they are made: the package and the pictures take the program.
+/// All parts in build order: the package and the pictures need the program.
 const PARTS: [Part; 7] = [
     Part { name: "program", make: program::make, check: program::check },
     Part { name: "papers", make: papers::make, check: papers::check },
@@ -51,15 +51,15 @@ const PARTS: [Part; 7] = [
     Part { name: "pictures", make: pictures::make, check: pictures::check },
 ];
 
-/// The version of everything that is distributed: the workspace's version.
+/// The version of all distributed files: the workspace's version.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The address of the repository; empty until a release states it in `Cargo.toml`.
 const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
-/// Apart from the developer's own, since other flags give other files.
+/// The build folder. It differs from the developer's own, because other flags give other files.
 const TARGET_DIR: &str = "target/cross";
 const SUMS: &str = "SHA256SUMS";
 
-/// Makes the chosen parts, or tries them.
+/// Builds or tests the chosen parts.
 pub fn run(args: &DistArgs) -> Result<()> {
     let folder = Folder::new()?;
     for part in &PARTS {
@@ -72,18 +72,19 @@ pub fn run(args: &DistArgs) -> Result<()> {
     if args.check { folder.check_sums() } else { folder.write_sums() }
 }
 
-/// Authors and licences of the software in the modules of the page. Software without a crate lies beside them.
+/// Writes the authors and licences of the software in the modules of the page, also of software that is not a crate.
 pub fn write_licences_of_page(out: &Path) -> Result<()> {
     let page =
         product::PRODUCTS.iter().find(|product| product.name == "zerorate-page").context("no page is handed out")?;
     fs::write(out, papers::page(page, &page.contents()?)?).with_context(|| out.display().to_string())
 }
 
-/// The folder of the results, and the folder in which they are made.
+/// The folder of the results, and the folder for intermediate files.
 struct Folder {
     dist: PathBuf,
     work: PathBuf,
-    /// Seconds since 1970 of the commit: the time of all files, so that the same sources give the same bytes.
+    /// Time of the commit, Unix time in s. It is the time of all files, so that the same sources give the same
+    /// bytes.
     epoch: String,
 }
 
@@ -102,7 +103,7 @@ impl Folder {
         self.dist.join(name)
     }
 
-    /// An empty folder to work in.
+    /// Creates an empty working folder.
     fn empty(&self, name: &str) -> Result<PathBuf> {
         let folder = self.work.join(name);
         if folder.exists() {
@@ -120,7 +121,7 @@ impl Folder {
         done(tar.arg("--directory").arg(parent).arg(name))
     }
 
-    /// A sum for each file, by name.
+    /// Writes a SHA-256 sum for each file, sorted by name.
     fn write_sums(&self) -> Result<()> {
         let mut names = Vec::new();
         for entry in fs::read_dir(&self.dist)? {
@@ -141,24 +142,24 @@ impl Folder {
     }
 }
 
-/// The Python interpreter of an environment with the packages from PyPI.
+/// The Python interpreter of a virtual environment with the required packages.
 fn python() -> Result<PathBuf> {
     Ok(std::path::absolute(venv::python("dist", Path::new("packaging/requirements.txt"))?)?)
 }
 
-/// Flags for rustc that keep the folders of this computer out of its output.
+/// Compiler flags that remove this computer's paths from the output.
 fn without_paths() -> Result<String> {
     let home = std::env::var("CARGO_HOME").or_else(|_| std::env::var("HOME").map(|home| format!("{home}/.cargo")))?;
     let here = std::env::current_dir()?;
     Ok(format!("--remap-path-prefix={home}=/cargo --remap-path-prefix={}=/zerorate", here.display()))
 }
 
-/// A line `NAME: address` about the repository, if there is an address.
+/// A line `NAME: address` with the repository; empty without an address.
 fn repository(name: &str) -> String {
     if REPOSITORY.is_empty() { String::new() } else { format!("{name}: {REPOSITORY}\n") }
 }
 
-/// Copies a file of `packaging/`, with `@NAME@` replaced.
+/// Copies a file of `packaging/` and replaces each `@NAME@` in it.
 fn fill(template: &str, to: &Path, values: &[(&str, &str)]) -> Result<()> {
     let from = Path::new("packaging").join(template);
     let text = fs::read_to_string(&from).with_context(|| from.display().to_string())?;
@@ -166,7 +167,7 @@ fn fill(template: &str, to: &Path, values: &[(&str, &str)]) -> Result<()> {
     put(to, text.as_bytes())
 }
 
-/// Writes a file and the folders above it.
+/// Writes a file and creates its folders.
 fn put(path: &Path, bytes: &[u8]) -> Result<()> {
     fs::create_dir_all(path.parent().context("a file lies in a folder")?)?;
     fs::write(path, bytes).with_context(|| path.display().to_string())

@@ -1,4 +1,5 @@
-//! The papers for every copy: licences of everything linked in, with their texts, and a bill of materials.
+//! The documents for every distributed copy: licences of all linked software, with their texts, and a bill of
+//! materials.
 
 use super::product::{Component, PRODUCTS, Product};
 use super::{Folder, python, sbom};
@@ -10,7 +11,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Rust's page about the content of its own libraries.
+/// Rust's own page about the software in its standard library.
 pub const RUST_LIBRARY: &str = "rust-std-COPYRIGHT.html";
 
 pub fn licences(product: &str) -> String {
@@ -21,7 +22,7 @@ pub fn materials(product: &str) -> String {
     format!("{product}.cdx.json")
 }
 
-/// Writes page and bill of each product, and the licences of the project itself.
+/// Writes the licences and the bill of materials of each product, and the licences of the project itself.
 pub fn make(folder: &Folder) -> Result<()> {
     for product in &PRODUCTS {
         let contents = product.contents()?;
@@ -38,7 +39,7 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// A table of the components, then each text once, with those that carry it.
+/// A page with a table of the components, then each licence text once, with the components that it applies to.
 pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
     let mut page = format!(
         "# Software of others in {}\n\nMade by `cargo xtask dist papers`. {RUST_LIBRARY} has what Rust's own \
@@ -71,7 +72,7 @@ pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
     Ok(page)
 }
 
-/// Checks each bill against CycloneDX's own schema, with its own library.
+/// Validates each bill of materials against CycloneDX's schema, with CycloneDX's own library.
 pub fn check(folder: &Folder) -> Result<()> {
     let python = python()?;
     for product in &PRODUCTS {

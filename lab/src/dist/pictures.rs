@@ -1,4 +1,4 @@
-//! Two pictures of the book, as SVG and PNG, drawn by the program itself.
+//! Two plots of the book, as SVG and PNG, drawn by the program itself.
 
 use super::machine::MACHINES;
 use super::{Folder, program};
@@ -8,20 +8,20 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The folder of the committed pictures.
+/// The folder of the committed plots.
 const COMMITTED: &str = "docs/pictures";
-/// A unit at one temperature and its full rate, so that only its noise and its filter remain.
+/// Records a unit at constant temperature and at its full rate, so that only its noise and its filter appear.
 const RECORD: &str = "capture --device twin:seed=4,warmup_c=0 --duration 3h --force -o rest.parquet";
 const ALLAN: &str = "allan rest.parquet --fit --force --plot";
 const CALIBRATION: &str = "calibrate --device twin:seed=4 --serial SN17 --force -o unit.toml";
 const CORRECTION: &str = "report unit.toml --force -o";
 
-/// Draws both with the program that was made before.
+/// Draws both plots with the program that was built before.
 pub fn make(folder: &Folder) -> Result<()> {
     draw(&folder.of(program::name(&MACHINES[0])), &folder.empty("pictures")?, &folder.dist)
 }
 
-/// Draws both by `program`, in `work`, into `to`.
+/// Draws both plots into `to` with `program`, in the working folder `work`.
 fn draw(program: &Path, work: &Path, to: &Path) -> Result<()> {
     let zerorate = |line: &str, picture: Option<&str>| {
         let mut command = Command::new(program);
@@ -37,7 +37,7 @@ fn draw(program: &Path, work: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Checks that each file is a picture, and that the committed ones are what the program draws today.
+/// Checks that each file is a plot, and that the committed plots equal those that the program draws now.
 pub fn check(folder: &Folder) -> Result<()> {
     for name in ["allan", "correction"] {
         let svg = fs::read_to_string(folder.of(format!("{name}.svg"))).context("make the part pictures first")?;

@@ -1,4 +1,4 @@
-//! The contents of a distributed file: crates, as cargo says, and what they and the toolchain add.
+//! Lists the contents of a distributed product: crates by cargo, and what they and the toolchain add.
 
 use super::machine::MACHINES;
 use crate::venv::printed;
@@ -9,9 +9,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Something with a list of contents.
+/// A distributed product with a list of contents.
 pub struct Product {
-    /// Its name in the names of files.
+    /// The name in file names.
     pub name: &'static str,
     manifest: &'static str,
     package: &'static str,
@@ -78,7 +78,7 @@ pub struct Component {
     pub purl: String,
     /// Names of its dependencies among the linked crates.
     pub needs: Vec<String>,
-    /// The texts of its licences, where it has any.
+    /// The texts of its licences; empty if it has none.
     pub texts: Vec<String>,
 }
 
@@ -106,7 +106,7 @@ struct Dependency {
 }
 
 impl Product {
-    /// Everything by others that is linked into it, on any of its machines, by name.
+    /// All software of others that is linked into the product on any of its targets, by name.
     pub fn contents(&self) -> Result<Vec<Component>> {
         let linked = self.linked()?;
         let arguments = ["metadata", "--format-version=1", "--locked", "--all-features", "--manifest-path"];
@@ -127,7 +127,7 @@ impl Product {
         Ok(found)
     }
 
-    /// Name and version of each crate that is linked; macros and what only builds are not.
+    /// Name and version of each linked crate. Macros and build dependencies are not included.
     fn linked(&self) -> Result<BTreeSet<String>> {
         let mut linked = BTreeSet::new();
         for build in self.builds {
@@ -174,7 +174,7 @@ impl Package {
         })
     }
 
-    /// The texts that lie in the crate: `LICENSE-MIT`, `COPYING`, `NOTICE` and the like.
+    /// The licence texts in the crate: `LICENSE-MIT`, `COPYING`, `NOTICE` and the like.
     fn texts(&self) -> Result<Vec<String>> {
         let folder = self.folder();
         let mut files: Vec<PathBuf> = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
@@ -199,7 +199,7 @@ fn text(file: &Path) -> Result<String> {
     Ok(String::from_utf8_lossy(&bytes).trim().replace("\r\n", "\n"))
 }
 
-/// The sums in a lock file, by name and version.
+/// The checksums in a lock file, by name and version.
 fn checksums(lock: &Path) -> Result<BTreeMap<String, String>> {
     let text = fs::read_to_string(lock).with_context(|| lock.display().to_string())?;
     let value = |block: &str, key: &str| {
@@ -214,7 +214,7 @@ fn checksums(lock: &Path) -> Result<BTreeMap<String, String>> {
         .collect())
 }
 
-/// Software inside a crate that is not a crate itself.
+/// Software inside a crate that is not a crate itself; `None` if the crate has none.
 fn beside(package: &Package) -> Result<Option<Component>> {
     let other = |name: &str, version: &str, licence: &str, texts| Component {
         name: name.to_owned(),
@@ -236,7 +236,7 @@ fn beside(package: &Package) -> Result<Option<Component>> {
             let version = header.split("#define SQLITE_VERSION").nth(1).and_then(|rest| rest.split('"').nth(1));
             Some(other("sqlite", version.context("SQLite names its version")?, "blessing", Vec::new()))
         }
-        // draws the text of pictures, with the font that the program carries
+        // draws the texts in plots, with the font that is embedded in the program
         "resvg" => {
             let licence = fs::canonicalize("bindings/python/LICENSE-OFL-Inter.txt")?;
             Some(other("Inter", "4", "OFL-1.1", vec![text(&licence)?]))
@@ -245,7 +245,7 @@ fn beside(package: &Package) -> Result<Option<Component>> {
     })
 }
 
-/// Rust's own libraries. The texts in them are a page of their own.
+/// Rust's standard library. Its licence texts are on a separate page.
 fn rust_library() -> Result<Component> {
     let version = printed(Command::new("rustc").arg("--version"))?;
     let version = version.split_whitespace().nth(1).context("rustc names its version")?.to_owned();
@@ -261,8 +261,8 @@ fn rust_library() -> Result<Component> {
     })
 }
 
-/// Debian's C library, which is inside the program. Its licence lets every recipient of the program replace it: by
-/// `cargo xtask dist program`, from the sources.
+/// Debian's C library, which is linked into the program. Its licence requires that users can replace it: they can,
+/// by `cargo xtask dist program` from the sources.
 fn glibc() -> Result<Component> {
     let version = printed(Command::new("dpkg-query").args(["--show", "--showformat=${source:Version}", "libc6-dev"]))?;
     Ok(Component {

@@ -1,6 +1,6 @@
-//! The program `zerorate` as one file without shared libraries, for each machine.
+//! The program `zerorate` as a single file without shared libraries, for each machine.
 //!
-//! It contains Debian's glibc. With musl it took 10 to 40 % longer (docs/reference/build.md).
+//! It contains Debian's glibc. With musl it was 10 to 40 % slower (docs/reference/build.md).
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
@@ -16,12 +16,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Its name among the distributed files.
+/// The file name for a machine.
 pub fn name(machine: &Machine) -> String {
     format!("zerorate-{VERSION}-{}-linux", machine.name)
 }
 
-/// Builds it for all machines.
+/// Builds the program for all machines.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(MACHINES.iter().map(|machine| machine.target))?;
     if !available(&MACHINES.map(|machine| machine.compiler), "programs for other machines")? {
@@ -36,7 +36,7 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// The program that cargo built for a machine.
+/// Builds the program for a machine and returns its path.
 fn build(machine: &Machine) -> Result<PathBuf> {
     let linker = format!("CARGO_TARGET_{}_LINKER", machine.target.to_uppercase().replace('-', "_"));
     let mut cargo = Command::new("cargo");
@@ -50,8 +50,8 @@ fn build(machine: &Machine) -> Result<PathBuf> {
     Ok(Path::new(TARGET_DIR).join(machine.target).join("dist/zerorate"))
 }
 
-/// Runs each program where it belongs: this computer's in a bare Debian, the others' under emulators. All must print
-/// the same and write the same bytes.
+/// Runs each program: this computer's in a bare Debian, the others under emulators. All must print the same and
+/// write the same bytes.
 pub fn check(folder: &Folder) -> Result<()> {
     let inputs = folder.empty("trial")?;
     trial::lay_out(&inputs)?;
@@ -68,7 +68,7 @@ pub fn check(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// Its output and files; none where it cannot run here.
+/// Runs the trial with a machine's program. Returns its output and files, or `None` if it cannot run here.
 fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Observations>> {
     let program = folder.of(name(machine));
     if machine.emulator.is_none() {
@@ -100,7 +100,7 @@ fn copy_all(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Whether no loader of shared libraries is named in an ELF file.
+/// Whether an ELF file needs no loader for shared libraries.
 fn is_static(program: &Path) -> Result<bool> {
     fn interpreted<H: FileHeader<Endian = Endianness>>(data: &[u8]) -> Result<bool> {
         let header = H::parse(data)?;

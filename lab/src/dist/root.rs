@@ -1,4 +1,4 @@
-//! A bare Debian 12: what a user has who has installed nothing yet, and no Rust.
+//! A bare Debian 12, as a user has who has installed nothing yet: without Rust.
 
 use super::Folder;
 use crate::tools::{Tool, available, is_root};
@@ -9,18 +9,19 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TOOLS: [Tool; 1] = [Tool { program: "mmdebstrap", package: "mmdebstrap" }];
-/// What any package may ask for.
+/// The packages that any package may depend on.
 const BARE: &str = "adduser";
 
 pub struct Root(PathBuf);
 
 impl Root {
-    /// A fresh one, or none where that needs root and we are not.
+    /// A fresh bare Debian. If this process is not root, prints that and returns `None`.
     pub fn unpack(folder: &Folder) -> Result<Option<Self>> {
         Self::with(folder, BARE)
     }
 
-    /// The same with these packages, whose names have commas between them. It is made once, and kept as an archive.
+    /// A bare Debian with these packages, whose names are separated by commas. It is made once, and kept as an
+    /// archive.
     pub fn with(folder: &Folder, packages: &str) -> Result<Option<Self>> {
         if !is_root() {
             eprintln!("SKIPPED: a bare Debian to try things in: this needs root");
@@ -42,7 +43,7 @@ impl Root {
         Ok(Some(Self(root)))
     }
 
-    /// Where a path of it lies here.
+    /// The path, on this machine, of a path inside it.
     pub fn path(&self, path: impl AsRef<Path>) -> PathBuf {
         self.0.join(path)
     }
@@ -54,12 +55,12 @@ impl Root {
         Ok(())
     }
 
-    /// A command inside of it, with processes of its own and without any network.
+    /// A command that runs inside it, with separate processes and without network.
     pub fn command(&self, program: &str) -> Command {
         self.command_in("/", program)
     }
 
-    /// The same, in a folder of it.
+    /// A command that runs inside it, in a folder of it.
     pub fn command_in(&self, folder: &str, program: &str) -> Command {
         let mut command = Command::new("unshare");
         command.args(["--mount", "--pid", "--net", "--fork", "--kill-child"]);
@@ -69,7 +70,7 @@ impl Root {
         command
     }
 
-    /// Runs a script of `sh` inside of it.
+    /// Runs a shell script inside it.
     pub fn script(&self, script: &str) -> Result<()> {
         let status = self.command("/bin/sh").args(["-euc", script]).status()?;
         ensure!(status.success(), "in a bare Debian, `{script}` ended with {status}");

@@ -1,14 +1,15 @@
-//! A bill of materials in CycloneDX 1.6 (<https://cyclonedx.org/docs/1.6/json/>).
+//! Writes a bill of materials in CycloneDX 1.6 (<https://cyclonedx.org/docs/1.6/json/>).
 //!
-//! The code is our own. cargo-cyclonedx would have to be compiled first, also lists packages that only build a crate,
-//! and does not know the C code and the font inside crates.
+//! We do not use cargo-cyclonedx: it would have to be compiled first, it also lists packages that are only needed to
+//! build a crate, and it does not know the C code and the font inside crates.
 
 use super::VERSION;
 use super::product::{Component, Product};
 use anyhow::Result;
 use serde_json::{Value, json};
 
-/// The bill of a product. It carries no time and no random number: the same contents give the same text.
+/// The bill of materials of a product. It contains no time and no random number, so the same contents give the same
+/// text.
 pub fn text(product: &Product, contents: &[Component]) -> Result<String> {
     let root = format!("{}@{VERSION}", product.name);
     let mut dependencies = vec![json!({

@@ -1,14 +1,14 @@
-//! The trial that the program must pass on every machine: the twin, files of every kind that needs a foreign decoder,
-//! and a picture. All machines must print the same and write the same bytes.
+//! The trial that the program must pass on every machine: the twin, files of every kind that needs a third-party
+//! decoder, and a plot. All machines must print the same and write the same bytes.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// The smallest calibration that the twin allows.
+/// The plan of the shortest calibration that the twin allows.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
-/// Files of other projects: a bag with chunks compressed by zstd, and an SQLite file that is not a bag.
+/// Files of other projects: a bag with chunks compressed by zstd. `lay_out` adds an SQLite file that is not a bag.
 const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-logs/fixtures/imu_zstd.mcap")];
 
 /// The command lines, the exit code that each must have, and the files that it writes.
@@ -31,10 +31,10 @@ fn steps() -> Vec<(String, i32, &'static [&'static str])> {
     ]
 }
 
-/// The observations: each step, and its output or file.
+/// The results of the trial: each step with its output or file.
 pub type Observations = Vec<(String, Vec<u8>)>;
 
-/// Puts the files of other projects into `here`.
+/// Copies the files of other projects to `here`.
 pub fn lay_out(here: &Path) -> Result<()> {
     for (name, from) in FOREIGN {
         fs::copy(from, here.join(name)).with_context(|| from.to_owned())?;
@@ -43,7 +43,7 @@ pub fn lay_out(here: &Path) -> Result<()> {
     crate::venv::done(Command::new("python3").current_dir(here).args(["-c", make]))
 }
 
-/// Runs all steps by `zerorate`, in the folder that is `here` for us.
+/// Runs all steps with the command `zerorate`. Its working folder is `here` on this machine.
 pub fn run(zerorate: impl Fn() -> Command, here: &Path) -> Result<Observations> {
     let mut seen = Observations::new();
     for (line, code, files) in steps() {

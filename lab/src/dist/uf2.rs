@@ -1,5 +1,6 @@
-//! UF2: the file that a user copies to the drive of a board's boot loader (<https://github.com/microsoft/uf2>). Blocks
-//! of 512 bytes, each with its address and its number, so that a drive may write them in any order.
+//! UF2: the file format that a user copies to the drive of a board's boot loader
+//! (<https://github.com/microsoft/uf2>). It has blocks of 512 bytes, each with its address and its number, so that a
+//! drive may write them in any order.
 
 use anyhow::{Context, Result, bail, ensure};
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -8,22 +9,23 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 pub struct Loader {
-    /// "Family ID" in Microsoft's list.
+    /// The "Family ID" in Microsoft's list.
     family: u32,
-    /// The flash that it fills. With anything else in the file, the boot loader of an RP2040 takes it for a program in
-    /// RAM.
+    /// The address range of the flash. If the file contains any other address, the boot loader of an RP2040 treats
+    /// it as a program in RAM.
     flash: Range<u32>,
 }
 
 pub const RP2040: Loader = Loader { family: 0xE48B_FF56, flash: 0x1000_0000..0x1100_0000 };
 
-/// It keeps the first 64 KiB for itself (README of `ports/stm32f4` in <https://github.com/adafruit/tinyuf2>).
+/// TinyUF2 on an STM32F4. It reserves the first 64 KiB (README of `ports/stm32f4` in
+/// <https://github.com/adafruit/tinyuf2>).
 pub const TINYUF2_STM32F4: Loader = Loader { family: 0x5775_5A57, flash: 0x0801_0000..0x0820_0000 };
 
-/// Bytes of the image in a block, and what an RP2040 writes at once.
+/// Bytes of the image per block: what an RP2040 writes at once.
 const PAGE: usize = 256;
 
-/// The file for an image in ELF.
+/// Converts an ELF image to UF2.
 pub fn convert(image: &[u8], loader: &Loader) -> Result<Vec<u8>> {
     let pages = pages(image)?;
     ensure!(!pages.is_empty(), "nothing in it is to be flashed");
@@ -33,7 +35,7 @@ pub fn convert(image: &[u8], loader: &Loader) -> Result<Vec<u8>> {
     Ok(blocks(&pages, loader.family))
 }
 
-/// The part of an image that belongs into flash, in whole pages, filled with zeros.
+/// The part of an image for the flash, in whole pages, padded with zeros.
 fn pages(image: &[u8]) -> Result<BTreeMap<u32, [u8; PAGE]>> {
     let file = ElfFile32::<LittleEndian>::parse(image)?;
     let mut pages = BTreeMap::new();
@@ -51,11 +53,11 @@ fn pages(image: &[u8]) -> Result<BTreeMap<u32, [u8; PAGE]>> {
     Ok(pages)
 }
 
-/// The blocks of a file, in the order of their addresses.
+/// The blocks of the file, in order of their addresses.
 fn blocks(pages: &BTreeMap<u32, [u8; PAGE]>, family: u32) -> Vec<u8> {
     let mut file = Vec::with_capacity(512 * pages.len());
     for (number, (address, page)) in (0_u32..).zip(pages) {
-        // two magic numbers, "the family is stated", address, size, number, count, family
+        // two magic numbers, the flag "family ID present", address, size, number, count, family
         let head = [0x0A32_4655, 0x9E5D_5157, 0x2000, *address, PAGE as u32, number, pages.len() as u32, family];
         file.extend(head.iter().flat_map(|word: &u32| word.to_le_bytes()));
         file.extend(page);

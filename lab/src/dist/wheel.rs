@@ -1,6 +1,6 @@
-//! The Python package as wheels for any Linux with glibc 2.17 or newer and Python 3.9 or newer.
+//! The Python package as wheels, for any Linux with glibc 2.17 or newer and Python 3.9 or newer.
 //!
-//! zig, from PyPI, compiles and links for that old library, the C code inside of crates included.
+//! zig, from PyPI, compiles and links for that old glibc, also the C code inside crates.
 
 use super::{Folder, VERSION, python, without_paths};
 use crate::targets;
@@ -10,16 +10,16 @@ use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use std::process::Command;
 
-/// Separate from the program's folder, whose flags differ.
+/// The build folder. It differs from the program's folder, because the flags differ.
 const TARGET_DIR: &str = "target/wheels";
-/// Rust's name of a machine, and its name in a wheel's file name.
+/// The target name in Rust, and the machine name in a wheel's file name.
 const MACHINES: [(&str, &str); 2] = [("x86_64-unknown-linux-gnu", "x86_64"), ("aarch64-unknown-linux-gnu", "aarch64")];
 
 fn name(machine: &str) -> String {
     format!("zerorate-{VERSION}-cp39-abi3-manylinux2014_{machine}.manylinux_2_17_{machine}.whl")
 }
 
-/// Builds both.
+/// Builds both wheels.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(MACHINES.iter().map(|(target, _)| *target))?;
     for (target, machine) in MACHINES {
@@ -27,7 +27,7 @@ pub fn make(folder: &Folder) -> Result<()> {
         let programs = python.parent().context("an interpreter lies in a folder")?;
         let path = std::env::var("PATH").unwrap_or_default();
         let mut maturin = Command::new(&python);
-        // where maturin finds zig
+        // the path where maturin finds zig
         maturin.env("PATH", format!("{}:{path}", programs.display())).env("RUSTFLAGS", without_paths()?);
         maturin.args(["-m", "maturin", "build", "--quiet", "--locked", "--zig", "--profile", "dist"]);
         maturin.args(["--compatibility", "manylinux2014", "--manifest-path", "bindings/python/Cargo.toml"]);
@@ -43,7 +43,8 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// This computer's in an empty environment, the other under an emulator with Debian's Python and numpy.
+/// Tests this computer's wheel in an empty environment, and the other one under an emulator with Debian's Python and
+/// numpy.
 pub fn check(folder: &Folder) -> Result<()> {
     let here = folder.empty("wheel")?;
     done(Command::new("python3").args(["-m", "venv"]).arg(&here))?;
@@ -64,7 +65,7 @@ const TOOLS: [Tool; 2] = [
     Tool { program: "mmdebstrap", package: "mmdebstrap" },
     Tool { program: "qemu-aarch64-static", package: "qemu-user-static" },
 ];
-/// Debian's Python for the other machine. It is only unpacked, not installed.
+/// The unpacked Python of Debian for the other machine.
 const PYTHON: &str = "bookworm-arm64-python";
 
 fn emulated(folder: &Folder) -> Result<Option<String>> {
@@ -81,7 +82,7 @@ fn emulated(folder: &Folder) -> Result<Option<String>> {
     }
     let packages = folder.empty("wheel-aarch64")?;
     done(Command::new("python3").args(["-m", "zipfile", "-e"]).arg(folder.of(name(MACHINES[1].1))).arg(&packages))?;
-    // numpy as Debian has it looks for these two through links that its installation would make
+    // Debian's numpy finds these two through links, which only an installation would make
     let libraries = ["blas", "lapack"].map(|name| format!("/usr/lib/aarch64-linux-gnu/{name}"));
     let mut python = Command::new("qemu-aarch64-static");
     python.arg("-L").arg(&root).arg("-E").arg(format!("LD_LIBRARY_PATH={}", libraries.join(":")));
@@ -96,7 +97,7 @@ fn paths(folders: &[&Path]) -> String {
     folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(":")
 }
 
-/// The same numbers on all machines.
+/// A script that must print the same numbers on all machines.
 const USED: &str = "
 import numpy, zerorate
 rate = numpy.cumsum(numpy.sin(numpy.arange(4096.0) ** 2))

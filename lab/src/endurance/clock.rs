@@ -1,5 +1,5 @@
-//! The computer's clock is set by an hour, forward and back, while the server records. libfaketime does that for one
-//! process, and leaves its monotonic clock alone.
+//! Sets the wall clock by an hour, forward and back, while the server records. libfaketime does that for one
+//! process, and does not change its monotonic clock.
 
 use crate::bench_serve::page;
 use crate::bench_serve::samples::CaptureSummary;
@@ -13,11 +13,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 const TOOL: Tool = Tool { program: "faketime", package: "faketime" };
-/// What the clock is off by, in the notation of libfaketime.
+/// The offsets of the clock, in the notation of libfaketime.
 const STEPS: [&str; 3] = ["+3600", "-3600", "+0"];
-/// How long each lasts.
+/// Duration of each offset.
 const LASTS: Duration = Duration::from_secs(4);
-/// The sensor keeps the pace of the wall clock within this, on a busy machine in one direction.
+/// Largest time by which the sensor may be ahead of the wall clock, s. On a busy machine it may lag by more.
 const AHEAD_S: f64 = 1.0;
 
 pub fn run(program: &Path, device: &str) -> Result<()> {
@@ -38,7 +38,7 @@ pub fn run(program: &Path, device: &str) -> Result<()> {
     for step in STEPS {
         fs::write(&offset, format!("{step}\n"))?;
         let since = Instant::now();
-        // a page that was there before, and frames without a gap
+        // a page that was opened before the step, and frames without a gap
         page::watch(&server.page, &|| since.elapsed() >= LASTS, &shown_ms).with_context(|| format!("at {step} s"))?;
     }
     let wall_s = begun.elapsed().as_secs_f64();
@@ -54,7 +54,7 @@ pub fn run(program: &Path, device: &str) -> Result<()> {
     Ok(())
 }
 
-/// The library, where Debian's package has it.
+/// The path of the library in Debian's package; `None` if it is not installed.
 fn library() -> Option<PathBuf> {
     let listed = Command::new("dpkg").args(["-L", "libfaketime"]).output().ok()?;
     let text = String::from_utf8(listed.stdout).ok()?;

@@ -1,5 +1,5 @@
-//! The disk of a recording fills, and is freed. The server says so, goes on, keeps what was recorded, and records
-//! again once the device is opened anew (docs/serve.md).
+//! Fills the disk of a recording and frees it again. The server must report it, continue, keep what was recorded,
+//! and record again after the device is opened anew (docs/serve.md).
 
 use crate::bench_serve::page;
 use crate::bench_serve::samples::CaptureSummary;
@@ -14,14 +14,14 @@ use std::sync::atomic::AtomicU64;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Room for half a minute of the sensor.
+/// Size of the disk: half a minute of the sensor.
 const SIZE: &str = "size=4m";
 const FILL: &str = r#"{"id":1,"do":"speed","factor":20}"#;
 const AGAIN: &str = r#"{"id":2,"do":"reopen"}"#;
-/// The disk fills in seconds, on a machine however busy.
+/// Longest wait for the disk to fill, which takes seconds, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// How long a page looks whether the sensor goes on.
+/// How long a page checks whether the sensor continues.
 const LOOK: Duration = Duration::from_secs(2);
 
 struct Disk {
@@ -29,7 +29,7 @@ struct Disk {
 }
 
 impl Disk {
-    /// `None` where this machine cannot mount one.
+    /// A mounted disk; `None` if this machine cannot mount one.
     fn new() -> Result<Option<Self>> {
         let folder = tempfile::tempdir()?;
         let mut mount = Command::new("mount");
@@ -45,7 +45,7 @@ impl Disk {
 
 impl Drop for Disk {
     fn drop(&mut self) {
-        // lazily, since the server may still be on its way out
+        // unmounted lazily, since the server may still be shutting down
         let _ = Command::new("umount").arg("-l").arg(self.folder.path()).status();
     }
 }
@@ -61,7 +61,7 @@ pub fn run(program: &Path, device: &str) -> Result<()> {
     wait_until(|| page::notice(&server.page, "not-recorded"))?;
     let seen = Instant::now();
     page::watch(&server.page, &|| seen.elapsed() >= LOOK, &AtomicU64::new(0)).context("behind a full disk")?;
-    // the whole batches of the first file are the twin's
+    // the complete batches of the first file must equal the twin's samples
     let kept = tempfile::tempdir()?;
     let (torn, repaired) = (kept.path().join("torn.arrows"), kept.path().join("repaired.arrows"));
     fs::copy(&first, &torn)?;

@@ -1,15 +1,15 @@
-//! Memory and descriptors of a process over time.
+//! Measures memory and file descriptors of a process over time.
 
 use crate::server::{descriptors, resident_mb};
 use anyhow::{Result, ensure};
 
-/// Growth from the second quarter of a run to its last that counts as none, MB. Buffers of visitors that come and go
-/// make up as much.
+/// Growth from the second quarter of a run to its last that is ignored, MB. Buffers of visitors that come and go
+/// need that much.
 const FLAT_MB: f64 = 4.0;
-/// The hub's queue, MB: 16 batches of 4096 samples. It fills where a busy machine keeps its reader waiting.
+/// Size of the hub's queue, MB: 16 batches of 4096 samples. It fills when a busy machine delays its reader.
 const QUEUE_MB: f64 = 6.8;
 
-/// Readings at even distances.
+/// Measurements at equal intervals.
 #[derive(Debug, Default)]
 pub struct Gauge {
     resident_mb: Vec<f64>,
@@ -27,7 +27,7 @@ impl Gauge {
         self.descriptors.iter().copied().max().unwrap_or(0)
     }
 
-    /// Medians of the second and the last quarter, MB. The first quarter fills buffers.
+    /// Medians of the second and of the last quarter, MB. The first quarter is ignored, because buffers fill then.
     fn quarters_mb(&self) -> [f64; 2] {
         let quarter = self.resident_mb.len() / 4;
         let median = |readings: &[f64]| {
@@ -46,7 +46,7 @@ impl Gauge {
         )
     }
 
-    /// Fails where the memory grows by more than what is `kept_mb` on purpose.
+    /// Returns an error if the memory grows by more than the allowance and `kept_mb`, which is kept on purpose.
     pub fn check(&self, kept_mb: f64) -> Result<()> {
         let [early, late] = self.quarters_mb();
         let bound = FLAT_MB + QUEUE_MB + kept_mb;

@@ -1,4 +1,4 @@
-//! Pages and clients of libiio that come and go while the server works.
+//! Opens and closes pages and libiio clients while the server runs.
 
 use super::gauge::Gauge;
 use crate::bench_serve::page;
@@ -13,13 +13,13 @@ use std::time::{Duration, Instant};
 
 const PAGES: u32 = 20;
 const CLIENTS: u32 = 4;
-/// A visit lasts so long, and longer for each visitor, so that they do not come and go together.
+/// Duration of a visit. It is longer for each further visitor, so that they do not all come and go at the same time.
 const VISIT: Duration = Duration::from_secs(2);
 const LONGER: Duration = Duration::from_millis(500);
-/// The sensor must give something in this time, on a machine however busy.
+/// Longest wait for data of the sensor, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What the visitors saw.
+/// The counts of what the visitors received.
 #[derive(Debug, Default)]
 pub struct Visits {
     pages: u64,
@@ -51,7 +51,7 @@ impl Visits {
     }
 }
 
-/// Lets them come and go until a page has shown so many hours of the sensor.
+/// Opens and closes visitors until a page has shown this many hours of the sensor.
 pub fn run(server: &Server, hours: f64, gauge: &mut Gauge) -> Result<Visits> {
     let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
     let clients = if tools::available(&[tool], "clients of libiio that come and go")? { CLIENTS } else { 0 };
@@ -76,7 +76,7 @@ fn visit(at: u32) -> Duration {
     VISIT + LONGER * at
 }
 
-/// Reads the gauge each second until enough is shown.
+/// Takes a measurement each second, until enough was shown.
 fn wait(
     server: &Server,
     enough_ms: u64,
@@ -100,7 +100,7 @@ fn wait(
     Ok(())
 }
 
-/// One page after another.
+/// Opens one page after the other.
 fn pages(server: &Server, visit: Duration, over: &AtomicBool, shown_ms: &AtomicU64) -> Result<Visits> {
     let mut visits = Visits::default();
     while !over.load(Ordering::Relaxed) {
@@ -111,7 +111,7 @@ fn pages(server: &Server, visit: Duration, over: &AtomicBool, shown_ms: &AtomicU
     Ok(visits)
 }
 
-/// One client after another. Each is killed in the middle.
+/// Starts one client after the other. Each is killed while it reads.
 fn clients(server: &Server, visit: Duration, over: &AtomicBool) -> Result<Visits> {
     let mut visits = Visits::default();
     while !over.load(Ordering::Relaxed) {

@@ -1,5 +1,5 @@
-//! `cargo xtask endurance`: a long time of `zerorate serve` with a recorder, pages and clients of libiio that come and
-//! go, and of the tracker; then a clock that is set by an hour, and a disk that fills and is freed.
+//! `cargo xtask endurance`: runs `zerorate serve` for a long time, with a recorder and with pages and libiio clients
+//! that come and go; then the tracker; then steps of the wall clock, and a disk that fills and is freed.
 
 mod clock;
 mod disk;
@@ -36,10 +36,10 @@ pub struct EnduranceArgs {
     program: Option<PathBuf>,
 }
 
-/// Length of the run as a step of the test, h.
+/// Length of the run with `--check`, h.
 const CHECK_HOURS: f64 = 3.0 / 60.0;
 
-/// Runs the parts, one after another.
+/// Runs the parts one after the other.
 pub fn run(args: &EnduranceArgs) -> Result<()> {
     let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
     let hours = if args.check { CHECK_HOURS } else { args.hours };
@@ -50,7 +50,7 @@ pub fn run(args: &EnduranceArgs) -> Result<()> {
     disk::run(&program, &device)
 }
 
-/// The long run: memory and descriptors stay, and every sample is recorded.
+/// The long run. Memory and descriptors must not grow, and every sample must be recorded.
 fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
     let folder = tempfile::tempdir()?;
     let capture = folder.path().join("served.arrows");
@@ -75,8 +75,9 @@ fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
     gauge.check(kept_mb(hours))
 }
 
-/// What the page's Allan deviation keeps by its nature between the middles of the second and the last quarter: the
-/// means of 0.1 s, and as much again while it computes. It keeps 2¹⁹ means, which is 14.6 h, and then merges them.
+/// The memory that the page's Allan deviation needs in addition, between the middle of the second and of the last
+/// quarter, MB: the means over 0.1 s, and as much again while it computes. It keeps 2¹⁹ means, which is 14.6 h, and
+/// then merges them.
 fn kept_mb(hours: f64) -> f64 {
     const MB_PER_H: f64 = 3.0;
     const FULL_H: f64 = 14.6;
@@ -84,12 +85,12 @@ fn kept_mb(hours: f64) -> f64 {
     MB_PER_H * (at(7.0 / 8.0) - at(3.0 / 8.0))
 }
 
-/// The descriptors that the server may open for itself once it serves. Visitors come and go by the hundred.
+/// Number of descriptors that the server may open for itself while it serves. Visitors come and go by the hundred.
 const OWN: usize = 8;
 
-/// The descriptors once all visitors have left.
+/// The number of descriptors after all visitors have left.
 fn settled(server: &Server, before: usize) -> Result<usize> {
-    /// Longer than the server waits for anybody.
+    /// Longer than any timeout of the server.
     const PATIENCE: Duration = Duration::from_secs(120);
     let begun = Instant::now();
     loop {

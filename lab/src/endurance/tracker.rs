@@ -1,4 +1,4 @@
-//! The tracker of the bias over the same time, as fast as it goes.
+//! Runs the bias tracker over the same time, as fast as possible.
 
 use super::gauge::Gauge;
 use crate::venv::done;
@@ -9,14 +9,14 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Less is over before the memory is read often enough.
+/// Shortest duration that takes long enough for several measurements of the memory, h.
 const LEAST_HOURS: f64 = 0.5;
 const STEP: Duration = Duration::from_millis(50);
-/// Rows a second, and seconds in an hour.
+/// Rows per second.
 const RATE_HZ: f64 = 1.0;
 const HOUR_S: f64 = 3600.0;
 
-/// Its memory stays, and its rows are all there, in order.
+/// Checks that the memory does not grow and that all rows are present, in order.
 pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
     let hours = hours.max(LEAST_HOURS);
     let folder = tempfile::tempdir()?;
@@ -32,7 +32,7 @@ pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
         if let Some(status) = child.try_wait()? {
             break status;
         }
-        // a process that has just ended has no memory any more
+        // a process that has just ended has no memory to measure
         let _ = gauge.read(child.id());
         sleep(STEP);
     };
@@ -44,7 +44,7 @@ pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
     gauge.check(0.0)
 }
 
-/// The number of rows, whose times rise.
+/// The number of rows. Checks that their times increase.
 fn in_order(text: &str) -> Result<usize> {
     let times = text.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
     let times = times.map(|line| line.split(',').next().unwrap_or_default().parse::<f64>().context("a time"));

@@ -1,4 +1,4 @@
-//! The controller in QEMU: its readings and its counts.
+//! Runs an image in QEMU and parses its output: readings and counts.
 
 use super::scenario::Reading;
 use super::tracking::TrackerState;
@@ -8,25 +8,25 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// An instruction takes 2^SHIFT ns of virtual time.
+/// log₂ of the virtual time of an instruction in ns.
 const SHIFT: u32 = 10;
 
 /// Length of a tick of SysTick, ns. The core of the mps2-an386 runs at 25 MHz.
 const TICK_NS: u32 = 40;
 
-/// The parsed output of the image.
+/// The parsed output of an image.
 #[derive(Default)]
 pub struct Report {
     pub readings: Vec<Reading>,
     pub tracked: Vec<TrackerState>,
-    /// Least and most instructions of each piece of work.
+    /// Smallest and largest number of instructions of each piece of work.
     pub instructions: BTreeMap<String, (u64, u64)>,
-    /// Sizes of objects in RAM.
+    /// Sizes of objects in RAM, bytes.
     pub bytes: BTreeMap<String, u64>,
 }
 
-/// Runs an image to its end, with `arguments` as its command line, and returns what it printed. It ends with the exit
-/// code of the image, so a failure in there is an error here.
+/// Runs an image to its end, with `arguments` as its command line, and returns its output. A failure of the image is
+/// returned as an error, by its exit code.
 pub fn run(image: &Path, arguments: &[String]) -> Result<String> {
     let arguments: String = arguments.iter().map(|argument| format!(",arg={argument}")).collect();
     let mut qemu = Command::new("qemu-system-arm");
@@ -36,7 +36,7 @@ pub fn run(image: &Path, arguments: &[String]) -> Result<String> {
     printed(qemu.arg("-kernel").arg(image))
 }
 
-/// The version that `qemu-system-arm` states.
+/// The version that `qemu-system-arm` reports.
 pub fn version() -> Result<String> {
     let text = printed(Command::new("qemu-system-arm").arg("--version"))?;
     Ok(text.split_whitespace().nth(3).unwrap_or("unknown").to_owned())
@@ -80,7 +80,7 @@ impl Report {
     }
 }
 
-/// Whole instructions of a number of ticks, which is rounded down to whole ticks at both ends.
+/// Converts ticks to a whole number of instructions. Ticks are rounded down at the start and at the end.
 fn instructions(ticks: i64) -> Result<u64> {
     let per_instruction = f64::from(1u32 << SHIFT) / f64::from(TICK_NS);
     let count = (ticks as f64 / per_instruction).round();

@@ -1,4 +1,5 @@
-//! The figures of `docs/reference/footprint.md`: goals, comparison with what was committed, and the page itself.
+//! The figures of `docs/reference/footprint.md`: checks the goals, compares them with the committed figures, and
+//! writes the page.
 
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
@@ -9,7 +10,7 @@ use std::path::Path;
 /// The page with the figures.
 pub const PAGE: &str = "docs/reference/footprint.md";
 
-/// A rise by more than this share fails.
+/// A figure that rises by more than this share is an error.
 const TOLERANCE: f64 = 0.05;
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -18,7 +19,7 @@ pub struct Figure {
     pub what: &'static str,
     /// The figure.
     pub value: u64,
-    /// Instructions or bytes.
+    /// The unit: instructions or bytes.
     pub unit: &'static str,
     /// The limit, if there is one.
     pub goal: Option<u64>,
@@ -27,13 +28,13 @@ pub struct Figure {
 /// Versions of the tools that measured the figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Versions {
-    /// Version that rustc states.
+    /// The version that rustc reports.
     pub rustc: String,
-    /// Version that QEMU states.
+    /// The version that QEMU reports.
     pub qemu: String,
 }
 
-/// Every figure that is missed, in words.
+/// Describes every figure that misses its goal.
 pub fn missed_goals(figures: &[Figure]) -> Vec<String> {
     let missed = figures.iter().filter_map(|figure| {
         let goal = figure.goal.filter(|goal| figure.value > *goal)?;
@@ -42,7 +43,7 @@ pub fn missed_goals(figures: &[Figure]) -> Vec<String> {
     missed.collect()
 }
 
-/// Every figure that rose by more than 5 % over the page, in words.
+/// Describes every figure that rose by more than 5 % since the page was written.
 pub fn risen(figures: &[Figure], page: &str) -> Vec<String> {
     let risen = figures.iter().filter_map(|figure| {
         let before = committed(figure.what, page)?;
@@ -53,7 +54,7 @@ pub fn risen(figures: &[Figure], page: &str) -> Vec<String> {
     risen.collect()
 }
 
-/// Every figure that differs from the page at all or is not on it, in words.
+/// Describes every figure that differs from the page or is not on it.
 pub fn changed(figures: &[Figure], page: &str) -> Vec<String> {
     let changed = figures.iter().filter_map(|figure| match committed(figure.what, page) {
         Some(before) if before == figure.value => None,
@@ -63,7 +64,7 @@ pub fn changed(figures: &[Figure], page: &str) -> Vec<String> {
     changed.collect()
 }
 
-/// The figure in a row of the page.
+/// The figure in a row of the page; `None` if there is no such row.
 fn committed(what: &str, page: &str) -> Option<u64> {
     let mut rows = page.lines().map(|line| line.split('|').map(str::trim).collect::<Vec<_>>());
     let row = rows.find(|cells| cells.get(1) == Some(&what))?;
@@ -78,7 +79,7 @@ pub fn read() -> Result<String> {
     fs::read_to_string(PAGE).context(PAGE)
 }
 
-/// Writes the page anew: the table of each unit replaces the one between its marks.
+/// Writes the page, with new tables.
 pub fn write(figures: &[Figure], versions: &Versions) -> Result<()> {
     let page = include_str!("footprint.md.in");
     let entries = [

@@ -1,4 +1,4 @@
-//! The size of a linked image, and whether it can panic.
+//! Measures the size of a linked image, and checks whether it can panic.
 
 use anyhow::{Context, Result};
 use object::read::archive::ArchiveFile;
@@ -10,22 +10,22 @@ use std::path::Path;
 /// An ELF file for a controller.
 pub struct Image(Vec<u8>);
 
-/// Bytes in the two memories.
+/// Sizes in the two memories, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
     /// Code, constants and the initial values of variables.
     pub flash: u64,
-    /// Variables. The stack is not in it.
+    /// Variables, without the stack.
     pub ram: u64,
 }
 
-/// Parts of names of the machinery behind a panic; each panic needs at least one of them.
+/// Parts of the names of functions that a panic needs. Every panic needs at least one of them.
 const PANIC_MARKS: [&str; 4] = ["panicking", "panic_", "unwrap_failed", "rust_begin_unwind"];
 
 /// Parts of the names of functions that allocate.
 const HEAP_MARKS: [&str; 3] = ["__rust_alloc", "__rust_dealloc", "alloc_error"];
 
-/// The symbols in the members of a static library that belong to panics or to a heap.
+/// The symbols in a static library that belong to panics or to a heap.
 pub fn unwanted_in_archive(path: &Path) -> Result<Vec<String>> {
     let data = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let mut unwanted = Vec::new();
@@ -43,8 +43,8 @@ impl Image {
         Ok(Self(fs::read(path).with_context(|| format!("cannot read {}", path.display()))?))
     }
 
-    /// Sums over the sections that the image occupies: not writable ones are flash, writable ones RAM, and those with
-    /// initial values both.
+    /// Sums over the sections of the image: read-only ones are in flash, writable ones in RAM, and writable ones
+    /// with initial values in both.
     pub fn memory(&self) -> Result<Memory> {
         let elf = self.elf()?;
         let mut memory = Memory { flash: 0, ram: 0 };

@@ -4,10 +4,10 @@
 mod emulator;
 mod footprint;
 pub mod image;
-/// The work that controller and host both compute.
+/// The computation that controller and host both run.
 #[path = "../../../firmware/qemu/src/scenario.rs"]
 mod scenario;
-/// The series that controller and host both track.
+/// The time series that controller and host both track.
 #[path = "../../../firmware/qemu/src/tracking.rs"]
 mod tracking;
 
@@ -41,20 +41,22 @@ pub struct FirmwareArgs {
     update: bool,
 }
 
-/// The measured figures, as JSON.
+/// The results, printed as JSON.
 #[derive(Serialize)]
 struct Outcome {
     seed: u64,
-    /// Readings whose every form agrees between controller and host; none without the emulator.
+    /// Number of readings that agree between controller and host in every representation; `None` without the
+    /// emulator.
     readings_agreed: Option<usize>,
-    /// Means after which the tracker knows the same on controller and host; none without the emulator.
+    /// Number of means after which the tracker has the same state on controller and host; `None` without the
+    /// emulator.
     means_agreed: Option<usize>,
     panic_symbols_in_driver: usize,
     figures: Vec<Figure>,
     versions: Versions,
 }
 
-/// Builds and measures driver and tracker alone, then runs the rest in the emulator if there is one.
+/// Builds and measures driver and tracker separately, then runs the rest in the emulator if there is one.
 pub fn run(args: &FirmwareArgs) -> Result<()> {
     targets::add_missing([TARGET].into_iter())?;
     let mut figures = alone()?;
@@ -79,7 +81,7 @@ pub fn run(args: &FirmwareArgs) -> Result<()> {
     judge(args, &outcome)
 }
 
-/// The sizes of driver and tracker, from images with and without them; refused if one can panic.
+/// The sizes of driver and tracker, from images with and without them. Returns an error if one of them can panic.
 fn alone() -> Result<Vec<Figure>> {
     let small = difference("small", "driver")?;
     let fast = difference("release", "driver")?;
@@ -95,7 +97,7 @@ fn alone() -> Result<Vec<Figure>> {
     ])
 }
 
-/// Size of the image of the driver, or of the tracker, less the size of the image without it.
+/// The size of the image with the driver or the tracker, minus the size of the image without it.
 fn difference(profile: &str, name: &str) -> Result<Memory> {
     let image = Image::read(&build(profile, name)?)?;
     let panics = image.panic_symbols()?;
@@ -104,7 +106,7 @@ fn difference(profile: &str, name: &str) -> Result<Memory> {
     Ok(Memory { flash: with.flash - without.flash, ram: with.ram - without.ram })
 }
 
-/// Number of readings that agree with the host's. All must agree.
+/// The number of readings. Returns an error if one differs from the host's.
 fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     let mut ours = Vec::new();
     scenario::run(seed, |reading| ours.push(reading)).context("the twin gave no readings on the host")?;
@@ -115,7 +117,7 @@ fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     Ok(ours.len())
 }
 
-/// Number of means after which the tracker agrees with the host's. It must agree after all.
+/// The number of means. Returns an error if the tracker's state differs from the host's after one of them.
 fn compare_tracked(seed: u64, theirs: &[TrackerState]) -> Result<usize> {
     let mut ours = Vec::new();
     let counts = tracking::run(seed, |known| ours.push(known)).context("the tracker refuses its own state")?;
@@ -127,7 +129,7 @@ fn compare_tracked(seed: u64, theirs: &[TrackerState]) -> Result<usize> {
     Ok(ours.len())
 }
 
-/// The counts, with their goals.
+/// The counted figures with their goals.
 fn counted(report: &Report) -> Result<Vec<Figure>> {
     let instructions = |what, name: &str, goal| -> Result<Figure> {
         let (_, most) = report.instructions.get(name).with_context(|| format!("the image did not count {name}"))?;
@@ -184,8 +186,8 @@ fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Compares the figures with the committed page and with the goals. It states missed goals, and writes the page on
-/// request.
+/// Compares the figures with the committed page and with the goals. Prints missed goals, and writes the page with
+/// `--update`.
 fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

@@ -1,4 +1,5 @@
-//! AN-1042 on means: steps 4, 6 and 8 of F-51 at their times, without the checks of the real procedure.
+//! A short form of AN-1042 on means: steps 4, 6 and 8 of F-51 at their times, without the checks of the real
+//! procedure.
 
 use super::unit::{MEAN_S, Recording};
 use crate::trial::Rig;
@@ -18,14 +19,15 @@ pub fn fit(recording: &Recording) -> Correction {
     Correction::line(-offset.rate_dps, btc_dps_per_c, t3_c)
 }
 
-/// How far the short form is from the real procedure over the same samples of the twin.
+/// The differences between the short form and the real procedure, for the same samples of the twin.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
     pub pbc_dps: f64,
     pub btc_dps_per_c: f64,
 }
 
-/// Reads the twin as the program does, through bus and driver, for the whole hour.
+/// Runs the real procedure and the short form on the twin for a whole hour. The twin is read through bus and driver,
+/// like a real part.
 pub fn held_against_the_procedure(spec: Spec) -> anyhow::Result<Difference> {
     let mut rig = Rig::new(spec);
     let mut procedure = Procedure::new(&Axis::ADIS16130, Plan::default())?;
@@ -54,11 +56,11 @@ pub fn held_against_the_procedure(spec: Spec) -> anyhow::Result<Difference> {
     })
 }
 
-/// Sums over each 0.1 s.
+/// Sums over intervals of 0.1 s.
 #[derive(Default)]
 struct Sums {
     start_ns: u64,
-    /// Rate, temperature, count.
+    /// Sum of the rate, sum of the temperature, and count.
     all: Vec<(f64, f64, u32)>,
 }
 
