@@ -1,10 +1,10 @@
-//! Units by their seeds, on a few threads.
+//! Runs simulated units by their seeds, on several threads.
 
 use anyhow::{Context, anyhow};
 use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// `FIRST..LAST`, both ends included.
+/// Parses `FIRST..LAST`, which includes both ends.
 pub fn parse(text: &str) -> Result<RangeInclusive<u64>, String> {
     let (first, last) = text.split_once("..").ok_or("seeds are given as FIRST..LAST, for example 1..200")?;
     let seed = |text: &str| text.trim_start_matches('=').parse().map_err(|_| format!("`{text}` is no seed"));
@@ -12,7 +12,7 @@ pub fn parse(text: &str) -> Result<RangeInclusive<u64>, String> {
     if first > last { Err(format!("{first} lies behind {last}")) } else { Ok(first..=last) }
 }
 
-/// Runs every seed on a few threads; results come in the order of the seeds.
+/// Runs every seed on several threads. The results are in the order of the seeds.
 pub fn for_each_seed<T: Send>(
     seeds: &RangeInclusive<u64>,
     threads: usize,

@@ -1,4 +1,4 @@
-//! `zerorate serve` as a process, for tasks that watch it.
+//! Runs `zerorate serve` as a process, for other tasks.
 
 use crate::venv::done;
 use anyhow::{Context, Result, ensure};
@@ -8,22 +8,22 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 
-/// The server, which ends when this value is dropped.
+/// A running server. Dropping it ends the server.
 pub struct Server {
     child: Child,
-    /// The address where pages connect.
+    /// The address of the page.
     pub page: String,
-    /// The address where clients of libiio connect, in their notation.
+    /// The address for libiio clients, as a URI of libiio.
     pub iio_uri: String,
 }
 
 impl Server {
-    /// Starts it at free ports with these arguments; its further messages go to stderr.
+    /// Starts the server on free ports with these arguments. Its later messages go to stderr.
     pub fn start(program: &Path, arguments: &[&str]) -> Result<Self> {
         Self::start_with(&mut Command::new(program), "127.0.0.1:0", arguments)
     }
 
-    /// The same, started by this command and with libiio served at `iio`.
+    /// Starts the server by this command, with libiio served at the address `iio`.
     pub fn start_with(command: &mut Command, iio: &str, arguments: &[&str]) -> Result<Self> {
         command.args(["serve", "--listen", "127.0.0.1:0", "--iio", iio]).args(arguments);
         let child = command.stderr(Stdio::piped()).spawn().context("cannot start the program")?;
@@ -36,9 +36,9 @@ impl Server {
         Ok(server)
     }
 
-    /// Processor time until now, s.
+    /// Processor time used so far, s.
     pub fn cpu_s(&self) -> Result<f64> {
-        /// Ticks a second in Linux's accounts (`getconf CLK_TCK`).
+        /// Clock ticks per second in Linux's statistics (`getconf CLK_TCK`).
         const TICKS_PER_S: f64 = 100.0;
         let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id()))?;
         let (_, behind_name) = stat.rsplit_once(')').context("/proc/PID/stat")?;
@@ -50,7 +50,7 @@ impl Server {
         self.child.id()
     }
 
-    /// The number of its open files and connections.
+    /// Number of open files and connections of the server.
     pub fn descriptors(&self) -> Result<usize> {
         descriptors(self.child.id())
     }
@@ -59,7 +59,7 @@ impl Server {
         memory_mb(self.child.id(), "VmHWM:")
     }
 
-    /// Ends it as Ctrl-C does.
+    /// Ends the server as Ctrl-C does.
     pub fn end(mut self) -> Result<()> {
         done(Command::new("kill").args(["-INT", &self.child.id().to_string()]))?;
         let status = self.child.wait()?;
@@ -70,13 +70,13 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // it has ended, where all went well
+        // it has already ended, unless something failed
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// The memory of a process now, MB.
+/// The resident memory of a process, MB.
 pub fn resident_mb(id: u32) -> Result<f64> {
     memory_mb(id, "VmRSS:")
 }

@@ -1,5 +1,6 @@
-//! `cargo xtask tracking`: `stream --track` over the days of many units, calibrated by AN-1042, against their truth.
-//! The motion is the same as in the core's tests. It prints the table of docs/tracking.md.
+//! `cargo xtask tracking`: runs `stream --track` on simulated days of many units that were calibrated by AN-1042,
+//! and compares the bias with the truth. The motion is the same as in the core's tests. It prints the table of
+//! docs/tracking.md.
 
 #[path = "../../crates/zerorate/tests/track/world.rs"]
 mod world;
@@ -13,7 +14,7 @@ use world::{Day, HALF, OFTEN};
 
 const HOURS: f64 = 24.0;
 
-/// Worlds by the share of the moving time that slow rotations fill, and their frequency.
+/// The simulated worlds: share of the moving time with slow rotations, as a label and as their frequency.
 const WORLDS: [(&str, f64); 4] = [("none", 0.0), ("5 %", SELDOM), ("25 %", OFTEN), ("50 %", HALF)];
 
 /// Command line of `cargo xtask tracking`.
@@ -27,7 +28,7 @@ pub struct TrackingArgs {
     threads: usize,
 }
 
-/// Tracks each unit for a day in each world and prints the table.
+/// Tracks each unit for a day in each world, and prints the table.
 pub fn run(args: &TrackingArgs) -> anyhow::Result<()> {
     println!("{}", heading());
     for (share, slow_turns) in WORLDS {
@@ -36,27 +37,27 @@ pub fn run(args: &TrackingArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Results of tracking over the days of many units.
+/// The results of tracking on the days of many units.
 #[derive(Clone, Debug)]
 pub struct Tracking {
-    /// Residual of the calibration alone, rms over units and time, °/h.
+    /// Residual bias with the calibration only, rms over units and time, °/h.
     pub static_dph: f64,
     pub tracked_dph: f64,
-    /// Residual without tracking over residual with it, unit by unit, ascending.
+    /// Ratio of the residuals without and with tracking for each unit, ascending.
     pub ratios: Vec<f64>,
-    /// Share of the time that the bias was inside the stated 95 % interval, %.
+    /// Share of the time in which the bias was inside its 95 % interval, %.
     pub inside: f64,
-    /// Share of the units whose bias was inside it at the end, %.
+    /// Share of the units whose bias was inside its 95 % interval at the end, %.
     pub inside_at_end: f64,
-    /// Share of the time at rest that was learned from, %.
+    /// Share of the time at rest in which the bias was learned, %.
     pub learned: f64,
-    /// Share of the time of slow rotations that was taken for rest, %. None without slow rotations.
+    /// Share of the time of slow rotations that was mistaken for rest, %; `None` without slow rotations.
     pub turns_learned: Option<f64>,
-    /// Other motion that was taken for rest, s in the mean of all units.
+    /// Other motion that was mistaken for rest, s: mean over all units.
     pub motion_learned_s: f64,
 }
 
-/// Units with everything drawn from their seeds, in a world with so many slow rotations.
+/// Simulates a day for units that are drawn from their seeds, with this frequency of slow rotations.
 pub fn days(seeds: &RangeInclusive<u64>, threads: usize, slow_turns: f64) -> anyhow::Result<Tracking> {
     let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
     Ok(Tracking::of(&days))
@@ -80,12 +81,12 @@ impl Tracking {
         }
     }
 
-    /// Residual without tracking over residual with it.
+    /// Ratio of the residuals without and with tracking.
     pub fn ratio(&self) -> f64 {
         self.static_dph / self.tracked_dph
     }
 
-    /// Units that tracking made worse.
+    /// Number of units for which tracking made the residual worse.
     pub fn worse(&self) -> usize {
         self.ratios.iter().filter(|ratio| **ratio < 1.0).count()
     }

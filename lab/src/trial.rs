@@ -1,5 +1,5 @@
-//! Compares calibrations of the twin with its truth, for ordinary units and for units that are disturbed during the
-//! hour.
+//! Calibrates twins and compares the results with the truth, for ordinary units and for units that are disturbed
+//! during the calibration.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sample, Sampler, SamplerConfig};
@@ -9,23 +9,23 @@ use zerorate::{
     Action, Axis, Correction, Event, Method, Outcome, Plan, Procedure, Reading, Refusal, State, Uncertainty,
 };
 
-/// A part that gives no edge for this long is dead.
+/// Time without an edge after which the part counts as failed, ns.
 const NO_EDGE_NS: u64 = 100_000_000;
-/// How long the procedure of AN-1042 lasts, from the start of the twin, s.
+/// Duration of the procedure of AN-1042 from the start of the twin, s.
 pub const HOUR_S: f64 = 3171.0;
 
-/// The plan of a method. A cycle takes 70 minutes, after which the part is in balance again.
+/// The plan for a method. A cycle takes 70 minutes, after which the part is in thermal equilibrium again.
 pub fn plan(method: Method) -> Plan {
     let settle_s = if method == Method::Cycle { 3429.0 } else { Plan::default().settle_s };
     Plan { method, settle_s, ..Plan::default() }
 }
 
-/// The air of a cycle: when it begins to move, s, and to how far from where it was, °C.
+/// The air temperature of a cycle: start of each change, s, and the temperature relative to the initial one, °C.
 const CYCLE: [(f64, f64); 2] = [(1200.0, -8.0), (2400.0, 0.0)];
-/// For how long it moves, s.
+/// Duration of each change, s.
 const RAMP_S: f64 = 480.0;
 
-/// A twin on the driver's bus.
+/// A twin that is read through the driver.
 pub struct Rig {
     pub twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,
@@ -37,7 +37,7 @@ pub struct Rig {
 
 impl Rig {
     pub fn new(spec: Spec) -> Self {
-        // a host knows the nominal clock, or the clock of a part that it slowed down
+        // a host knows the nominal clock, or the clock of a part that it slowed down itself
         let is_nominal = (spec.mclk_hz / f64::from(MCLK_HZ) - 1.0).abs() < 0.05;
         let mclk_hz = if is_nominal { MCLK_HZ } else { spec.mclk_hz as u32 };
         let bandwidth_hz = match spec.roa {
@@ -73,8 +73,8 @@ impl Rig {
         }
     }
 
-    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error from which callers
-    /// can take the refusal.
+    /// Runs a calibration. Returns the result, and the truth at the end of step 8 or of the recording. A refusal is
+    /// returned as an error that can be downcast.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
         let mut air = if plan.method == Method::Cycle { &CYCLE[..] } else { &[] };
         let mut procedure = Procedure::new(&self.axis, plan)?;
@@ -104,14 +104,14 @@ fn new_sampler(mclk_hz: u32) -> Sampler {
     Sampler::new(SamplerConfig::default(), &Config::default(), mclk_hz)
 }
 
-/// The error of an estimate and its stated standard uncertainty.
+/// The error of an estimate, and its stated standard uncertainty.
 #[derive(Clone, Copy, Debug)]
 pub struct EstimateError {
     pub error: f64,
     pub u: f64,
 }
 
-/// Both estimates of one unit.
+/// The errors of both estimates for a unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
     pub pbc: EstimateError,
@@ -127,10 +127,10 @@ pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
     }
 }
 
-/// How the calibration of a unit ended.
+/// The outcome of a unit's calibration.
 #[derive(Clone, Debug)]
 pub enum TrialEnd {
-    /// It gave numbers, with the codes of the warnings that report an event.
+    /// There is a result, with the codes of those warnings that report an event.
     Calibrated {
         unit: Unit,
         warnings: Vec<&'static str>,
@@ -141,13 +141,13 @@ pub enum TrialEnd {
 /// Calibrates a unit.
 ///
 /// # Errors
-/// The bus failed, or the plan makes no sense.
+/// Returns an error if the bus fails or the plan is invalid.
 pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
     match Rig::new(spec).calibrate(plan) {
         Ok((outcome, truth)) => {
             let of_events = outcome.warnings.iter().filter(|warning| !warning.is_standing());
             let codes = of_events.map(zerorate::Warning::code);
-            // the plan is short on purpose
+            // the plan is short on purpose, so this warning does not count
             let warnings = codes.filter(|code| *code != "short-average").collect();
             Ok(TrialEnd::Calibrated { unit: judge(&outcome, &truth), warnings })
         }
@@ -156,7 +156,7 @@ pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
 }
 
 impl TrialEnd {
-    /// By how many standard uncertainties the worse of PBC and BTC is off; zero where the measurement was refused.
+    /// The larger ratio of error to standard uncertainty of PBC and BTC; 0 if the measurement was refused.
     pub fn worst(&self) -> f64 {
         match self {
             Self::Calibrated { unit, .. } => {
@@ -166,7 +166,7 @@ impl TrialEnd {
         }
     }
 
-    /// Whether it gave no warning.
+    /// Whether there is a result without a warning.
     pub fn is_silent(&self) -> bool {
         matches!(self, Self::Calibrated { warnings, .. } if warnings.is_empty())
     }
@@ -177,13 +177,13 @@ impl TrialEnd {
     }
 }
 
-/// Something that happens to a unit, drawn from its seed.
+/// A disturbance of a unit, whose details are drawn from the unit's seed.
 pub struct Fault {
     pub name: &'static str,
     pub spec: fn(u64) -> Spec,
 }
 
-/// Events that the procedure has to notice by itself. The seed draws sizes, times and signs.
+/// Disturbances that the procedure has to detect. The seed determines sizes, times and signs.
 pub const FAULTS: [Fault; 12] = [
     Fault { name: "none", spec: Spec::from_seed },
     Fault { name: "supply step of 20 to 400 mV at any time", spec: |seed| step(seed, 0.0, HOUR_S) },
@@ -211,7 +211,8 @@ pub const FAULTS: [Fault; 12] = [
     },
 ];
 
-/// A sway that is slow against the recording. The methods that take the whole recording have to notice it.
+/// A unit with a base motion that is slow compared with the recording. The methods that use the whole recording have
+/// to detect it.
 pub fn slow_sway(seed: u64) -> Spec {
     let (sway_dps, sway_hz) = (draw(seed, 1).between_logs(0.01, 0.2), draw(seed, 2).between_logs(1e-4, 1e-3));
     Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }
@@ -227,7 +228,7 @@ fn sway(seed: u64, from_hz: f64, to_hz: f64) -> Spec {
     Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }
 }
 
-/// A number from 0 to 1 that depends on nothing but the seed and which of its draws it is: splitmix64.
+/// A random number from 0 to 1 that depends only on the seed and on `which`, the number of the draw (splitmix64).
 struct Draw(f64);
 
 fn draw(seed: u64, which: u64) -> Draw {

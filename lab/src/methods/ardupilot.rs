@@ -1,11 +1,11 @@
-//! ArduPilot's learning while it warms (INS_TCALn_ENABLE = 2), as in `AP_InertialSensor_tempcal.cpp` and
-//! `polyfit.cpp`. It takes the mean rate over each half degree of rise, at the middle of the half degree. A cubic
-//! polynomial about 35 °C goes through these points.
+//! ArduPilot's learning during a warm-up (INS_TCALn_ENABLE = 2), as in `AP_InertialSensor_tempcal.cpp` and
+//! `polyfit.cpp`. It averages the rate over each half degree of rise, and assigns the mean to the middle of the half
+//! degree. A cubic polynomial about 35 °C is fitted to these points.
 //!
-//! Two rules are left out. ArduPilot saves nothing before the temperature has risen by 10 °C, which a warm-up of 8 °C
-//! never reaches; here it may save earlier. It also discards the constant, because each start takes the level anew
-//! from half a second of rate; here the level comes from the polynomial. Its low-pass on the temperature changes
-//! nothing at this noise.
+//! Two rules are omitted. ArduPilot saves nothing before the temperature has risen by 10 °C, which a warm-up of 8 °C
+//! never reaches; here it may save earlier. It also discards the constant, because it measures the level at each
+//! start from half a second of rate; here the level comes from the polynomial. ArduPilot's low-pass on the
+//! temperature makes no difference with this noise.
 
 use super::least_squares::cubic;
 use super::unit::Recording;

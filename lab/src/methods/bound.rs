@@ -1,15 +1,15 @@
-//! The bound that noise sets to every method: generalised least squares with everything known but the coefficients and
-//! the walk.
+//! The lower bound that noise sets for every method: generalised least squares in which everything is known except
+//! the coefficients and the random walk.
 
 use super::unit::{Recording, TEMPS};
 use zerorate::noise::{NoiseModel, WeightedMean};
 use zerorate::temperature::Block;
 use zerorate_allan::linear::{Cholesky, dot};
 
-/// Windows that a recording is cut into.
+/// Number of windows of a recording.
 const WINDOWS: usize = 300;
 
-/// The standard uncertainty of the bias at the end, rms over the temperatures, of a polynomial of this order, °/s.
+/// The standard uncertainty of the bias at the end, with a polynomial of this order: rms over the temperatures, °/s.
 pub fn u_dps(recording: &Recording, noise: &NoiseModel, order: usize) -> Option<f64> {
     let windows = windows(recording);
     let end_s = windows.last()?.start_s + windows.last()?.length_s;
@@ -34,13 +34,14 @@ fn windows(recording: &Recording) -> Vec<Block> {
     (0..WINDOWS).map(|k| recording.window(k as f64 * length_s, (k + 1) as f64 * length_s)).collect()
 }
 
-/// Covariance of the means of rates. The distance of the walk from its end counts as noise.
+/// Covariance of the windows' mean rates. The random walk between a window and the end of the recording counts as
+/// noise.
 fn covariance(windows: &[Block], noise: &NoiseModel, end_s: f64) -> Vec<Vec<f64>> {
     let steady = noise.without_random_walk();
     let one =
         |block: &Block| [WeightedMean { start_s: block.start_s, end_s: block.start_s + block.length_s, weight: 1.0 }];
     let walk = noise.rate_random_walk_dps_per_rt_s.powi(2);
-    // windows have one length, so that their distance is enough
+    // all windows have the same length, so the covariance depends on their distance only
     let by_distance: Vec<f64> =
         windows.iter().map(|other| steady.covariance(&one(&windows[0]), &one(other))).collect();
     let shared_s = |i: usize, j: usize| {

@@ -1,4 +1,4 @@
-//! The methods, and the units on which they are compared.
+//! The methods to compare, and the simulated units for the comparison.
 
 use super::comparison::{Comparison, MethodResult, Summary};
 use super::unit::{Kind, Recording, TEMPS};
@@ -10,18 +10,18 @@ use anyhow::Context;
 use std::ops::RangeInclusive;
 use zerorate::{Axis, Correction};
 
-/// A way from a recording to the bias over temperature.
+/// A method that computes the bias over temperature from a recording.
 pub struct Method {
     pub name: &'static str,
     recording: RecordingKind,
     fit: fn(&Recording) -> Option<MethodResult>,
 }
 
-/// The recording that a method gets.
+/// The kind of recording that a method uses.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum RecordingKind {
     Hour,
-    /// A warm-up, and the air cooled and warmed again.
+    /// A warm-up, after which the air is cooled and warmed again.
     Cycle,
     /// The profile of F-57.
     Chamber,
@@ -39,7 +39,7 @@ impl RecordingKind {
     }
 }
 
-/// All of them, as the page lists them.
+/// All methods, in the order of the page.
 pub const METHODS: [Method; 7] = [
     Method { name: RAW, recording: RecordingKind::Hour, fit: |recording| Some(raw(recording).into()) },
     Method { name: AN1042, recording: RecordingKind::Hour, fit: |recording| Some(an1042::fit(recording).into()) },
@@ -67,13 +67,14 @@ fn hour(spec: &Spec) -> Recording {
     Recording::warm_up(spec, HOUR_S)
 }
 
-/// A user who measures the bias once, in the middle of the span, and knows it exactly.
+/// The reference without temperature correction: the user measured the bias once, in the middle of the span, and
+/// knows it exactly.
 fn raw(recording: &Recording) -> Correction {
     let middle_c = recording.temps_c()[TEMPS / 2];
     Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)
 }
 
-/// The runs of a campaign, beside its units.
+/// The simulated units of a campaign, and how they are run.
 #[derive(Clone, Copy)]
 pub struct Units<'a> {
     pub seeds: &'a RangeInclusive<u64>,
@@ -82,7 +83,7 @@ pub struct Units<'a> {
 }
 
 impl Units<'_> {
-    /// Every method on every kind: a row for each kind, in it the methods.
+    /// Runs every method on every kind of unit. Returns a row for each kind, with a summary for each method.
     pub fn by_method(&self) -> anyhow::Result<Vec<Vec<Summary>>> {
         let of_kind = |kind: Kind| {
             let one = |seed| {
@@ -99,7 +100,7 @@ impl Units<'_> {
         Kind::ALL.into_iter().map(of_kind).collect()
     }
 
-    /// The warm-up, ended at these times: a row for each kind.
+    /// Runs the warm-up method with these lengths, s. Returns a row for each kind, with a summary for each length.
     pub fn by_length(&self, lengths_s: &[f64]) -> anyhow::Result<Vec<Vec<Summary>>> {
         let of_kind = |kind: Kind| {
             self.summaries(|seed| {
@@ -110,7 +111,8 @@ impl Units<'_> {
         Kind::ALL.into_iter().map(of_kind).collect()
     }
 
-    /// The warm-up of linear units, by the rate random walk as a multiple of M-04.
+    /// Runs the warm-up method on linear units. Returns a summary for each rate random walk, given as a multiple of
+    /// M-04.
     pub fn by_walk(&self, factors: &[f64]) -> anyhow::Result<Vec<Summary>> {
         self.summaries(|seed| {
             let linear = Kind::Linear.spec(seed, self.lag_s);
@@ -119,7 +121,7 @@ impl Units<'_> {
         })
     }
 
-    /// One summary for each entry of the results of a unit.
+    /// Runs all units. Returns a summary for each entry of a unit's results.
     fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Comparison>> + Sync) -> anyhow::Result<Vec<Summary>> {
         let units = for_each_seed(self.seeds, self.threads, one)?;
         let columns = units.first().map_or(0, Vec::len);
@@ -132,8 +134,8 @@ fn judged_warm_up(recording: &Recording) -> anyhow::Result<Comparison> {
     Comparison::of(recording, gls::fit).context("the warm-up gave nothing")
 }
 
-/// The least residual of any method for a unit whose bias is known to have this order, °/h. `factor` gives the rate
-/// random walk as a multiple of M-04.
+/// The smallest residual that any method can reach for a unit whose bias is known to have this order, °/h. `factor`
+/// is the rate random walk as a multiple of M-04.
 pub fn bound_dph(order: usize, factor: f64) -> anyhow::Result<f64> {
     let typical = Axis::ADIS16130.typical_noise();
     let walk = factor * typical.rate_random_walk_dps_per_rt_s;

@@ -1,11 +1,11 @@
-//! `zerorate chamber` on the profile of F-57: its estimate, on means over seconds without its state machine.
+//! The estimate of `zerorate chamber` on the profile of F-57, from one-second means without its state machine.
 
 use super::comparison::MethodResult;
 use super::unit::{MEAN_S, Recording};
 use zerorate::Part;
 use zerorate::chamber::Record;
 
-/// The highest order that is tried.
+/// Highest polynomial order.
 const MAX_ORDER: usize = 3;
 const MEANS_PER_S: usize = (1.0 / MEAN_S) as usize;
 

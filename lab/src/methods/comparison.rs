@@ -1,4 +1,4 @@
-//! One method on one recording, and many of these together.
+//! Compares the results of a method with the truth, for one recording and for many.
 
 use super::unit::{Recording, TEMPS};
 use crate::residuals::{DPH_PER_DPS, rms};
@@ -9,9 +9,9 @@ use zerorate::{Correction, Uncertainty};
 /// The result of a method on a recording.
 pub struct MethodResult {
     pub correction: Correction,
-    /// Covariance of its coefficients, where it states one.
+    /// Covariance of the coefficients; `None` if the method states none.
     pub covariance: Option<[[f64; TERMS]; TERMS]>,
-    /// The order that it chose, where it chooses.
+    /// The order that the method chose; `None` if its order is fixed.
     pub order: Option<usize>,
 }
 
@@ -28,7 +28,7 @@ impl From<BiasCurve> for MethodResult {
     }
 }
 
-/// A result compared with the truth at the end of the recording, at the temperatures seen, the lowest first.
+/// The errors of a result at the end of the recording, at temperatures over the measured span, the lowest first.
 pub struct Comparison {
     errors_dps: [f64; TEMPS],
     u_dps: Option<[f64; TEMPS]>,
@@ -37,7 +37,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// None where the method states no uncertainty.
+    /// Runs a method on a recording. `None` if it gives no result.
     pub fn of(recording: &Recording, fit: impl FnOnce(&Recording) -> Option<MethodResult>) -> Option<Self> {
         let start = Instant::now();
         let fitted = fit(recording)?;
@@ -58,29 +58,29 @@ impl Comparison {
     }
 }
 
-/// All units of a kind by one method.
+/// The results of one method for all units of a kind.
 #[derive(Clone, Debug)]
 pub struct Summary {
-    /// Residual, rms over units and temperatures, °/h.
+    /// Residual bias: rms over units and temperatures, °/h.
     pub residual_dph: f64,
-    /// The same with each unit's mean over the temperatures taken out.
+    /// Residual bias without each unit's mean over the temperatures, °/h.
     pub shape_dph: f64,
-    /// Residual at each temperature, rms over units, °/h.
+    /// Residual bias at each temperature: rms over units, °/h.
     pub at_temps_dph: [f64; TEMPS],
     pub coverage: Option<Coverage>,
-    /// Shares of the orders that were chosen, %.
+    /// Shares of the chosen orders, %.
     pub orders: Option<[f64; TERMS]>,
     pub fit_ms: f64,
 }
 
-/// How honest the 95 % intervals are.
+/// How well the 95 % intervals cover the truth.
 #[derive(Clone, Copy, Debug)]
 pub struct Coverage {
-    /// Shares of units inside at each temperature, %.
+    /// Share of units inside their interval at each temperature, %.
     pub at_temps: [f64; TEMPS],
-    /// Share of units that are inside at all temperatures at once, %.
+    /// Share of units inside their intervals at all temperatures, %.
     pub everywhere: f64,
-    /// Error over standard uncertainty, rms.
+    /// Ratio of the error to the standard uncertainty, rms.
     pub ratio: f64,
 }
 
@@ -89,7 +89,7 @@ impl Coverage {
         self.at_temps.iter().sum::<f64>() / TEMPS as f64
     }
 
-    /// The share that is farthest from 95 %.
+    /// The share at the temperature where it differs most from 95 %.
     pub fn worst(&self) -> f64 {
         let off = |share: &&f64| (**share - 100.0 * Uncertainty::COVERAGE).abs();
         self.at_temps.iter().max_by(|a, b| off(a).total_cmp(&off(b))).copied().unwrap_or(0.0)
@@ -133,7 +133,7 @@ fn orders(all: &[&Comparison]) -> Option<[f64; TERMS]> {
     })
 }
 
-/// The median: zero of an empty list, the upper one of an even number.
+/// The median, the upper one of an even number of values; 0 for an empty list.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)

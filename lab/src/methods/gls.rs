@@ -1,11 +1,12 @@
-//! The estimate of `calibrate --method warmup` and `cycle` on their blocks. Steps are left out: none occur here.
+//! The estimate of `calibrate --method warmup` and `cycle`, from blocks. Steps of the level are not detected,
+//! because none occur here.
 
 use super::comparison::MethodResult;
 use super::unit::Recording;
 use zerorate::Axis;
 use zerorate::temperature::{self, Assumed};
 
-/// The highest order that is tried.
+/// Highest polynomial order.
 const MAX_ORDER: usize = 3;
 
 pub fn fit(recording: &Recording) -> Option<MethodResult> {

@@ -1,5 +1,5 @@
-//! `cargo xtask methods`: compares all ways to find the bias over temperature, with each other and with the truth of
-//! many units, and writes docs/reference/methods.md.
+//! `cargo xtask methods`: compares all methods to find the bias over temperature with the truth of many simulated
+//! units, and writes docs/reference/methods.md.
 
 mod an1042;
 mod ardupilot;
@@ -41,14 +41,14 @@ pub struct MethodsArgs {
     seed: u64,
 }
 
-/// Units of each kind with `--quick`.
+/// Number of units of each kind with `--quick`.
 const QUICK: u64 = 3;
-/// Share of the units that the tables beside the methods take.
+/// Only one in this many units is used for the additional tables.
 const SIDE_SHARE: u64 = 5;
-/// Seeds on which the short form of AN-1042 is compared with the real procedure.
+/// Number of seeds for which the short form of AN-1042 is compared with the real procedure.
 const CHECKED: u64 = 5;
 
-/// Runs everything and writes the page with its pictures.
+/// Runs everything and writes the page with its plots.
 pub fn run(args: &MethodsArgs) -> anyhow::Result<()> {
     let seeds = if args.quick { args.seed..=args.seed + QUICK - 1 } else { args.seeds.clone() };
     let units = Units { seeds: &seeds, threads: args.threads, lag_s: args.lag_s };

@@ -1,4 +1,4 @@
-//! Writes docs/reference/methods.md and its pictures.
+//! Writes docs/reference/methods.md and its plots.
 
 use super::an1042::Difference;
 use super::campaign::{AN1042, CHAMBER, CYCLE, METHODS, WARMUP};
@@ -23,32 +23,32 @@ pub const LENGTHS_MIN: [f64; 5] = [5.0, 10.0, 20.0, 53.0, 90.0];
 pub const WALKS: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
 
 pub struct Results {
-    /// Results by kind, then by method.
+    /// The results by kind, then by method.
     pub methods: Vec<Vec<Summary>>,
-    /// Results of the warm-up by kind, then by length.
+    /// The results of the warm-up by kind, then by length.
     pub lengths: Vec<Vec<Summary>>,
-    /// Results of the warm-up by rate random walk.
+    /// The results of the warm-up by rate random walk.
     pub walks: Vec<Summary>,
     pub bounds_dph: Vec<f64>,
-    /// The bound for a quadratic bias under M-04.
+    /// The bound for a quadratic bias with the rate random walk M-04, °/h.
     pub curved_bound_dph: f64,
     pub tracking: Tracking,
     pub checked: Vec<Difference>,
     pub seeds: RangeInclusive<u64>,
-    /// Seeds of the tables beside the methods.
+    /// The seeds of the additional tables.
     pub side: RangeInclusive<u64>,
     pub lag_s: f64,
 }
 
 impl Results {
-    /// The bound for a linear bias under M-04.
+    /// The bound for a linear bias with the rate random walk M-04, °/h.
     fn bound_dph(&self) -> Result<f64> {
         let index = WALKS.iter().position(|factor| *factor == 1.0).context("no row for M-04")?;
         self.bounds_dph.get(index).copied().context("a bound is missing")
     }
 }
 
-/// Writes the page and its pictures.
+/// Writes the page and its plots.
 pub fn write(results: &Results) -> Result<()> {
     for (path, text) in [
         (RESIDUALS, picture::residuals(&results.methods)),
@@ -91,7 +91,7 @@ fn page(results: &Results) -> Result<String> {
     Ok(text)
 }
 
-/// The goals of the project, with the measured figures.
+/// The goals of the project, with the measured results.
 fn goals(results: &Results) -> Vec<Goal> {
     let summary = |kind: Kind, name: &str| {
         let index = METHODS.iter().position(|method| method.name == name).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The pictures of the page: residual and coverage over the temperatures seen.
+//! The plots of the page: residual and coverage over the measured temperatures.
 
 use super::campaign::{METHODS, RAW};
 use super::comparison::Summary;
@@ -8,7 +8,7 @@ use zerorate_view::plot::{Lines, Panel, lines};
 
 const SHARE: &str = "place in the temperatures seen, % from the lowest to the highest";
 
-/// Residual over temperature, a panel for each kind and a line for each method that corrects anything.
+/// Plots the residual over temperature: a panel for each kind, with a line for each method that corrects anything.
 pub fn residuals(methods: &[Vec<Summary>]) -> String {
     let correcting: Vec<usize> = (0..METHODS.len()).filter(|index| METHODS[*index].name != RAW).collect();
     lines(&Lines {
@@ -22,7 +22,7 @@ pub fn residuals(methods: &[Vec<Summary>]) -> String {
     })
 }
 
-/// Units inside their 95 % intervals over temperature, for the methods that state intervals.
+/// Plots the share of units inside their 95 % intervals over temperature, for the methods that state intervals.
 pub fn coverage(methods: &[Vec<Summary>]) -> String {
     let states = |index: &usize| methods.iter().any(|of_kind| of_kind[*index].coverage.is_some());
     let stating: Vec<usize> = (0..METHODS.len()).filter(states).collect();
@@ -41,7 +41,7 @@ fn names(indices: &[usize]) -> Vec<String> {
     indices.iter().map(|index| METHODS[*index].name.to_owned()).collect()
 }
 
-/// Only these methods of each kind.
+/// Selects these methods of each kind.
 fn chosen(methods: &[Vec<Summary>], indices: &[usize]) -> Vec<Vec<Summary>> {
     methods.iter().map(|of_kind| indices.iter().map(|index| of_kind[*index].clone()).collect()).collect()
 }

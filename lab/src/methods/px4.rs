@@ -1,6 +1,7 @@
-//! PX4's thermal calibration from a log, as in its `Tools/process_sensor_caldata.py`. The rate passes a median of 31
-//! samples and is averaged over 2000 intervals of temperature. A cubic polynomial goes through the means without
-//! weights, about the middle of the span. The log has ten samples a second (its profile "thermal calibration").
+//! PX4's thermal calibration from a log, as in its `Tools/process_sensor_caldata.py`. The rate is filtered by a
+//! median over 31 samples and averaged over 2000 intervals of temperature. An unweighted cubic polynomial about the
+//! middle of the span is fitted to the means. The log has ten samples per second (PX4's logging profile "thermal
+//! calibration").
 
 use super::least_squares::cubic;
 use super::unit::Recording;
@@ -28,7 +29,7 @@ pub fn fit(recording: &Recording) -> Option<Correction> {
     cubic(&sums.iter().filter_map(mean).collect::<Vec<_>>(), 0.5 * (low_c + high_c))
 }
 
-/// The running median, with zeros beyond both ends as SciPy's `medfilt` has them.
+/// The running median, with zeros beyond both ends like SciPy's `medfilt`.
 fn median(rates: &[f64]) -> Vec<f64> {
     let half = MEDIAN / 2;
     let padded: Vec<f64> = [vec![0.0; half].as_slice(), rates, vec![0.0; half].as_slice()].concat();

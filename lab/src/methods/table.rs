@@ -1,4 +1,4 @@
-//! The tables of the page, in Markdown.
+//! The tables of the page in Markdown.
 
 use super::campaign::METHODS;
 use super::comparison::{Coverage, Summary};
@@ -14,7 +14,7 @@ fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String 
     text
 }
 
-/// Residuals of all methods on all kinds: as they are, and without the level.
+/// Residuals of all methods for all kinds, with and without the mean over the temperatures.
 pub fn overview(methods: &[Vec<Summary>]) -> String {
     let heads: Vec<&str> =
         std::iter::once("residual, °/h (without the level)").chain(Kind::ALL.map(Kind::name)).collect();
@@ -26,7 +26,7 @@ pub fn overview(methods: &[Vec<Summary>]) -> String {
     table(&heads, METHODS.iter().enumerate().map(row))
 }
 
-/// Intervals, orders and time of the methods that have them.
+/// Intervals and chosen orders of the methods that have them.
 pub fn intervals(methods: &[Vec<Summary>]) -> String {
     let rows = METHODS.iter().enumerate().flat_map(|(index, method)| {
         let of_kinds = Kind::ALL.into_iter().zip(methods).map(move |(kind, of_kind)| (kind, &of_kind[index]));
@@ -52,7 +52,7 @@ pub fn intervals(methods: &[Vec<Summary>]) -> String {
     table(&heads, rows)
 }
 
-/// What intervals of 95 % are that hold this share of the units, %.
+/// The verdict on 95 % intervals that contain this share of the units, %.
 const fn verdict(inside: f64) -> &'static str {
     match inside {
         ..93.5 => "too narrow",
@@ -61,7 +61,7 @@ const fn verdict(inside: f64) -> &'static str {
     }
 }
 
-/// How long a fit takes on one core.
+/// The duration of a fit on one core.
 pub fn times(methods: &[Vec<Summary>]) -> String {
     let mean = |index: usize| methods.iter().map(|of_kind| of_kind[index].fit_ms).sum::<f64>() / methods.len() as f64;
     let row = |(index, method): (usize, &super::campaign::Method)| {
@@ -70,7 +70,7 @@ pub fn times(methods: &[Vec<Summary>]) -> String {
     table(&["method", "time of a fit, ms"], METHODS.iter().enumerate().map(row))
 }
 
-/// The warm-up by its length.
+/// The results of the warm-up by its length.
 pub fn lengths(lengths_min: &[f64], kinds: &[Vec<Summary>]) -> String {
     let heads: Vec<&str> = std::iter::once("ended after, min").chain(Kind::ALL.map(Kind::name)).collect();
     let row = |(index, minutes): (usize, &f64)| {
@@ -80,7 +80,7 @@ pub fn lengths(lengths_min: &[f64], kinds: &[Vec<Summary>]) -> String {
     table(&heads, lengths_min.iter().enumerate().map(row))
 }
 
-/// The warm-up by the rate random walk, beside the bound.
+/// The results of the warm-up by the rate random walk, with the bound.
 pub fn walks(factors: &[f64], summaries: &[Summary], bounds_dph: &[f64]) -> String {
     let row = |((factor, summary), bound_dph): ((&f64, &Summary), &f64)| {
         let Summary { residual_dph, shape_dph, .. } = summary;
@@ -102,7 +102,7 @@ fn with_coverage(summary: &Summary) -> String {
     format!("{:.1}{inside}", summary.residual_dph)
 }
 
-/// A goal of the project, with the measured figure.
+/// A goal of the project, with the measured result.
 pub struct Goal {
     pub what: String,
     pub goal: String,

@@ -1,4 +1,4 @@
-//! Units of four kinds, and their recordings.
+//! Simulated units of four kinds, and their recordings.
 
 use adis16130_twin::{Mean, Means, Spec, Truth, facts};
 use zerorate::temperature::Block;
@@ -24,7 +24,8 @@ impl Kind {
         }
     }
 
-    /// The unit of a seed. All have a tempco of 0.04 °/s/°C (F-05) and a self-heating of 8 °C (M-03).
+    /// The unit with this seed. All have a temperature coefficient of 0.04 °/s/°C (F-05) and self-heating of 8 °C
+    /// (M-03).
     pub fn spec(self, seed: u64, lag_s: f64) -> Spec {
         let unit = Spec::from_seed(seed);
         let linear = Spec {
@@ -44,19 +45,19 @@ impl Kind {
     }
 }
 
-/// Number of temperatures at which a method is judged, evenly over those that were seen.
+/// Number of temperatures at which methods are compared, evenly over the measured span.
 pub const TEMPS: usize = 9;
-/// Length of a mean that a recording is kept in, s.
+/// Averaging time of a recording's means, s.
 pub const MEAN_S: f64 = 0.1;
-/// Means of a block of a fit, at least: 2 s.
+/// Smallest number of means in a block of a fit: 2 s.
 const LEAST_MEANS: usize = 20;
-/// Blocks of a fit, at most, as `calibrate` has them.
+/// Largest number of blocks of a fit, as in `calibrate`.
 const MOST_BLOCKS: usize = 1600;
 
-/// A recording from power-on, and the truth at its end.
+/// A recording from power-on, and the unit's true state at its end.
 #[derive(Clone)]
 pub struct Recording {
-    /// Means over 0.1 s without a gap.
+    /// Means over 0.1 s, without gaps.
     pub means: Vec<Mean>,
     pub truth: Truth,
 }
@@ -68,7 +69,7 @@ impl Recording {
         unit.recording()
     }
 
-    /// Warm-ups of one unit that end at these times, the shortest first.
+    /// Warm-ups of one unit with these lengths, ascending.
     pub fn warm_ups(spec: &Spec, lengths_s: &[f64]) -> Vec<Self> {
         let mut unit = Unit::new(spec);
         let until = |length_s: &f64| {
@@ -78,7 +79,8 @@ impl Recording {
         lengths_s.iter().map(until).collect()
     }
 
-    /// A warm-up, and the air cooled by 8 °C and warmed again, at 1 °C/min: 20 min, 8 + 12 min, 8 + 22 min.
+    /// A warm-up, after which the air is cooled by 8 °C and warmed again at 1 °C/min: 20 min, 8 + 12 min, 8 + 22
+    /// min.
     pub fn cycle(spec: &Spec) -> Self {
         const SWING_C: f64 = 8.0;
         const SLOPE_S: f64 = 480.0;
@@ -93,7 +95,7 @@ impl Recording {
 
     /// The profile of F-57 in a chamber: 210 min between −40 and +85 °C.
     pub fn chamber(spec: &Spec) -> Self {
-        // to a temperature, °C, within so many minutes, and there for so many
+        // temperature, °C; duration of the ramp to it, min; time at it, min
         const STEPS: [(f64, f64, f64); 4] =
             [(25.0, 0.0, 5.0), (-40.0, 32.5, 30.0), (85.0, 62.5, 15.0), (25.0, 30.0, 35.0)];
         let mut unit = Unit::new(spec);
@@ -104,17 +106,17 @@ impl Recording {
         unit.recording()
     }
 
-    /// The recording in blocks, as a fit takes it.
+    /// The recording in blocks, as a fit uses it.
     pub fn blocks(&self) -> Vec<Block> {
         self.averages(self.means.len().div_ceil(MOST_BLOCKS).max(LEAST_MEANS)).collect()
     }
 
-    /// Means over this many means each.
+    /// Averages each `count` successive means.
     pub fn averages(&self, count: usize) -> impl Iterator<Item = Block> {
         self.means.chunks_exact(count).map(block)
     }
 
-    /// Lowest and highest temperature of the blocks, °C.
+    /// The lowest and the highest temperature of the blocks, °C.
     pub fn span_c(&self) -> (f64, f64) {
         let temps = self.blocks().into_iter().map(|block| block.temp_c);
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
@@ -155,7 +157,7 @@ impl Unit {
     }
 }
 
-/// The mean of means that follow each other.
+/// The mean of successive means.
 fn block(means: &[Mean]) -> Block {
     let mean = |of: fn(&Mean) -> f64| means.iter().map(of).sum::<f64>() / means.len() as f64;
     Block {

@@ -1,5 +1,5 @@
-//! AddressSanitizer in the C library and its callers, and UBSan in the callers: the examples, and a caller that calls
-//! every function with anything that the contract allows.
+//! Runs the C library with AddressSanitizer, and its callers with AddressSanitizer and UBSan: the examples, and a
+//! fuzzer that calls every function with random arguments that the contract allows.
 
 use super::{WORK, nightly};
 use anyhow::{Result, ensure};
@@ -14,7 +14,7 @@ const CLANG: Tool = Tool { program: "clang", package: "clang" };
 const CALLS: u64 = 100_000_000;
 const CALLS_QUICK: u64 = 5_000_000;
 
-/// Builds library and twin, then runs examples and fuzzed caller.
+/// Builds library and twin, then runs the examples and the fuzzer.
 pub fn run(check: bool, seed: u64) -> Result<()> {
     every_function_is_called("tests/fuzz.c")?;
     every_function_is_called("src/tests.rs")?;
@@ -32,7 +32,7 @@ pub fn run(check: bool, seed: u64) -> Result<()> {
     done(Command::new(program).args([seed, calls].map(|number| number.to_string())))
 }
 
-/// The file names each function of the header.
+/// Checks that the file calls each function of the header.
 fn every_function_is_called(caller: &str) -> Result<()> {
     let header = fs::read_to_string(Path::new(PROJECT).join("include/zerorate.h"))?;
     let calls = fs::read_to_string(Path::new(PROJECT).join(caller))?;
@@ -47,7 +47,7 @@ fn every_function_is_called(caller: &str) -> Result<()> {
     Ok(())
 }
 
-/// The library and the twin for its tests, with the sanitizer.
+/// Builds the library, and the twin for its tests, with AddressSanitizer.
 fn libraries() -> Result<[PathBuf; 2]> {
     let mut cargo = nightly::cargo("build --quiet --release --workspace", "asan");
     cargo.args(["--target", nightly::HOST, "--manifest-path"]).arg(Path::new(PROJECT).join("Cargo.toml"));

@@ -1,16 +1,17 @@
-//! Miri on the C interface, whose Rust side has all `unsafe` code that takes pointers in, and on tests of the driver
-//! and the core below it.
+//! Runs Miri on the C interface, whose Rust side has all `unsafe` code that receives pointers, and on tests of the
+//! driver and the core.
 
 use super::nightly;
 use anyhow::Result;
 use xtask::venv::done;
 
-/// As the controllers that the code is for, it has 32 bits. (For x86-64, libm has assembly, which Miri does not run.)
+/// A target with 32 bits, like the controllers that the code is for. (On x86-64, libm uses assembly, which Miri
+/// cannot run.)
 const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 
-/// The tests of `--check`.
+/// The tests with `--check`.
 const QUICK: [&str; 1] = ["--manifest-path bindings/c/Cargo.toml --package zerorate-c"];
-/// The rest: tests that take less than three minutes each. Driver and core have no `unsafe` code.
+/// Additional tests without `--check`, of less than three minutes each. Driver and core have no `unsafe` code.
 const LONG: [&str; 2] = [
     "--package adis16130 --features bridge --test driver -- asynch bridge codes diagnosis --skip a_counter_in --skip \
      every_damaged",
@@ -18,7 +19,7 @@ const LONG: [&str; 2] = [
      correction::tests::a_curve correction::tests::what",
 ];
 
-/// Runs the tests; undefined behaviour ends one with an error.
+/// Runs the tests. Undefined behaviour makes a test fail.
 pub fn run(check: bool) -> Result<()> {
     if !nightly::available("miri", "Miri") {
         return Ok(());

@@ -1,4 +1,4 @@
-//! `cargo xtask proofs`: a search for undefined behaviour and data races, by tools that watch the tests.
+//! `cargo xtask proofs`: searches for undefined behaviour and data races, with tools that watch the tests.
 
 mod asan;
 mod miri;
@@ -9,7 +9,7 @@ mod valgrind;
 use anyhow::{Context, Result};
 use std::time::Instant;
 
-/// Below the project's target folder, one folder for each part that builds in its own way.
+/// The build folder. Each part has its own folder below it.
 const WORK: &str = "target/proofs";
 
 /// Command line of `cargo xtask proofs`.
@@ -42,7 +42,7 @@ enum Part {
 const ALL: [Part; 4] = [Part::Miri, Part::Asan, Part::Tsan, Part::Valgrind];
 const QUICK: [Part; 2] = [Part::Miri, Part::Asan];
 
-/// Runs the parts. One whose tools are missing says so and passes.
+/// Runs the parts. If the tools of a part are missing, prints that and continues.
 pub fn run(args: &ProofsArgs) -> Result<()> {
     let all = if args.check { &QUICK[..] } else { &ALL };
     for part in if args.parts.is_empty() { all } else { &args.parts } {

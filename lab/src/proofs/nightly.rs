@@ -1,13 +1,14 @@
-//! The nightly toolchain, which Miri and the sanitizers of Rust need.
+//! The nightly toolchain, which Miri and Rust's sanitizers need.
 
 use super::WORK;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The target of the sanitizers. It is named, so that they do not reach build scripts.
+/// The target for the sanitizers. Because it is named explicitly, build scripts are not instrumented.
 pub const HOST: &str = "x86_64-unknown-linux-gnu";
 
-/// Whether nightly Rust with this component is installed for this computer. Else stderr says what is missing.
+/// Whether nightly Rust with this component is installed for this computer. If not, prints what is missing to
+/// stderr.
 pub fn available(component: &str, purpose: &str) -> bool {
     let list = ["+nightly", "component", "list", "--installed"];
     let list = Command::new("rustup").args(list).stderr(Stdio::null()).output();
@@ -22,8 +23,8 @@ pub fn available(component: &str, purpose: &str) -> bool {
     is_here
 }
 
-/// `cargo` of nightly Rust, with a target folder of its own, and without what the stable cargo that started this
-/// program has set.
+/// `cargo` of nightly Rust, with its own target folder, and without the environment variables of the stable cargo
+/// that started this program.
 pub fn cargo(arguments: &str, folder: &str) -> Command {
     let mut cargo = Command::new("rustup");
     cargo.args(["run", "nightly", "cargo"]).args(arguments.split(' '));

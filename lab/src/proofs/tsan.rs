@@ -1,12 +1,12 @@
-//! ThreadSanitizer on what several threads share: the hub and its queues, the readers, the chamber, the libiio server,
-//! and the server of the page.
+//! Runs ThreadSanitizer on code that several threads share: the hub and its queues, the readers, the chamber, the
+//! libiio server, and the server of the page.
 
 use super::nightly;
 use anyhow::Result;
 use xtask::venv::done;
 
-/// The program is built with the server alone, so that less is compiled. Left out are tests that read a file, since
-/// the limit on memory there leaves none for the sanitizer, and one that waits for a calibration.
+/// The program is built with the server only, to compile less. Tests that read a file are skipped, because their
+/// memory limit leaves none for the sanitizer; so is one that waits for a calibration.
 const TESTS: [&str; 2] = [
     "--package zerorate-host --lib --test hub --test iiod",
     "--package zerorate-cli --no-default-features --features serve --test cli serve:: -- --skip no_more_may_connect \
@@ -14,7 +14,7 @@ const TESTS: [&str; 2] = [
      a_part_that_is_gone --skip nobody_who_looks_on --skip is_guided_to_its_end",
 ];
 
-/// Runs the tests with a standard library of the same build; a race ends one with an error.
+/// Runs the tests, with an instrumented standard library. A data race makes a test fail.
 pub fn run() -> Result<()> {
     if !nightly::available("rust-src", "ThreadSanitizer") {
         return Ok(());

@@ -1,5 +1,5 @@
-//! valgrind on tests of the Python package that call each native function. An error counts if a frame of it lies in
-//! the extension module: Python and numpy have errors of their own, or what looks like them.
+//! Runs valgrind on tests of the Python package that call each native function. An error counts if one of its frames
+//! is in the extension module, since valgrind also reports errors in Python and numpy.
 
 use super::WORK;
 use anyhow::{Context, Result, ensure};
@@ -10,10 +10,10 @@ use xtask::venv::done;
 use xtask::wheel;
 
 const VALGRIND: Tool = Tool { program: "valgrind", package: "valgrind" };
-/// The file name of the extension module in a frame.
+/// The extension module's file name in a frame.
 const OURS: &str = "_zerorate.abi3.so";
 
-/// Runs the tests, and counts.
+/// Runs the tests and counts the errors.
 pub fn run() -> Result<()> {
     let python = match wheel::environment()? {
         Ok(python) if available(&[VALGRIND], "valgrind")? => python,
@@ -37,7 +37,8 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-/// How many errors there are, and those with a frame of ours. An error is a block of lines, and has frames.
+/// The number of errors, and the errors with a frame in our module. An error is a block of lines that contains
+/// frames.
 fn errors(log: &str) -> (usize, Vec<String>) {
     let text = |line: &str| line.split_once("== ").map_or("", |(_, text)| text).to_owned() + "\n";
     let lines: Vec<String> = log.lines().map(text).collect();

@@ -1,4 +1,4 @@
-//! Compares the guest's data with the part's, and the guest's results with the truth.
+//! Compares the guest's data with the part's data, and the guest's results with the truth.
 
 use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
@@ -12,9 +12,9 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// The data of both sides.
+/// The data from guest and part.
 pub struct RigData {
-    /// The guest's files.
+    /// The folder with the guest's files.
     pub files: PathBuf,
     pub iio: Record,
     pub spi: Record,
@@ -22,11 +22,11 @@ pub struct RigData {
     pub calibrate: Record,
     pub cut: Record,
     pub replug: Record,
-    /// The calibration of the same unit without a kernel.
+    /// The calibration of the same unit in this process, without a kernel.
     pub host: Value,
 }
 
-/// The outcome, as JSON.
+/// The results, printed as JSON.
 #[derive(Serialize)]
 pub struct Findings {
     kernel_release: String,
@@ -41,14 +41,14 @@ pub struct Findings {
     checks: Vec<Check>,
 }
 
-/// One statement that must hold.
+/// A statement, and whether it holds.
 #[derive(Serialize)]
 struct Check {
     holds: bool,
     statement: String,
 }
 
-/// The readings that the kernel's driver showed, and the readings that the part sent to it.
+/// The readings that the kernel's driver returned, and the readings that the part sent to it.
 #[derive(Serialize)]
 struct KernelDriver {
     rate_scale: String,
@@ -61,33 +61,33 @@ struct KernelDriver {
     temp_codes_part: Vec<u32>,
 }
 
-/// A capture, with the part's own account of it.
+/// A capture of the guest, compared with the part's own record.
 #[derive(Serialize)]
 struct Stream {
     samples: u64,
     rate_hz: f64,
     reads_of_part: u64,
-    /// From the first sample to the last.
+    /// Number of edges from the first sample to the last.
     edges_guest: u32,
     edges_of_part: u32,
     lost_counted: u64,
     lost_of_part: u64,
-    /// By the time between them and the clock of the part, without the first.
+    /// Number of readings that the part made after the first sample, from the time span and the part's clock.
     updates: f64,
     codes_guest: Vec<u32>,
     codes_part: Vec<u32>,
 }
 
-/// PBC and BTC as measured in the guest, in process, and in truth.
+/// PBC and BTC as measured in the guest and in this process, and the truth.
 #[derive(Serialize)]
 struct Calibration {
     guest: Value,
     in_process: Value,
     truth: Truth,
-    /// At the guest's T3, °/s.
+    /// Differences of the correction at the guest's T3, °/s.
     pbc_minus_in_process_dps: f64,
     pbc_minus_truth_dps: f64,
-    /// Half widths of the 95 % intervals of those differences.
+    /// Half widths of the 95 % intervals of those differences, °/s.
     pbc_in_process_limit_dps: f64,
     pbc_truth_limit_dps: f64,
     btc_minus_in_process_dps_per_c: f64,
@@ -96,14 +96,14 @@ struct Calibration {
     btc_truth_limit_dps_per_c: f64,
 }
 
-/// Share of the samples by which a count may differ from another. Where the guest cannot follow, its timestamps of the
-/// edges are late by as much as a period, and the driver counts by the nominal clock.
+/// Allowed difference between counts, as a share of the samples. If the guest cannot keep up, its timestamps are
+/// late by up to a period, and the driver counts by the nominal clock.
 const COUNT_TOLERANCE: f64 = 0.02;
 
 /// F-31: two conversions of 527 cycles.
 const CYCLES_OF_A_PAIR: f64 = 1054.0;
 
-/// Losses that may not be reported yet at the end of a capture, or that late timestamps hide.
+/// Number of losses that may not be reported yet at the end of a capture, or that late timestamps may hide.
 const UNREPORTED: f64 = 3.0;
 
 impl Findings {
@@ -181,14 +181,14 @@ impl Findings {
         for Check { holds, statement } in &self.checks {
             let _ = writeln!(text, "  {}  {}", if *holds { "ok  " } else { "FAIL" }, statement.trim());
         }
-        // how well the guest followed depends on what else the host does
+        // how well the guest kept up depends on the load of the host, so this is not checked
         for (name, stream) in self.slow.iter().map(|stream| ("100 Hz", stream)).chain([("1 kHz", &self.fast)]) {
             let _ = writeln!(text, "        at {name} the guest saw {}", stream.edges());
         }
         text
     }
 
-    /// An error if a statement does not hold.
+    /// Returns an error if a statement does not hold.
     pub fn verdict(&self) -> Result<()> {
         match self.checks.iter().filter(|check| !check.holds).count() {
             0 => Ok(()),
@@ -200,7 +200,7 @@ impl Findings {
 impl KernelDriver {
     fn new(files: &Files, record: &Record) -> Result<Self> {
         let (rate_codes_guest, temp_codes_guest) = (files.numbers("iio.rate")?, files.numbers("iio.temp")?);
-        // the script's readings come first, then zerorate's through the same driver
+        // the script's readings come first, then zerorate's readings through the same driver
         let first = |readings: &[RegisterReading], count: usize| readings.iter().take(count).map(|r| r.code).collect();
         Ok(Self {
             rate_scale: files.text("iio.in_anglvel_z_scale")?,
@@ -240,8 +240,8 @@ impl Stream {
         })
     }
 
-    /// Checks that must hold on the busiest host. The recorded codes are those sent, in order. No fewer losses are
-    /// counted than the part knows of. Recorded and lost samples together are all samples.
+    /// Checks that must hold however busy the host is: the recorded codes are those sent, in order; at least as many
+    /// losses are counted as the part knows of; and recorded and lost samples together are all samples.
     fn is_complete(&self) -> bool {
         let allowed = COUNT_TOLERANCE * self.updates + UNREPORTED;
         let counted = self.lost_counted as f64;

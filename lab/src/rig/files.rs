@@ -1,4 +1,4 @@
-//! The files that the guest left.
+//! Reads the files that the guest wrote.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -28,7 +28,7 @@ impl Files<'_> {
         numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
     }
 
-    /// How `zerorate` ended, with its complaint where it should have ended otherwise.
+    /// Checks the exit code of a `zerorate` run in the guest. The text includes its errors if the code is wrong.
     pub fn ending(&self, name: &str, expected: u8) -> Result<(bool, String)> {
         let ended = self.text(&format!("{name}.code"))?;
         let holds = ended == expected.to_string();
@@ -36,7 +36,8 @@ impl Files<'_> {
         Ok((holds, format!("{name}: zerorate ended with {ended} {complaint}")))
     }
 
-    /// docs/formats/capture.md: a header below comments, then the rows; `NAME_code` is an axis.
+    /// Reads a CSV capture (docs/formats/capture.md): a header after the comments, then the rows. A column
+    /// `NAME_code` is an axis.
     pub fn rows(&self, capture: &str) -> Result<Vec<GuestRow>> {
         let text = self.text(&format!("{capture}.csv"))?;
         let mut lines = text.lines().filter(|line| !line.starts_with('#'));
@@ -60,7 +61,7 @@ impl Files<'_> {
         rows.collect()
     }
 
-    /// The value of `key` in the head of a capture.
+    /// The value of `key` in the description of a capture.
     pub fn said(&self, capture: &str, key: &str) -> Result<String> {
         let text = self.text(&format!("{capture}.csv"))?;
         let start = format!("# zerorate.{key} = ");
@@ -69,7 +70,7 @@ impl Files<'_> {
     }
 }
 
-/// The adjacent items of `all` that are `wanted`; empty if there are none.
+/// The run of adjacent items in `all` whose keys are `wanted`; empty if there is none.
 pub fn run_of<'a, T, K: PartialEq>(wanted: &[K], all: &'a [T], of: impl Fn(&T) -> K) -> &'a [T] {
     let mut windows = all.windows(wanted.len().max(1));
     windows.find(|window| window.iter().zip(wanted).all(|(one, wanted)| of(one) == *wanted)).unwrap_or(&[])

@@ -1,27 +1,28 @@
-//! A gyroscope that is a HID sensor, for the guest. `gyro RECORD` makes it through `/dev/uhid`, and records what it
-//! sends.
+//! A simulated gyroscope for the guest that is a HID sensor. `gyro RECORD` creates it through `/dev/uhid`, and
+//! records what it sends.
 //!
-//! It is compiled by itself, statically, with the standard library alone, because the guest has no other library.
+//! This file is compiled separately, statically, with only the standard library, because the guest has no other
+//! libraries.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// Time from one reading to the next.
+/// Period of the readings.
 const PERIOD: Duration = Duration::from_millis(10);
-/// A reading that is later than this is not sent. A receiver can therefore tell from the times of two readings how
-/// many are missing between them.
+/// A reading that is later than this is not sent. Therefore a receiver can compute from the times of two readings
+/// how many are missing between them.
 const LATEST: Duration = Duration::from_millis(4);
-/// Readings in a group, of which the last few are never sent.
+/// Number of readings in a group. The last few of a group are never sent.
 const BLOCK: u32 = 50;
 const WITHHELD: u32 = 4;
 
-/// Number of its only report of each kind.
+/// The number of the only report of each type.
 const REPORT: u8 = 1;
-/// The state that the kernel's driver writes to get readings: "all events" in the descriptor.
+/// The reporting state that the kernel's driver sets to get readings: "all events" in the descriptor.
 const ALL_EVENTS: u8 = 2;
 
-/// HID Usage Tables, page 0x20 (sensors). The fields of a report stand in the order of [`Gyro::feature`] and of
-/// [`report`].
+/// The report descriptor, with HID Usage Tables, page 0x20 (sensors). The fields of a report are in the order of
+/// [`Gyro::feature`] and of [`report`].
 const DESCRIPTOR: &[u8] = &[
     0x05, 0x20, // usage page: sensors
     0x09, 0x76, // usage: gyrometer 3D
@@ -62,7 +63,7 @@ const DESCRIPTOR: &[u8] = &[
     0xC0, //
 ];
 
-/// The kinds of events of linux/uhid.h that are used.
+/// The event types of linux/uhid.h that are used.
 mod kind {
     pub const GET_REPORT: u32 = 9;
     pub const GET_REPORT_REPLY: u32 = 10;
@@ -72,7 +73,7 @@ mod kind {
     pub const SET_REPORT_REPLY: u32 = 14;
 }
 
-/// Its UHID_FEATURE_REPORT; of the other kinds there are only input reports.
+/// UHID_FEATURE_REPORT. All other types in use are input reports.
 const FEATURE: u8 = 0;
 /// `BUS_VIRTUAL`.
 const BUS: u16 = 6;
@@ -81,7 +82,7 @@ struct Gyro<K, R> {
     kernel: K,
     record: R,
     started: Instant,
-    /// Report id, reporting state, power state, interval.
+    /// The feature report: report id, reporting state, power state, interval.
     feature: [u8; 7],
     /// Number of the newest reading.
     newest: u32,
@@ -107,13 +108,13 @@ impl<K: Write, R: Write> Gyro<K, R> {
         self.kernel.write_all(&[&kind.to_ne_bytes()[..], &what.concat()].concat())
     }
 
-    /// Answers a request of the kernel.
+    /// Handles a request of the kernel.
     fn hear(&mut self, event: &[u8]) -> io::Result<()> {
         let (Some((kind, rest)), no_error) = (event.split_first_chunk::<4>(), 0u16.to_ne_bytes()) else {
             return Ok(());
         };
         match (u32::from_ne_bytes(*kind), rest) {
-            // id, report, kind of report
+            // id, report number, report type
             (kind::GET_REPORT, [a, b, c, d, _, FEATURE, ..]) => {
                 let feature = self.feature;
                 let size = (feature.len() as u16).to_ne_bytes();
@@ -125,7 +126,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
                 let id = [*a, *b, *c, *d];
                 self.recorded(true, |gyro| gyro.tell(kind::GET_REPORT_REPLY, &[&id, &no_error, &size, &data]))
             }
-            // id, report, kind of report, size, data
+            // id, report number, report type, size, data
             (kind::SET_REPORT, [a, b, c, d, _, _, _, _, data @ ..]) => {
                 let length = self.feature.len();
                 if let Some(feature) = data.get(..length) {
@@ -137,7 +138,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
         }
     }
 
-    /// Sends this reading, unless it is too late, nobody wants it, or it is one of those that are withheld.
+    /// Sends a reading, unless it is too late, readings are not requested, or it is one of those that are withheld.
     fn send(&mut self, number: u32) -> io::Result<()> {
         if self.started.elapsed() > PERIOD * number + LATEST {
             return Ok(());
@@ -151,7 +152,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
         self.recorded(false, |gyro| gyro.tell(kind::INPUT2, &[&size, &data]))
     }
 
-    /// Writes down the newest reading, and between which times it was handed over.
+    /// Hands over the newest reading, and records it with the times before and after.
     fn recorded(&mut self, asked: bool, hand_over: impl FnOnce(&mut Self) -> io::Result<()>) -> io::Result<()> {
         let before_ns = self.started.elapsed().as_nanos();
         hand_over(self)?;
@@ -161,13 +162,13 @@ impl<K: Write, R: Write> Gyro<K, R> {
     }
 }
 
-/// Codes of this reading about x, y and z. They differ for 65536 readings in a row, over all 16 bits.
+/// The codes of a reading about x, y and z. 65536 successive readings have different codes, which use all 16 bits.
 fn codes(number: u32) -> [i16; 3] {
     [(25_173, 13_849), (-20_021, 4_711), (9_377, -30_011)]
         .map(|(factor, first): (i32, i32)| factor.wrapping_mul(number as i32).wrapping_add(first) as i16)
 }
 
-/// Report id, state "ready", event "state changed", and the codes.
+/// The input report: report id, state "ready", event "state changed", and the codes.
 fn report(number: u32) -> Vec<u8> {
     let [x, y, z] = codes(number).map(i16::to_le_bytes);
     [&[REPORT, 2, 2][..], &x, &y, &z].concat()
@@ -180,7 +181,7 @@ fn main() -> io::Result<()> {
     use std::sync::{Arc, Mutex, PoisonError};
     use std::thread;
 
-    /// Bytes of the largest event.
+    /// Size of the largest event, bytes.
     const EVENT: usize = 4376;
 
     let record = std::env::args().nth(1).ok_or_else(|| io::Error::other("gyro RECORD"))?;

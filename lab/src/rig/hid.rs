@@ -1,4 +1,5 @@
-//! Compares the program's data with a gyroscope of another kind, read through the kernel's HID driver.
+//! Compares the program's captures with the readings of the HID gyroscope, which it reads through the kernel's HID
+//! driver.
 
 use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};
@@ -6,31 +7,31 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Captures through the buffer: one of the requested length, one until silence, one until unplugged.
+/// The captures through the kernel's buffer: one of the requested length, one until silence, one until unplugged.
 const BUFFERED: [&str; 3] = ["hid", "hidsilent", "hidcut"];
-/// All captures of this gyroscope.
+/// All captures of the HID gyroscope.
 pub const CAPTURES: [&str; 4] = ["hid", "hidsilent", "hidcut", "hidpolled"];
 
-/// Its properties, from `gyro.rs`: 0.01 °/s, 100 Hz.
+/// Attributes that the kernel must show, from the properties in `gyro.rs`: 0.01 °/s, 100 Hz.
 const ATTRIBUTES: [(&str, &str); 5] = [
     ("name", "gyro_3d"),
-    // 0.01 π/180 rad/s, in whole nano
+    // 0.01 π/180 rad/s, truncated to nine decimals
     ("in_anglvel_scale", "0.000174532"),
     ("in_anglvel_offset", "0"),
     ("in_anglvel_sampling_frequency", "100.000000"),
     ("in_anglvel_z_type", "le:s16/32>>0"),
 ];
 const RATE_HZ: f64 = 100.0;
-/// The kernel's scale, in codes per °/s.
+/// The kernel's scale in codes per °/s.
 const LSB_PER_DPS: f64 = 0.017_453_292_519_943_295 / 0.000_174_532;
 
-/// Share of the readings whose losses may be counted wrongly: a host that stops the machine makes their times late.
+/// Share of the readings whose losses may be miscounted, because a host that pauses the machine delays their times.
 const TOLERANCE: f64 = 0.02;
 const TOLERANCE_READINGS: f64 = 3.0;
-/// A capture shorter than this has not shown that losses are counted: of 50 readings 4 are withheld.
+/// Smallest number of losses in a capture that shows that losses are counted: 4 of 50 readings are withheld.
 const ENOUGH_LOST: u64 = 4;
 
-/// The outcome, as JSON.
+/// The results, printed as JSON.
 #[derive(Serialize)]
 pub struct Hid {
     buffered: Vec<Stream>,
@@ -38,35 +39,35 @@ pub struct Hid {
     probe: Value,
 }
 
-/// A reading that it handed over.
+/// A reading that the gyroscope sent.
 struct HidReading {
     number: u32,
     codes: Vec<i64>,
-    /// Its own clock, before and after.
+    /// The gyroscope's clock before and after sending, ns.
     between_ns: (i64, i64),
-    /// Sent on demand, and not by itself.
+    /// Whether the reading was sent on request.
     asked: bool,
 }
 
-/// A capture through the buffer.
+/// The comparison of a capture through the buffer.
 #[derive(Serialize)]
 struct Stream {
     name: &'static str,
     samples: usize,
-    /// Whether they are the readings that it sent, in order.
+    /// Whether the samples are the readings that were sent, in order.
     are_those_sent: bool,
-    /// Offset between both clocks: the least that fits all times, and the most.
+    /// The smallest and the largest offset between both clocks that fits all times, ns.
     offset_ns: (i64, i64),
     lost_counted: u64,
     lost_in_truth: u64,
-    /// Readings whose own losses are not those counted.
+    /// Number of readings whose own count of losses is wrong.
     miscounted: usize,
 }
 
 #[derive(Serialize)]
 struct HidSummary {
     samples: usize,
-    /// Axes whose codes it sent, none older than the one before.
+    /// Number of axes whose codes were sent and never go back in time.
     axes_in_order: usize,
 }
 
@@ -154,7 +155,7 @@ impl Stream {
         let pairs = || rows.iter().zip(sent);
         let before = |(row, sent): (&GuestRow, &&HidReading)| row.t_ns as i64 - sent.between_ns.1;
         let after = |(row, sent): (&GuestRow, &&HidReading)| row.t_ns as i64 - sent.between_ns.0;
-        // the kernel's time of a reading lies between when it was handed over and when that was done
+        // the kernel's time of a reading is between the times before and after sending it
         let offset_ns = (pairs().map(before).max().unwrap_or(0), pairs().map(after).min().unwrap_or(0));
         let missing = sent.windows(2).map(|two| u64::from(two[1].number - two[0].number - 1));
         let counted = rows.iter().skip(1).map(|row| row.lost);
@@ -191,7 +192,7 @@ impl Stream {
 impl HidSummary {
     fn new(rows: &[GuestRow], sent: &[HidReading]) -> Self {
         let in_order = |axis: &usize| {
-            // a code stands for one reading only (`gyro.rs`)
+            // each code belongs to a single reading (`gyro.rs`)
             let number: HashMap<i64, u32> = sent.iter().map(|sent| (sent.codes[*axis], sent.number)).collect();
             let numbers: Option<Vec<u32>> =
                 rows.iter().map(|row| number.get(row.codes.get(*axis)?).copied()).collect();

@@ -1,5 +1,5 @@
-//! The guest's file system: busybox, the kernel's modules, the program with its libraries, the gyroscope of another
-//! kind, and the script.
+//! Builds the guest's file system: busybox, the kernel's modules, the program with its libraries, the HID gyroscope,
+//! and the script.
 
 use super::kernel::Kernel;
 use crate::venv::{done, printed};
@@ -13,12 +13,12 @@ const MODULES: [&str; 8] =
     ["xhci_pci", "usb_ljca", "spi_ljca", "gpio_ljca", "adis16130", "uhid", "hid_sensor_hub", "hid_sensor_gyro_3d"];
 const SCRIPT: &str = include_str!("guest.sh");
 const GYRO: &str = include_str!("gyro.rs");
-/// The file of the part, with properties that its driver does not state.
+/// The part file of the HID gyroscope, with properties that its driver does not state.
 const GYRO_PART: &str = include_str!("gyro.toml");
-/// The script's settings stand before this line of it.
+/// The first line of the script. The settings are inserted after it.
 const FIRST_LINE: &str = "#!/bin/busybox sh\n";
 
-/// Builds the file system below `folder` around `program`; `settings` are shell variables of the script.
+/// Builds the file system in `folder`, with `program` in it. `settings` become shell variables of the script.
 pub fn build(folder: &Path, kernel: &Kernel, program: &Path, settings: &[(&str, &str)]) -> Result<PathBuf> {
     let root = folder.join("root");
     if root.exists() {
@@ -41,7 +41,7 @@ pub fn build(folder: &Path, kernel: &Kernel, program: &Path, settings: &[(&str, 
     pack(&root, &folder.join("initramfs"))
 }
 
-/// Compiles the gyroscope, without the libraries of this host.
+/// Compiles the HID gyroscope statically.
 fn gyro(folder: &Path) -> Result<PathBuf> {
     let (source, program) = (folder.join("gyro.rs"), folder.join("gyro"));
     fs::write(&source, GYRO)?;
@@ -51,7 +51,7 @@ fn gyro(folder: &Path) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Copies a program, and its libraries to where it looks for them. A static program has none.
+/// Copies a program and its shared libraries to the same paths. A static program has none.
 fn add_program(root: &Path, program: &Path, name: &str) -> Result<()> {
     fs::copy(program, root.join("bin").join(name)).with_context(|| format!("copying {}", program.display()))?;
     let libraries = Command::new("ldd").arg(program).stderr(Stdio::null()).output()?;

@@ -1,4 +1,4 @@
-//! Debian's stock kernel, unpacked as data: nothing of it is installed.
+//! Debian's stock kernel. Its package is only unpacked, not installed.
 
 use crate::tools::is_root;
 use crate::venv::{done, printed};
@@ -7,8 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The meta package whose dependency is the kernel: 6.12 is the first with drivers for the adapter, and Debian 12
-/// carries it.
+/// The meta package that depends on the kernel. 6.12 is the first version with drivers for the USB adapter, and
+/// Debian 12 provides it.
 const META: &str = "linux-image-6.12-amd64";
 
 /// An unpacked kernel package.
@@ -34,12 +34,12 @@ impl Kernel {
         Ok(Self { tree, release })
     }
 
-    /// The kernel itself.
+    /// The path of the kernel image.
     pub fn image(&self) -> PathBuf {
         self.tree.join("boot").join(format!("vmlinuz-{}", self.release))
     }
 
-    /// The files of `modules` and of all they need, in the order in which they load.
+    /// The files of `modules` and of all modules that they need, in loading order.
     pub fn module_files(&self, modules: &[&str]) -> Result<Vec<PathBuf>> {
         let mut files = Vec::new();
         for module in modules {

@@ -1,4 +1,4 @@
-//! The virtual machine: QEMU with a USB socket, and its console.
+//! The virtual machine: QEMU with a USB redirection socket, and its console.
 
 use super::kernel::Kernel;
 use super::preferred;
@@ -13,7 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 const SSDT: &str = include_str!("part.dsl");
-/// How the script marks its lines on the console.
+/// The mark at the start of the script's lines on the console.
 const MARK: &str = "RIG ";
 
 pub struct Machine {
@@ -26,7 +26,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Boots `kernel` with this file system; the part is plugged in at `socket`.
+    /// Boots `kernel` with this file system. Parts are plugged in through `socket`.
     pub fn boot(folder: &Path, kernel: &Kernel, initramfs: &Path, socket: &Path) -> Result<Self> {
         let archive = folder.join("out.tar");
         let ssdt = folder.join("part");
@@ -65,7 +65,7 @@ impl Machine {
         Ok(Self { qemu, console, seen: Vec::new(), started: Instant::now(), archive })
     }
 
-    /// Waits until the script says `text`, for at most `limit`.
+    /// Waits until the script prints `text`, for `limit` at most.
     pub fn until(&mut self, text: &str, limit: Duration) -> Result<()> {
         let deadline = Instant::now() + limit;
         loop {
@@ -93,7 +93,7 @@ impl Machine {
         }
     }
 
-    /// Waits for the end and unpacks the guest's files to `folder`.
+    /// Waits for the machine to end, and unpacks the guest's files to `folder`.
     pub fn files(mut self, folder: &Path) -> Result<()> {
         self.qemu.wait()?;
         fs::create_dir_all(folder)?;
@@ -108,7 +108,7 @@ impl Machine {
 
 impl Drop for Machine {
     fn drop(&mut self) {
-        // it has ended already unless something failed
+        // it has already ended, unless something failed
         let _ = self.qemu.kill();
         let _ = self.qemu.wait();
     }

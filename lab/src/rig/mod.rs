@@ -1,9 +1,9 @@
-//! `cargo xtask rig`: a stock Linux kernel in QEMU, and the twin as hardware on its USB port.
+//! `cargo xtask rig`: tests the program on a stock Linux kernel in QEMU, with the twin as hardware on its USB port.
 //!
-//! The guest has three files of ours: the program under test, a shell script, and a gyroscope of another kind that the
-//! kernel takes for a HID sensor (`gyro.rs`). The kernel is not patched. Its own ADIS16130 driver reads the part, and
-//! its driver for HID gyroscopes reads the other one. Then the program reads the part over spidev and the GPIO chip.
-//! All readings must be those that part and gyroscope sent.
+//! The guest contains three files of ours: the program under test, a shell script, and a simulated HID gyroscope
+//! (`gyro.rs`). The kernel is not patched. Its own ADIS16130 driver reads the part, and its driver for HID
+//! gyroscopes reads the other one. Then the program reads the part over spidev and the GPIO chip. All readings must
+//! equal those that part and gyroscope sent.
 
 mod checks;
 mod files;
@@ -38,22 +38,23 @@ const TOOLS: [Tool; 8] = [
     Tool { program: "strip", package: "binutils" },
 ];
 
-/// MCLK with which every edge reaches the guest: 1054 cycles make a pair (F-31), so 99.6 pairs a second. Not 100, of
-/// which the resonance (F-07) is a multiple: sampling would turn it into a bias.
+/// MCLK at which every edge reaches the guest: a pair takes 1054 cycles (F-31), so there are 99.6 pairs a second. It
+/// is not 100, because the resonance (F-07) is a multiple of 100 Hz and would be aliased to a bias.
 const SLOW_HZ: &str = "105000";
-/// MCLK at which the guest cannot follow: 996 pairs a second.
+/// MCLK at which the guest cannot keep up: 996 pairs a second.
 const FAST_HZ: &str = "1050000";
-/// A calibration that a quick part allows, and that a busy host cannot spoil: means have no need of all samples.
+/// A short calibration that a busy host cannot disturb, because its means do not need all samples.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05 --max-lost 0.95";
-/// Self-heating that fits that calibration (M-03 is 600 s). The capacitor of F-04 keeps noise from folding in at 100
-/// Hz.
+/// Time constant of the self-heating for that calibration, s (M-03 is 600 s). The capacitor of F-04 prevents the
+/// aliasing of noise at 100 Hz.
 const WARMUP_S: &str = "20";
-/// Captures at the slow rate: now and then a host stops the whole machine for longer than a period.
+/// The captures at the slow rate. There are several, because a host may pause the whole machine for longer than a
+/// period.
 const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];
-/// No step of the guest takes longer.
+/// Time limit for each step of the guest.
 const LIMIT: Duration = Duration::from_secs(150);
 
-/// Runs the rig, or says why it cannot.
+/// Runs the rig, or prints why it cannot.
 pub fn run(args: &ProgramArgs) -> Result<()> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !Path::new("/etc/debian_version").exists() {
         eprintln!("SKIPPED: the rig needs Debian on x86-64, whose kernel it boots");
@@ -76,7 +77,8 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     findings.verdict()
 }
 
-/// Boots the guest, plugs in one part after the other as its script asks for them, and collects what both sides saw.
+/// Boots the guest, plugs in one part after the other when its script asks for it, and collects the data of both
+/// sides.
 fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<RigData> {
     let run = folder.join("run");
     if run.exists() {
@@ -122,7 +124,7 @@ fn as_csv(program: &Path, files: &Path, capture: &str) -> Result<()> {
     Ok(())
 }
 
-/// The same unit, calibrated by the same plan with no kernel and no bus between.
+/// Calibrates the same unit by the same plan in this process, without kernel and bus.
 fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value> {
     let mut command = Command::new(program);
     command
@@ -134,7 +136,8 @@ fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value>
     serde_json::from_slice(&output.stdout).context("the in-process calibration")
 }
 
-/// A command with priority over others, where that is allowed. A process that keeps time must not wait for a compiler.
+/// A command with a higher priority, if that is allowed. A process with real-time behaviour must not wait for a
+/// compiler.
 fn preferred(program: &Path) -> Command {
     if !is_root() {
         return Command::new(program);

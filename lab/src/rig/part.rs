@@ -1,4 +1,4 @@
-//! The twin as hardware, and its record of the bus.
+//! The twin as USB hardware, and its record of the bus.
 
 use super::preferred;
 use crate::twin_usb::Summary;
@@ -7,24 +7,24 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// A plugged-in part: `cargo xtask twin-usb`.
+/// A plugged-in part: a running `cargo xtask twin-usb`.
 pub struct UsbTwin {
     process: Child,
     summary: PathBuf,
     wire: PathBuf,
 }
 
-/// A data register that was read, as it went over the wire.
+/// A read of a data register, as recorded on the wire.
 #[derive(Clone, Copy, Debug)]
 pub struct RegisterReading {
     pub code: u32,
-    /// Rate readings that were lost before it since power-on.
+    /// Number of rate readings since power-on that were lost before it.
     pub lost_rate: u64,
-    /// Falling edges of RDY before it since power-on.
+    /// Number of falling edges of RDY since power-on before it.
     pub edges: u32,
 }
 
-/// The part's whole record of its time on the bus.
+/// The part's record of all transfers on the bus.
 pub struct Record {
     pub summary: Summary,
     pub rates: Vec<RegisterReading>,
@@ -32,7 +32,7 @@ pub struct Record {
 }
 
 impl UsbTwin {
-    /// Switches a part on and plugs it in. Its files below `folder` are called `name`.
+    /// Switches a part on and plugs it in. `name` is the name of its files in `folder`.
     pub fn plug(folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
         let summary = folder.join(format!("{name}.part.json"));
         let wire = folder.join(format!("{name}.wire.csv"));
@@ -43,7 +43,7 @@ impl UsbTwin {
         Ok(Self { process, summary, wire })
     }
 
-    /// Pulls the cable, and reads what the part recorded.
+    /// Unplugs the part, and returns its record.
     pub fn unplug(mut self) -> Result<Record> {
         let _ = Command::new("sh").arg("-c").arg(format!("kill -TERM {}", self.process.id())).status();
         let status = self.process.wait()?;
@@ -56,13 +56,14 @@ impl UsbTwin {
 
 impl Drop for UsbTwin {
     fn drop(&mut self) {
-        // it has ended already unless something failed
+        // it has already ended, unless something failed
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
 }
 
-/// The 24-bit reads with this COM byte (F-24) in a log of the wire: t_ns,mosi,miso,lost_rate,edges.
+/// The 24-bit reads with this COM byte (F-24) in a log of the wire, whose columns are
+/// t_ns,mosi,miso,lost_rate,edges.
 fn reads(wire: &str, com: &str) -> Vec<RegisterReading> {
     let frame = |line: &str| {
         let mut fields = line.split(',').skip(1);

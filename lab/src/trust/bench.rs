@@ -7,32 +7,32 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// A calibration in 205 s of part time, whose poor BTC is accepted.
+/// A calibration of 205 s of the part's time, whose poor BTC is accepted.
 pub const SHORT: [&str; 10] =
     ["--average", "2s", "--warmup", "60s", "--settle", "120s", "--offset", "20s", "--max-u-btc", "0.2"];
-/// Its part time, s.
+/// Duration of that calibration in the part's time, s.
 pub const SHORT_S: f64 = 205.0;
 
-/// The program, and a folder with files that no run changes.
+/// The program, and a folder with input files that no run changes.
 pub struct Bench {
     pub program: PathBuf,
     folder: Folder,
-    /// The output of `correct` for the whole recording `rest`, in any form.
+    /// The output of `correct` for the undamaged recording `rest`, the same for every format.
     pub rest: CorrectedOutput,
 }
 
 pub struct CorrectedOutput {
-    /// Its rows, without metadata.
+    /// The rows without metadata.
     pub rows: String,
-    /// Lines on stderr with it.
+    /// Number of lines on stderr.
     pub words: usize,
 }
 
-/// A folder below `target/` that is removed with its owner.
+/// A folder below `target/` that is removed on drop.
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// Makes an empty folder; no two have the same name.
+    /// Makes an empty folder for this process.
     pub fn new(name: &str) -> Result<Self> {
         let path = std::path::absolute(Path::new("target/trust").join(format!("{}-{name}", std::process::id())))?;
         std::fs::create_dir_all(&path).with_context(|| path.display().to_string())?;
@@ -58,12 +58,12 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // a folder that stays is only untidy
+        // a folder that remains does no harm
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// How a run of the program ended.
+/// The result of running the program.
 pub struct Run {
     pub code: Option<i32>,
     pub stdout: String,
@@ -82,7 +82,7 @@ impl Run {
         serde_json::from_str(&self.stdout).with_context(|| format!("no JSON: {:?}", self.stdout))
     }
 
-    /// The last line of stderr, without its numbers and paths, so that the same complaint reads the same.
+    /// The last line of stderr, with placeholders for numbers and paths, so that equal errors have equal texts.
     pub fn complaint(&self) -> String {
         let line = self.stderr.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("nothing on stderr");
         let words: Vec<&str> = line.split(' ').map(|word| if word.starts_with('/') { "FILE" } else { word }).collect();
@@ -93,7 +93,7 @@ impl Run {
         causes.iter().any(|cause| self.stderr.contains(cause) || self.stdout.contains(cause))
     }
 
-    /// The verdict on a run that failed in an orderly way.
+    /// The verdict on a run that must end with an error. It must name one of the `causes`.
     pub fn refusal(&self, causes: &[&str]) -> super::Verdict {
         match self.code {
             Some(1 | 3) if self.says(causes) => super::Verdict::Refused,
@@ -118,7 +118,7 @@ impl Bench {
         Ok(bench)
     }
 
-    /// Runs `correct`; its rows, without metadata.
+    /// Runs `correct`. Also returns its rows, without metadata.
     pub fn corrected(&self, capture: &str, output: &str) -> Result<(Run, String)> {
         let run = self.run(&["correct", capture, "--cal", &self.file("unit.toml"), "-o", output])?;
         let text = std::fs::read_to_string(output).unwrap_or_default();
@@ -126,7 +126,7 @@ impl Bench {
         Ok((run, rows.join("\n")))
     }
 
-    /// A file that all runs may read.
+    /// The path of an input file for all runs.
     pub fn file(&self, name: &str) -> String {
         self.folder.file(name)
     }
@@ -141,7 +141,7 @@ impl Bench {
         Ok(self.command(args).output().with_context(|| self.program.display().to_string())?.into())
     }
 
-    /// Runs the program, which has to succeed.
+    /// Runs the program. Returns an error unless it succeeds.
     pub fn must(&self, args: &[&str]) -> Result<Run> {
         let run = self.run(args)?;
         ensure!(run.code == Some(0), "{args:?} ended with {:?}: {}", run.code, run.stderr);
@@ -149,7 +149,7 @@ impl Bench {
     }
 }
 
-/// The random numbers of a run.
+/// The random generator of a run, from the name of the class and the seed.
 pub fn random(class: &str, seed: u64) -> StdRng {
     let salt = class
         .bytes()

@@ -1,4 +1,5 @@
-//! The part breaks at a random moment of a recording. It is compared with one of the same unit without the fault.
+//! The part fails at a random moment of a recording. The recording is compared with one of the same unit without the
+//! fault.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::faults::{Fault, fault_of};
@@ -23,9 +24,9 @@ pub const CLASSES: &[Class] = &[
     class("capture unplug", "the cable is pulled"),
 ];
 
-/// How long is recorded, s of part time.
+/// Duration of the recording in the part's time, s.
 const LENGTH_S: f64 = 6.0;
-/// A rate that is off by more than this, 5 °/s (F-40), must be flagged.
+/// A rate with a larger error than this, 5 °/s (F-40), must be flagged.
 const WRONG_CODES: i64 = 5 * 23_488;
 
 /// A row of a capture, or of a corrected one.
@@ -59,13 +60,13 @@ fn capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Whether a warning came with the recording.
+/// Whether there were warnings about the recording.
 fn telling(run: &Run) -> bool {
     run.json().is_ok_and(|summary| summary["warnings"].as_array().is_some_and(|warnings| !warnings.is_empty()))
 }
 
-/// The first error in `rows`, if any: a code that the part did not measure and nobody flagged, or a loss that was not
-/// counted.
+/// The first error in `rows`, if any: a code that the part did not measure and that was not flagged, or a loss that
+/// was not counted.
 fn compare(rows: &BTreeMap<u64, CheckedRow>, clean: &BTreeMap<u64, CheckedRow>) -> Option<String> {
     for (t_ns, row) in rows {
         let Some(true_row) = clean.get(t_ns) else { continue };
@@ -81,7 +82,7 @@ fn compare(rows: &BTreeMap<u64, CheckedRow>, clean: &BTreeMap<u64, CheckedRow>) 
         .then(|| format!("{known} samples were converted, {} recorded, and the others not counted", rows.len()))
 }
 
-/// The rows by their time.
+/// The rows of a CSV capture, by their time.
 fn rows(file: &str) -> Result<BTreeMap<u64, CheckedRow>> {
     let text = fs::read_to_string(file).with_context(|| file.to_owned())?;
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));

@@ -1,4 +1,4 @@
-//! A chamber fails at a random moment of a measurement, or the state from which a program goes on is edited.
+//! A chamber fails at a random moment of a measurement, or the saved state of an interrupted measurement is edited.
 
 use super::bench::{Bench, Folder, random};
 use super::faults::WRONG_U;
@@ -33,18 +33,19 @@ pub const CLASSES: &[Class] = &[
     },
 ];
 
-/// A unit that warms itself in a minute, and two soak points in part time of four minutes.
+/// A unit whose self-heating has a time constant of 10 s, and a plan with two soak points: four minutes of the
+/// part's time.
 const UNIT: &str = "warmup_s=10";
 const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
-/// About the number of readings in a measurement.
+/// Approximate number of chamber readings in a measurement.
 const READINGS: usize = 250;
-/// No run takes longer, even on a busy machine.
+/// Time limit of a run, even on a busy machine.
 const MOST: Duration = Duration::from_secs(120);
-/// How the program is asked to end, if it is asked from outside.
+/// The signals that are sent to end the program.
 const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
 
-/// Checks that the chamber is safe at the end, or that the last line says that nobody knows.
+/// Checks that the chamber is at its safe temperature at the end, or that the last line says that this is unknown.
 fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let mut random = random(class, seed);
     let fault = FAULTS[random.random_range(0..FAULTS.len())];
@@ -91,7 +92,7 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Waits until the condition holds, the program has ended, or it should have ended.
+/// Waits until the condition is true, the program has ended, or the time limit is over.
 fn wait_for(child: &mut Child, is_so: impl Fn() -> bool) -> Result<()> {
     let until = Instant::now() + MOST;
     while !is_so() && child.try_wait()?.is_none() && Instant::now() < until {
@@ -100,7 +101,7 @@ fn wait_for(child: &mut Child, is_so: impl Fn() -> bool) -> Result<()> {
     Ok(())
 }
 
-/// By how many of its uncertainties the curve of a result is off another, at the worst temperature.
+/// The largest difference between the curves of two results, in multiples of the result's uncertainty.
 fn off_u(other: &Value, result: &Value) -> Result<f64> {
     let number = |value: &Value| value.as_f64().context("a number");
     let (curve, other) = (&result["curve"], &other["curve"]);
@@ -113,13 +114,14 @@ fn off_u(other: &Value, result: &Value) -> Result<f64> {
     Ok(worst)
 }
 
-/// An interrupted measurement, and its result if nobody edits it.
+/// The saved state of an interrupted measurement, and its result if the state is not edited.
 struct InterruptedRun {
     state: String,
     result: Value,
 }
 
-/// The cable is pulled in the second step, and holds for long enough when the measurement goes on.
+/// The arguments of the measurement. The part is unplugged in the second step; after resuming, the measurement ends
+/// before that time.
 fn going_on<'a>(plan: &'a str, output: &'a str) -> [&'a str; 11] {
     const DEVICE: &str = "twin:seed=4,warmup_s=10,fault=unplug,fault_at_s=220";
     ["chamber", plan, "--device", DEVICE, "--divider", "50", "--chamber", "sim:lag_s=15", "--json", "-o", output]
@@ -139,7 +141,7 @@ fn interrupted(bench: &Bench) -> Result<&'static InterruptedRun> {
     Ok(INTERRUPTED.get_or_init(|| InterruptedRun { state, result }))
 }
 
-/// Replaces one digit by another.
+/// Replaces one random digit by another.
 pub fn with_another_digit(text: &str, random: &mut StdRng) -> String {
     let digits: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| b.is_ascii_digit()).map(|(at, _)| at).collect();
     let at = digits[random.random_range(0..digits.len())];

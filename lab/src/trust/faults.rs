@@ -1,4 +1,4 @@
-//! The part breaks at a random moment of a calibration.
+//! The part fails at a random moment of a calibration.
 
 use super::bench::{Bench, Folder, Run, SHORT, SHORT_S, random};
 use super::{Class, Verdict};
@@ -6,12 +6,12 @@ use anyhow::{Context, Result};
 use rand::RngExt;
 use serde_json::Value;
 
-/// A fault of the twin, and the words by which a user finds it.
+/// A fault of the twin, with the texts by which a user can recognise it.
 pub struct Fault {
     pub name: &'static str,
-    /// Further keys of the twin.
+    /// Additional keys of the twin.
     pub keys: &'static str,
-    /// One of these names the true cause.
+    /// Texts of the true cause. The error must contain one of them.
     pub causes: &'static [&'static str],
 }
 
@@ -27,7 +27,7 @@ pub const FAULTS: [Fault; 9] = [
     Fault { name: "none", keys: "", causes: &[] },
 ];
 
-/// The fault that the last word of a class name names.
+/// The fault whose name is the last word of a class's name.
 pub fn fault_of(class: &str) -> Result<&'static Fault> {
     let name = class.rsplit(' ').next().unwrap_or_default();
     FAULTS.iter().find(|fault| fault.name == name).with_context(|| format!("no fault {name}"))
@@ -49,7 +49,8 @@ pub const CLASSES: &[Class] = &[
     class("calibrate unplug", "the cable is pulled"),
 ];
 
-/// A result is wrong beyond this many of its standard uncertainties: 1 of 16 000 if all is well.
+/// A result is wrong if its error exceeds this many standard uncertainties. Without a fault, 1 of 16 000 results is
+/// wrong.
 pub const WRONG_U: f64 = 4.0;
 
 fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -70,7 +71,7 @@ fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Warnings that say nothing about this measurement.
+/// Warnings that do not count, because every result here has them.
 const ALWAYS: [&str; 2] = ["short-average", "lost-samples"];
 
 /// Compares a calibration with the twin's truth.

@@ -1,4 +1,4 @@
-//! Files on disk are damaged: a bit flips, the end is missing, a stretch is gone or comes twice.
+//! Damaged files: a bit is flipped, the end is missing, or a range is removed or repeated.
 
 use super::bench::{Bench, Folder, random};
 use super::chamber::with_another_digit;
@@ -67,7 +67,7 @@ fn twice(whole: &[u8], again: Range<usize>) -> Vec<u8> {
     [&whole[..again.end], &whole[again.start..]].concat()
 }
 
-/// Some bytes, or in text some whole lines.
+/// A random range of bytes, or of whole lines in a CSV file.
 fn stretch(whole: &[u8], form: &str, random: &mut StdRng) -> Range<usize> {
     let (a, b) = (random.random_range(0..whole.len()), random.random_range(0..whole.len()));
     let line = |at: usize| whole[..at].iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
@@ -75,7 +75,7 @@ fn stretch(whole: &[u8], form: &str, random: &mut StdRng) -> Range<usize> {
     a.min(b)..a.max(b)
 }
 
-/// A capture may be read as it was, be refused, or be read in part with a warning.
+/// The verdict on a damaged capture. It may be read unchanged, be refused, or be read partially with a warning.
 fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     let verify = bench.run(&["verify", file])?;
     if let Some(wrong) = believed(bench, file)? {
@@ -88,14 +88,15 @@ fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// The output of `correct` without a warning, if it differs from its output for the whole file.
+/// An error text if `correct` accepts the file without a warning, but its output differs from that for the undamaged
+/// file.
 fn believed(bench: &Bench, file: &str) -> Result<Option<String>> {
     let (run, rows) = bench.corrected(file, &format!("{file}.corrected.csv"))?;
     let silent = run.code == Some(0) && rows != bench.rest.rows && run.stderr.lines().count() <= bench.rest.words;
     Ok(silent.then(|| format!("correct believes it: {}", run.stderr)))
 }
 
-/// A calibration means what it meant, or is refused.
+/// The verdict on a damaged calibration. It must have the same meaning as before, or be refused.
 fn calibration(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     let [damaged, whole] = [file, source].map(|file| bench.run(&["export", file, "--format", "csv"]));
     let (damaged, whole) = (damaged?, whole?);
@@ -107,7 +108,7 @@ fn calibration(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// A tracker goes on from what was written, or is refused.
+/// Edits the saved state of a tracker. It must be used unchanged, or be refused.
 fn edited_state(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("state-{seed}"))?;
     let state = folder.file("state.toml");

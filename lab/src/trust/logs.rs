@@ -1,4 +1,4 @@
-//! Logs of other people's software that carry checks of their own: a bit flips, or a bag states another number of
+//! Damaged logs of other software with checksums of their own: a bit is flipped, or a bag states a wrong number of
 //! messages. `crates/zerorate-logs/fixtures/make_checked.py` made the files, with independent writers.
 
 use super::bench::{Bench, Folder, Run, random};
@@ -17,7 +17,7 @@ const fn class(
     Class { name, what, quick: 10, run }
 }
 
-/// The last word of a class is the name of its file.
+/// The classes. The last word of a name is the name of its file.
 pub const CLASSES: &[Class] = &[
     class("log none.parquet", "one bit of a page flips, or of what stands before it", flipped),
     class("log snappy.parquet", "the same, packed by Snappy", flipped),
@@ -42,10 +42,10 @@ pub const CLASSES: &[Class] = &[
     class("log folder", "a bag of ROS 2 in a folder states more messages than it holds, or fewer", miscounted),
 ];
 
-/// Folder of the files.
+/// The folder of the files.
 const FILES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/zerorate-logs/fixtures/checked");
 
-/// Messages in each bag.
+/// Number of messages in each bag.
 const MESSAGES: u64 = 120;
 
 fn flipped(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -63,7 +63,7 @@ fn flipped(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     Ok(judged(&analysed(bench, &file)?, &right))
 }
 
-/// Number of bytes from the start that a check covers. The index of Parquet, behind its pages, has no check.
+/// Number of bytes from the start that are covered by a checksum. The index at the end of a Parquet file has none.
 fn checked(name: &str, whole: &[u8]) -> usize {
     let index = |at: usize| whole[at..].first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
     match name.ends_with(".parquet") {
@@ -85,13 +85,13 @@ fn miscounted(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> 
     })
 }
 
-/// A number of messages that no bag here has.
+/// A random wrong number of messages.
 fn other(random: &mut StdRng) -> u64 {
     let any = random.random_range(0..2 * MESSAGES);
     any + u64::from(any >= MESSAGES)
 }
 
-/// Analyses a bag whose description states so many messages.
+/// Analyses a bag whose description states this number of messages.
 fn stating(bench: &Bench, folder: &Folder, bag: &str, messages: u64) -> Result<Run> {
     let text = format!(
         "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - bag.mcap\n  message_count: \
@@ -111,7 +111,7 @@ fn analysed(bench: &Bench, log: &str) -> Result<Run> {
     bench.run(&[&["allan", log, "--column", "all", "--fit", "--json"], time].concat())
 }
 
-/// A log may be read as it was, be refused, or be read with a warning.
+/// The verdict on a damaged log. It may be read unchanged, be refused, or be read with a warning.
 fn judged(run: &Run, right: &Run) -> Verdict {
     match run.code {
         Some(1..=3) => Verdict::Refused,

@@ -1,5 +1,5 @@
-//! `cargo xtask trust`: does the program ever give a wrong result without a warning? Faults, damage and bad worlds are
-//! drawn from seeds. Every run is compared with the twin's truth, or with a recording without the fault.
+//! `cargo xtask trust`: searches for wrong results without a warning. Faults, damage and bad conditions are drawn
+//! from seeds. Every run is compared with the twin's truth, or with a recording without the fault.
 
 mod bench;
 mod capture;
@@ -57,29 +57,29 @@ pub struct TrustArgs {
     update: bool,
 }
 
-/// Runs of each class in the whole campaign.
+/// Number of runs of each class in the whole campaign.
 const RUNS: u64 = 500;
 
-/// One way in which the world may be bad.
+/// A class of runs: one kind of fault, damage or bad condition.
 #[derive(Clone, Copy)]
 struct Class {
     name: &'static str,
-    /// What a run does, for the table.
+    /// Describes a run for the table.
     what: &'static str,
-    /// Runs with `--quick`.
+    /// Number of runs with `--quick`.
     quick: u64,
-    /// Takes the name of its class, and the seed.
+    /// Runs it. The arguments are the name of the class and the seed.
     run: fn(&Bench, &'static str, u64) -> Result<Verdict>,
 }
 
-/// Every class, as the page lists them.
+/// All classes, in the order of the page.
 fn classes() -> Vec<Class> {
     let devices = [faults::CLASSES, capture::CLASSES, world::CLASSES, chamber::CLASSES];
     let computers = [process::CLASSES, power::CLASSES, files::CLASSES, logs::CLASSES];
     [devices.concat(), computers.concat()].concat()
 }
 
-/// Runs the classes one after the other, and fails if a result was wrong and nobody was told.
+/// Runs the classes one after the other, and fails if any result was wrong without a warning.
 pub fn run(args: &TrustArgs) -> Result<()> {
     let program = args.program.clone().map_or_else(app::program, Ok)?;
     let bench = Bench::new(std::path::absolute(program)?)?;
@@ -109,7 +109,7 @@ pub fn run(args: &TrustArgs) -> Result<()> {
     Ok(())
 }
 
-/// The finished classes, as lines of JSON in a file.
+/// The counts of finished classes, saved as lines of JSON in a file.
 struct FinishedClasses {
     path: Option<PathBuf>,
     counts: BTreeMap<String, Count>,
@@ -135,7 +135,7 @@ impl FinishedClasses {
     }
 }
 
-/// All runs of a class on a few threads; the counts do not depend on their number.
+/// Runs a class on several threads. The counts do not depend on the number of threads.
 fn try_class(args: &TrustArgs, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
     let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));

@@ -1,5 +1,5 @@
-//! The power fails. The disk then holds what was synced until that moment. A file system in an image shows this,
-//! because the image lacks everything that the kernel has not written yet.
+//! Power failures. After one, the disk contains what was synced before. A file system in an image file simulates
+//! this, because the image lacks everything that the kernel has not written yet.
 
 use super::bench::{Bench, Folder, SHORT, random};
 use super::process::{hash, samples};
@@ -34,17 +34,17 @@ pub const CLASSES: &[Class] = &[
 ];
 
 const NO_IMAGES: &str = "needs root and loop devices";
-/// Room for the log of a short calibration, 30 MB.
+/// Size of the image: enough for the log of a short calibration, 30 MB.
 const IMAGE_BYTES: u64 = 96 << 20;
 
-/// A file system of its own, in a file.
+/// A file system in an image file, mounted.
 struct Disk {
     folder: Folder,
     mounted: PathBuf,
 }
 
 impl Disk {
-    /// A new one; `None` where this machine cannot mount any.
+    /// Makes and mounts a new one; `None` if this machine cannot mount images.
     fn new(name: &str) -> Result<Option<Self>> {
         if !is_root() {
             return Ok(None);
@@ -67,7 +67,7 @@ impl Disk {
         self.mounted.join(name).display().to_string()
     }
 
-    /// The disk's content if the power went now.
+    /// The content of the disk if the power failed now.
     fn after_a_power_cut(&self, name: &str) -> Result<Option<Self>> {
         let folder = Folder::new(&format!("{name}-cut"))?;
         let image = folder.path().join("disk.img");
@@ -78,12 +78,12 @@ impl Disk {
 
 impl Drop for Disk {
     fn drop(&mut self) {
-        // lazily, since a process that was killed may still be on its way out
+        // unmounted lazily, since a killed process may not have ended yet
         let _ = Command::new("umount").arg("-l").arg(&self.mounted).status();
     }
 }
 
-/// Whether images can be mounted here, asked once.
+/// Whether images can be mounted here. It is tried once.
 fn possible() -> bool {
     static POSSIBLE: OnceLock<bool> = OnceLock::new();
     *POSSIBLE.get_or_init(|| Disk::new("try").is_ok_and(|disk| disk.is_some()))

@@ -1,4 +1,4 @@
-//! The program is killed, asked to end, or cannot write.
+//! The program is killed, stopped by a signal, or cannot write.
 
 use super::bench::{Bench, Folder, Run, SHORT, random};
 use super::{Class, Verdict};
@@ -36,7 +36,7 @@ pub const CLASSES: &[Class] = &[
     },
 ];
 
-/// Sends `signal` after a random time. Returns how the program ended.
+/// Sends `signal` after a random time. Returns the result of the run.
 fn interrupted(bench: &Bench, class: &str, seed: u64, args: &[&str], signal: &str) -> Result<Run> {
     let child = bench.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     sleep(Duration::from_micros(random(class, seed).random_range(0..400_000)));
@@ -70,7 +70,7 @@ fn kill_capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     })
 }
 
-/// The samples of a capture that is whole.
+/// Number of samples in a complete capture.
 pub fn samples(bench: &Bench, file: &str) -> Result<u64> {
     verified(bench, file)?["rows"].as_u64().context("rows")
 }
@@ -115,7 +115,7 @@ fn term_capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     })
 }
 
-/// The result must be somewhere: on stdout, or in a file that stderr names.
+/// Fills the disk. The result must be on stdout, or in a file that stderr names.
 fn full_disk(bench: &Bench, _: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("full-{seed}"))?;
     let device = format!("twin:seed={seed}");
@@ -127,7 +127,7 @@ fn full_disk(bench: &Bench, _: &'static str, seed: u64) -> Result<Verdict> {
     let kept = run.stdout.contains("pbc_dps") || fs::exists(&good)?;
     Ok(match run.code {
         Some(1) if kept => Verdict::Refused,
-        // every result has the warning about the Earth, so this run ended before its result
+        // every result has the warning about the Earth, so without it the run ended before its result
         Some(1) if run.says(&["cannot write"]) && !run.says(&["earth-"]) => Verdict::Refused,
         code => Verdict::Silent(format!("{args:?} ended with {code:?}: {}", run.stderr)),
     })

@@ -1,28 +1,28 @@
-//! How a run ended for its user.
+//! The verdicts on runs.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The state in which a run leaves its user.
+/// The verdict on a run, from the user's view.
 pub enum Verdict {
-    /// The result is right, or all that was recorded until then.
+    /// The result, or everything that was recorded until the end, is correct.
     Right,
-    /// No result, and the reason is the true one.
+    /// There is no result, and the stated reason is the true one.
     Refused,
-    /// No result, for a reason that is not the true one: this.
+    /// There is no result, and the stated reason, given here, is not the true one.
     Misjudged(String),
-    /// A wrong result, and a warning with it.
+    /// The result is wrong, and there is a warning.
     Warned,
-    /// A wrong result in a way that nothing could show. Every result of this kind warns of it.
+    /// The result is wrong in a way that cannot be detected. Every result of this kind has a warning about that.
     Unknowable,
-    /// A wrong result without a warning: this is wrong.
+    /// The result is wrong without a warning; the text says how. This is what must not happen.
     Silent(String),
-    /// Nothing could be tried on this machine, and why.
+    /// The run is not possible on this machine, for the given reason.
     Skipped(&'static str),
 }
 
-/// The verdicts of a class.
+/// The numbers of verdicts of a class.
 #[derive(Default, Deserialize, Serialize)]
 pub struct Count {
     pub runs: u64,
@@ -33,7 +33,7 @@ pub struct Count {
     pub unknowable: u64,
     pub silent: u64,
     pub skipped: Option<String>,
-    /// Other causes that were named, and how often.
+    /// The untrue reasons that were stated, with their numbers.
     pub other_causes: BTreeMap<String, u64>,
 }
 

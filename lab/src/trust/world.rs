@@ -1,4 +1,5 @@
-//! The part works, but the world is not as the procedure needs it. Whole procedures of 53 minutes run in this process.
+//! The part works, but the conditions are not as the procedure requires. Whole procedures of 53 minutes run in this
+//! process.
 
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};
@@ -7,7 +8,7 @@ use adis16130_twin::{Motion, Roa, Spec};
 use anyhow::{Context, Result};
 use zerorate::{Method, Plan};
 
-/// Names of the classes, in the order of [`FAULTS`].
+/// The names of the classes, in the order of [`FAULTS`].
 const NAMES: [&str; FAULTS.len()] = [
     "world ordinary",
     "world step",
@@ -23,7 +24,7 @@ const NAMES: [&str; FAULTS.len()] = [
     "world hysteresis",
 ];
 
-/// A sway under the methods that take the whole recording.
+/// Slow base motion under the methods that use the whole recording.
 const SWAYS: [Class; 2] = [
     Class { name: "world warmup slow sway", what: SWAY, quick: 1, run: |_, _, seed| record(Method::Warmup, seed) },
     Class { name: "world cycle slow sway", what: SWAY, quick: 1, run: |_, _, seed| record(Method::Cycle, seed) },
@@ -43,22 +44,23 @@ const fn classes() -> [Class; FAULTS.len() + SWAYS.len()] {
     classes
 }
 
-/// Noise of a mean over n seconds, as a step of the supply (0.0002 °/s/mV, F-01): white, 0.0088/√n °/s (F-02), and
-/// flicker, some 0.002 °/s however long it is (M-04).
+/// Noise of a mean over n seconds, expressed as a step of the supply (0.0002 °/s/mV, F-01): white noise of 0.0088/√n
+/// °/s (F-02), and flicker of about 0.002 °/s, whatever the duration (M-04).
 const WHITE_MV: f64 = 44.0;
 const FLICKER_MV: f64 = 10.0;
-/// A step is found at 4.7 deviations (`drift_checks.rs`). With bad luck of the noise, three more are needed.
+/// Size of a step that is always detected, in standard deviations. The threshold is 4.7 (`drift_checks.rs`), and
+/// noise may hide three more.
 const SEEN_SIGMA: f64 = 8.0;
-/// Step 8 and what follows it, s: before that, the hour shows both levels for long enough.
+/// Duration from the start of step 8 to the end, s. An earlier step leaves both levels visible for long enough.
 const STEP_8_S: f64 = 160.0;
-/// Frequency of a sway below which the hour has less than a full turn.
+/// Frequency below which an oscillation has less than a full period in the hour, Hz.
 const SEEN_HZ: f64 = 3e-4;
-/// Below these limits, a slow sway cannot be told from random walk or a bend of the bias: periods in the recording,
-/// and amplitude. The limits come from trials and are not derived.
+/// Number of periods in the recording, and amplitude, below which a slow base motion cannot be distinguished from
+/// random walk or curvature of the bias. The limits come from trials and are not derived.
 const WALK_TURNS: f64 = 0.5;
 const WALK_DPS: f64 = 0.04;
-/// One run in so many has the clock and the bandwidth of the part. The others have a fiftieth of the clock and 50 Hz
-/// (F-04): what happens in the hour stays as it is, and the run takes a thirtieth of the time.
+/// One run in this many has the part's own clock and bandwidth. The others have a fiftieth of the clock and 50 Hz
+/// bandwidth (F-04): the events of the hour stay the same, and the run takes a thirtieth of the time.
 const FULL_RATE: u64 = 25;
 
 fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -81,8 +83,8 @@ fn at_its_rate(spec: Spec, seed: u64) -> Spec {
     Spec { mclk_hz: spec.mclk_hz / 50.0, roa: Roa::TenNanofarad, ..spec }
 }
 
-/// A sway under a method that takes the whole recording. A wrong result is wrong here even with a warning, because the
-/// uncertainty includes such a sway.
+/// Runs a method that uses the whole recording with slow base motion. A wrong result is counted as silent even with
+/// a warning, because the uncertainty must include such motion.
 fn record(method: Method, seed: u64) -> Result<Verdict> {
     let (spec, plan) = (at_its_rate(trial::slow_sway(seed), seed), trial::plan(method));
     let is_walk = spec.sway_hz * plan.total_s() < WALK_TURNS && spec.sway_dps < WALK_DPS;
@@ -98,8 +100,8 @@ fn record(method: Method, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Nothing in the hour tells such a world from a good one; the warning about the Earth's rotation, which each result
-/// has, says so.
+/// Whether nothing in the hour distinguishes such conditions from good ones. The warning about the Earth's rotation,
+/// which every result has, covers them.
 fn is_unknowable(spec: &Spec) -> bool {
     let last_s = spec.fault_at_s.map_or(f64::INFINITY, |at_s| (HOUR_S - at_s).max(1.0));
     let sigma_mv = (WHITE_MV * WHITE_MV / last_s + FLICKER_MV * FLICKER_MV).sqrt();

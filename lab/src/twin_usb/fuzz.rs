@@ -1,4 +1,5 @@
-//! Damaged bytes from the other end of a USB redirection: none may panic. The harness is that of `zerorate-record`.
+//! Fuzz tests of USB redirection: damaged bytes from the other end must not cause a panic. The harness is shared
+//! with `zerorate-record`.
 
 #[path = "../../../crates/zerorate-record/src/fuzz/edit.rs"]
 mod edit;
@@ -13,7 +14,7 @@ fn packet(kind: u32, body: &[u8]) -> Vec<u8> {
     [&kind.to_le_bytes()[..], &(body.len() as u32).to_le_bytes(), &[0; 8], body].concat()
 }
 
-/// The packets of a session. A hello has a head of 12 bytes, the others a head of 16.
+/// The packets of a session. The header of a hello has 12 bytes, that of any other packet 16.
 fn session() -> Vec<u8> {
     let hello = Connection::hello_packet("guest");
     let control = packet(100, &[0x80, 6, 0x80, 0, 0, 1, 0, 0, 18, 0]);
@@ -26,7 +27,7 @@ fn usb_redirection() {
     edited(2000, &[session()], |bytes| {
         let mut connection = Connection::default();
         connection.push(bytes);
-        // every request takes bytes away, so this ends
+        // every request consumes bytes, so this ends
         while let Ok(Some((id, request))) = connection.next() {
             if let Request::Control(control) = &request {
                 let answer = Ljca::default().control(control);
@@ -36,7 +37,7 @@ fn usb_redirection() {
     });
 }
 
-/// A part that answers with the bytes that it gets.
+/// A part that returns the bytes that it receives.
 struct Echo;
 
 impl Board for Echo {
@@ -51,7 +52,8 @@ impl Board for Echo {
 
 #[test]
 fn usb_messages() {
-    // two bytes of type and command, flags, a length, and the body: read a pin, set one up, transfer over SPI
+    // each message has two bytes of type and command, flags, a length, and the body: read a pin, set up a pin,
+    // transfer over SPI
     let messages = vec![vec![3, 3, 1, 2, 1, 3], vec![3, 1, 1, 5, 1, 3, 0, 0, 0], vec![5, 3, 1, 6, 0, 3, 0, 1, 2, 3]];
     edited(2000, &messages, |bytes| {
         for answer in Ljca::default().message(bytes, &mut Echo) {

@@ -1,16 +1,16 @@
-//! The Intel La Jolla Cove adapter (8086:0b63) as a device: its descriptors and its messages, without a socket or a
-//! part. README.md specifies the answers.
+//! The Intel La Jolla Cove adapter (8086:0b63) as a USB device: its descriptors and its messages, without a socket
+//! or a part. README.md specifies the answers.
 
 use super::redir::{Announcement, Control};
 
-/// GPIO lines that the adapter offers; RDY is one of them.
+/// Number of GPIO lines of the adapter. One of them is RDY.
 pub const PINS: u8 = 8;
-/// The line that RDY is connected to.
+/// The GPIO line of RDY.
 pub const RDY_PIN: u8 = 3;
-/// Most bytes of a message, as one USB packet carries it.
+/// Largest size of a message, bytes: one USB packet.
 pub const LONGEST_MESSAGE: usize = 64;
 
-/// The description of the device for the other end.
+/// The description of the device for the host.
 pub const ANNOUNCEMENT: Announcement = Announcement {
     vendor: 0x8086,
     product: 0x0b63,
@@ -21,9 +21,10 @@ pub const ANNOUNCEMENT: Announcement = Announcement {
     max_packet: 64,
 };
 
-/// Standard descriptor: USB 2.0, vendor class, 8086:0b63, strings 1 and 2, one configuration.
+/// Device descriptor: USB 2.0, vendor class, 8086:0b63, strings 1 and 2, one configuration.
 const DEVICE_DESCRIPTOR: [u8; 18] = [18, 1, 0, 2, 255, 0, 0, 64, 0x86, 0x80, 0x63, 0x0b, 0, 1, 1, 2, 0, 1];
-/// One configuration, one interface of vendor class, bulk out 1 and bulk in 2 with 64 bytes each.
+/// Configuration descriptor: one configuration, one interface of vendor class, bulk out 1 and bulk in 2 with 64
+/// bytes each.
 #[rustfmt::skip]
 const CONFIGURATION_DESCRIPTOR: [u8; 32] = [
     9, 2, 32, 0, 1, 1, 0, 0x80, 50,
@@ -49,16 +50,17 @@ const MODE_3: u8 = 0b11;
 
 /// The hardware behind the adapter.
 pub trait Board {
-    /// One frame of CS with the clock in mode 3: returns the bytes that come back for the bytes that go out.
+    /// Transfers one frame of CS with the clock in mode 3. Returns the bytes that were received while `mosi` was
+    /// sent.
     fn frame(&mut self, mosi: &[u8]) -> Vec<u8>;
-    /// The level of RDY, `true` being high.
+    /// Whether RDY is high.
     fn rdy_high(&mut self) -> bool;
 }
 
 /// The state of the adapter.
 #[derive(Debug, Default)]
 pub struct Ljca {
-    /// Interrupts of a line: requested, unmasked, and held back until they are unmasked.
+    /// The interrupt state of each line: requested, unmasked, and pending until it is unmasked.
     lines: [Line; PINS as usize],
     spi_mode: u8,
     events: u32,
@@ -72,7 +74,7 @@ struct Line {
 }
 
 impl Ljca {
-    /// Answers a control transfer; `None` is a stall.
+    /// Answers a control transfer; `None` stalls it.
     pub fn control(&mut self, control: &Control) -> Option<Vec<u8>> {
         const GET_STATUS: u8 = 0;
         const CLEAR_FEATURE: u8 = 1;
@@ -89,7 +91,7 @@ impl Ljca {
         Some(answer)
     }
 
-    /// Takes a message of the host and returns the answers in order. Bytes that are not a message have no answer.
+    /// Handles a message of the host and returns the answers in order. Bytes that are not a message have no answer.
     pub fn message(&mut self, bytes: &[u8], board: &mut impl Board) -> Vec<Vec<u8>> {
         let &[kind, command, flags, length, ..] = bytes else { return vec![] };
         let end = HEAD + usize::from(length);
@@ -110,7 +112,7 @@ impl Ljca {
         messages
     }
 
-    /// Takes a falling edge of RDY, and returns the event for the host unless it must be held back.
+    /// Handles a falling edge of RDY. Returns the event for the host, unless it must stay pending.
     pub fn rdy_fell(&mut self) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !line.interrupt {
@@ -125,18 +127,18 @@ impl Ljca {
         Some(message(GPIO, GPIO_EVENT, 0, &[1, RDY_PIN, 0]))
     }
 
-    /// Number of events sent to the host since it reset the adapter.
+    /// Number of events sent to the host since its last reset of the adapter.
     pub fn events(&self) -> u32 {
         self.events
     }
 
-    /// Whether an edge of RDY would make an event now.
+    /// Whether an edge of RDY would cause an event now.
     pub fn wants_rdy(&self) -> bool {
         let line = self.lines[usize::from(RDY_PIN)];
         line.interrupt && line.unmasked
     }
 
-    /// The event of an edge that came while the host had the line masked, with the present level.
+    /// The event of an edge that came while the line was masked, with the current level; `None` if none is pending.
     fn held_back(&mut self, board: &mut impl Board) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !(line.pending && line.unmasked) {
@@ -189,7 +191,8 @@ impl Ljca {
         }
     }
 
-    /// In any other SPI mode the part samples the wrong edges and understands nothing.
+    /// Transfers bytes over SPI. In any other mode than 3, the part samples the wrong edges and does not understand
+    /// the bytes.
     fn transfer(&self, indicator: u8, mosi: &[u8], board: &mut impl Board) -> Vec<u8> {
         let miso = if self.spi_mode == MODE_3 { board.frame(mosi) } else { vec![0xFF; mosi.len()] };
         let mut packet = vec![indicator, miso.len() as u8];

@@ -1,8 +1,8 @@
-//! `cargo xtask twin-usb`: the twin as hardware behind an emulated USB adapter, on a socket that QEMU plugs into a
-//! guest.
+//! `cargo xtask twin-usb`: the twin as hardware behind an emulated USB adapter. QEMU plugs it into a guest through a
+//! socket.
 //!
-//! [`redir`] and [`ljca`] decode bytes, and [`part`] runs the twin on wall time. This module has the loop between
-//! them. README.md specifies the exchange.
+//! [`redir`] and [`ljca`] encode and decode bytes, and [`part`] runs the twin in real time. This module has the loop
+//! between them. README.md specifies the exchange.
 
 #[cfg(test)]
 mod fuzz;
@@ -50,7 +50,7 @@ pub struct TwinUsbArgs {
     wire: Option<PathBuf>,
 }
 
-/// Plugs the part in, and prints a [`Summary`] when it is unplugged.
+/// Plugs the part in, and prints a [`Summary`] after it is unplugged.
 pub fn run(args: &TwinUsbArgs) -> Result<()> {
     let mut spec = args.keys.clone().unwrap_or_else(|| Spec::from_seed(1));
     if let Some(mclk_hz) = args.mclk_hz {
@@ -60,7 +60,7 @@ pub fn run(args: &TwinUsbArgs) -> Result<()> {
     Ok(())
 }
 
-/// Serves the part until the other end closes the socket or Ctrl-C unplugs the part. The part is switched on when the
+/// Serves the part until the host closes the socket, or Ctrl-C unplugs the part. The part is switched on when the
 /// connection is made.
 fn serve(args: &TwinUsbArgs, spec: Spec) -> Result<Summary> {
     let unplug = Arc::new(AtomicBool::new(false));
@@ -81,18 +81,18 @@ fn serve(args: &TwinUsbArgs, spec: Spec) -> Result<Summary> {
     };
     plug.stream.write_all(&Connection::hello_packet(zerorate::SOFTWARE))?;
     while !unplugged() && plug.turn()? {}
-    // the other end may be gone already
+    // the host may have closed the connection already
     let _ = plug.stream.write_all(&plug.connection.disconnect_packet());
     plug.part.finish(plug.ljca.events())
 }
 
-/// Time for the other end to begin listening.
+/// Time limit for the host to listen.
 const PATIENCE: Duration = Duration::from_secs(30);
 const RETRY: Duration = Duration::from_millis(50);
-/// Ctrl-C is checked at least this often.
+/// Longest delay until Ctrl-C is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
-/// Largest number of messages that the host has not fetched. Each answers a message of the host, or is the event of
-/// the line.
+/// Largest number of messages that the host has not fetched. Each one is an answer to a message of the host, or the
+/// event of the line.
 const MOST_WAITING: usize = 64;
 
 fn connect(socket: &Path, unplugged: impl Fn() -> bool) -> Result<UnixStream> {
@@ -115,21 +115,21 @@ fn connect(socket: &Path, unplugged: impl Fn() -> bool) -> Result<UnixStream> {
     }
 }
 
-/// The adapter with the part on it, plugged into a socket.
+/// The adapter and its part, plugged into a socket.
 struct Plug {
     stream: UnixStream,
     connection: Connection,
     ljca: Ljca,
     part: WallPart,
     configuration: u8,
-    /// In-transfers that the host has requested: id, endpoint.
+    /// Requested in-transfers: id and endpoint.
     wanted: VecDeque<(u64, u8)>,
     /// Messages that the host has not fetched yet.
     waiting: VecDeque<Vec<u8>>,
 }
 
 impl Plug {
-    /// Waits for the host or the part, and serves it. Returns `false` if the other end is gone.
+    /// Waits for an event of the host or the part, and handles it. Returns `false` if the host has disconnected.
     fn turn(&mut self) -> Result<bool> {
         let open = if self.host_speaks()? { self.hear()? } else { true };
         if self.part.rdy_fell()
@@ -209,7 +209,7 @@ impl Plug {
         self.connection.bulk_result(id, endpoint, Status::Cancelled, 0, &[])
     }
 
-    /// Hands messages to the in-transfers that wait for them.
+    /// Sends messages for pending in-transfers.
     fn deliver(&mut self) -> Result<()> {
         if self.waiting.len() > MOST_WAITING {
             bail!("the host sends commands and fetches no answers");
@@ -226,7 +226,7 @@ impl Plug {
 
     fn send(&mut self, packet: &[u8]) -> Result<()> {
         match self.stream.write_all(packet) {
-            // the next read finds the end of the connection
+            // the next read detects the end of the connection
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
             sent => sent.context("writing to the socket"),
         }

@@ -1,4 +1,4 @@
-//! The twin on wall time, with a record of the bus.
+//! The twin in real time, with a record of the bus traffic.
 
 use super::ljca::Board;
 use adis16130_twin::{ChannelLosses, Spec, Twin, TwinRdy, TwinSpi};
@@ -11,14 +11,14 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// F-30: data ready on, both channels, conversion word 5, continuous, 24 bit.
+/// The initialisation of F-30: data ready on, both channels, conversion word 5, continuous, 24 bit.
 const INITIALISATION: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
 
-/// COM bytes of reads of RATEDATA and TEMPDATA (F-24).
+/// The COM bytes that read RATEDATA and TEMPDATA (F-24).
 const READ_RATE: u8 = 0x48;
 const READ_TEMP: u8 = 0x4A;
 
-/// The part. Its time is the wall-clock time since it was switched on.
+/// A part whose time is the wall-clock time since it was switched on.
 pub struct WallPart {
     twin: Twin,
     spi: TwinSpi,
@@ -30,18 +30,18 @@ pub struct WallPart {
     wire: Option<Wire>,
 }
 
-/// The traffic that the part saw on the bus.
+/// Counts of the bus traffic.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct BusTraffic {
     pub spi_frames: u64,
     pub rate_reads: u64,
     pub temp_reads: u64,
-    /// Falling edges of RDY.
+    /// Number of falling edges of RDY.
     pub edges: u32,
     pub edges_reported: u32,
 }
 
-/// What the part saw until it was unplugged, and its true values.
+/// The record of the part until it was unplugged, with its true values.
 #[derive(Deserialize, Serialize)]
 pub struct Summary {
     pub seed: u64,
@@ -54,15 +54,15 @@ pub struct Summary {
     pub truth: Truth,
 }
 
-/// Readings that were lost unread (F-33).
+/// Numbers of readings that were lost before they were read (F-33).
 #[derive(Deserialize, Serialize)]
 pub struct Losses {
     pub overwritten: u64,
     pub dropped: u64,
 }
 
-/// The terms of the slow bias at the end. A perfect measurement at `sensor_c` finds PBC = −bias and BTC = −slope
-/// (F-50).
+/// The true terms of the slow bias at the end. A perfect measurement at `sensor_c` finds PBC = −bias and BTC =
+/// −slope (F-50).
 #[derive(Deserialize, Serialize)]
 pub struct Truth {
     pub sensor_c: f64,
@@ -84,7 +84,7 @@ impl WallPart {
         Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seed, mclk_hz, seen: BusTraffic::default(), wire })
     }
 
-    /// Advances the part to the present, and returns whether RDY has fallen since the last call.
+    /// Advances the part to the current time. Returns whether RDY has fallen since the last call.
     pub fn rdy_fell(&mut self) -> bool {
         self.catch_up();
         let Some(edge) = self.twin.next_falling_edge(0) else { return false };
@@ -92,14 +92,15 @@ impl WallPart {
         true
     }
 
-    /// Time until the part may do something by itself.
+    /// Time until the next event that the part causes by itself.
     pub fn idle_time(&self) -> Duration {
         let now_ns = self.switched_on.elapsed().as_nanos() as u64;
         let next_ns = self.twin.next_event_ns().unwrap_or(u64::MAX);
         Duration::from_nanos(next_ns.saturating_sub(now_ns))
     }
 
-    /// Ends the log of the wire and sums up, after so many edges were reported.
+    /// Finishes the log of the wire and returns the summary. `edges_reported` is the number of edges that the host
+    /// was told of.
     pub fn finish(mut self, edges_reported: u32) -> Result<Summary> {
         self.rdy_fell();
         self.seen.edges_reported = edges_reported;
@@ -179,7 +180,7 @@ impl Wire {
         Ok(Self { path: path.to_owned(), rows, failed: None })
     }
 
-    /// A full disk must not stop the bus: the error waits for [`Wire::finish`].
+    /// Adds a row. An error, such as a full disk, must not stop the bus, so it is kept for [`Wire::finish`].
     fn row(&mut self, t_ns: u64, mosi: &[u8], miso: &[u8], lost_rate: u64, edges: u32) {
         if self.failed.is_none() {
             self.failed = writeln!(self.rows, "{t_ns},{},{},{lost_rate},{edges}", hex(mosi), hex(miso)).err();

@@ -1,14 +1,14 @@
-//! The usbredir protocol, version 0.7, as far as one device with control and bulk endpoints needs it: packets to bytes
-//! and back, without a socket. README.md describes the exchange.
+//! The usbredir protocol, version 0.7, as far as a device with control and bulk endpoints needs it: encodes and
+//! decodes packets, without a socket. README.md describes the exchange.
 
 use std::fmt;
 
-/// The longest packet accepted. QEMU sends at most 64 KiB in a transfer to such a device.
+/// The longest accepted packet, bytes. QEMU sends at most 64 KiB in a transfer to such a device.
 pub const LONGEST_PACKET: usize = 1 << 20;
 
-/// Bytes of the version in a hello.
+/// Length of the version text in a hello, bytes.
 const VERSION_LEN: usize = 64;
-/// Endpoints of both directions: 0–15 out, 16–31 in.
+/// Number of endpoints in both directions: 0–15 out, 16–31 in.
 const ENDPOINTS: usize = 32;
 
 const HELLO: u32 = 0;
@@ -27,7 +27,7 @@ const CANCEL: u32 = 21;
 const CONTROL: u32 = 100;
 const BULK: u32 = 101;
 
-/// The capabilities of an end. Those that both ends announce are in force.
+/// The capabilities of one end. Those that both ends announce apply.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Caps(u32);
 
@@ -37,7 +37,7 @@ impl Caps {
     const WIDE_IDS: u32 = 1 << 5;
     const LONG_BULK: u32 = 1 << 6;
 
-    /// The capabilities that this end announces.
+    /// The capabilities that we announce.
     pub const OURS: Self = Self(Self::DEVICE_VERSION | Self::MAX_PACKET_SIZE | Self::WIDE_IDS | Self::LONG_BULK);
 
     fn has(self, cap: u32) -> bool {
@@ -45,7 +45,7 @@ impl Caps {
     }
 }
 
-/// The result of a transfer, with the number of the protocol.
+/// The result of a transfer, with its number in the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
@@ -54,7 +54,7 @@ pub enum Status {
     Stall = 4,
 }
 
-/// The other end does not speak the protocol.
+/// The error that the other end violates the protocol.
 #[derive(Debug, PartialEq, Eq)]
 pub struct RedirError(String);
 
@@ -66,10 +66,10 @@ impl fmt::Display for RedirError {
     }
 }
 
-/// A request of the guest's end.
+/// A request of the host.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Request {
-    /// The name of the other end. Its capabilities are in force from here on.
+    /// The name of the host. Its capabilities apply from now on.
     Hello(String),
     Reset,
     SetConfiguration(u8),
@@ -81,7 +81,7 @@ pub enum Request {
     GetAltSetting {
         interface: u8,
     },
-    /// The transfer of this id is no longer wanted.
+    /// The transfer with this id is cancelled.
     Cancel,
     Control(Control),
     /// A bulk transfer: data for an out endpoint, or a request for up to `length` bytes of an in endpoint.
@@ -90,11 +90,11 @@ pub enum Request {
         length: u32,
         data: Vec<u8>,
     },
-    /// A message that needs no answer from such a device.
+    /// A message that needs no answer from this device.
     Other(u32),
 }
 
-/// A control transfer: the setup packet of USB and the data sent with it.
+/// A control transfer: USB's setup packet and the data sent with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Control {
     pub endpoint: u8,
@@ -113,21 +113,21 @@ impl Control {
     }
 }
 
-/// The description of a device.
+/// The description of a USB device.
 #[derive(Clone, Copy, Debug)]
 pub struct Announcement {
     pub vendor: u16,
     pub product: u16,
     pub version_bcd: u16,
     pub class: u8,
-    /// Class of its only interface.
+    /// Class of the only interface.
     pub interface_class: u8,
-    /// Its bulk endpoints, by address (bit 7: in).
+    /// Addresses of the bulk endpoints (bit 7: in).
     pub bulk: [u8; 2],
     pub max_packet: u16,
 }
 
-/// One end of a connection: bytes in, requests out, and answers to bytes.
+/// Our end of a connection: decodes requests from bytes, and encodes answers.
 #[derive(Debug, Default)]
 pub struct Connection {
     received: Vec<u8>,
@@ -135,12 +135,12 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// Takes bytes from the socket.
+    /// Adds bytes that the socket received.
     pub fn push(&mut self, bytes: &[u8]) {
         self.received.extend_from_slice(bytes);
     }
 
-    /// The next whole request with its id.
+    /// Decodes the next complete request and its id; `None` if it is not complete yet.
     pub fn next(&mut self) -> Result<Option<(u64, Request)>, RedirError> {
         let head = self.head_len();
         let Some((kind, length)) = le32(&self.received, 0).zip(le32(&self.received, 4)) else {
@@ -204,7 +204,7 @@ impl Connection {
 
     // ---- packets that this end sends ----
 
-    /// The first packet of a connection. Its id is 32 bits wide, since nothing is agreed yet.
+    /// The first packet of a connection. Its id has 32 bits, since no capabilities are agreed yet.
     pub fn hello_packet(name: &str) -> Vec<u8> {
         let mut body = name.as_bytes().to_vec();
         body.resize(VERSION_LEN, 0);
@@ -212,7 +212,7 @@ impl Connection {
         Self::default().packet(HELLO, 0, &body)
     }
 
-    /// Announces the device: its interface, its endpoints, and itself.
+    /// Packets that announce the device: its interface, its endpoints, and the device itself.
     pub fn connect_packets(&self, device: &Announcement) -> Vec<u8> {
         let mut interface = 1u32.to_le_bytes().to_vec();
         interface.extend([0; ENDPOINTS]);
@@ -253,22 +253,22 @@ impl Connection {
         body
     }
 
-    /// Announces that the device is unplugged.
+    /// A packet that announces that the device is unplugged.
     pub fn disconnect_packet(&self) -> Vec<u8> {
         self.packet(DEVICE_DISCONNECT, 0, &[])
     }
 
-    /// The configuration in force.
+    /// A packet with the current configuration.
     pub fn configuration_status(&self, id: u64, configuration: u8) -> Vec<u8> {
         self.packet(CONFIGURATION_STATUS, id, &[Status::Success as u8, configuration])
     }
 
-    /// The alternate setting in force.
+    /// A packet with the current alternate setting.
     pub fn alt_setting_status(&self, id: u64, interface: u8, alt: u8) -> Vec<u8> {
         self.packet(ALT_SETTING_STATUS, id, &[Status::Success as u8, interface, alt])
     }
 
-    /// The end of a control transfer; `None` is a stall.
+    /// A packet with the result of a control transfer; `None` is a stall.
     pub fn control_result(&self, id: u64, control: &Control, data: Option<&[u8]>) -> Vec<u8> {
         let Control { endpoint, request, request_type, value, index, length, .. } = control;
         let (status, length) = match data {
@@ -284,7 +284,7 @@ impl Connection {
         self.packet(CONTROL, id, &body)
     }
 
-    /// The end of a bulk transfer of `length` bytes. `data` comes from an in endpoint.
+    /// A packet with the result of a bulk transfer of `length` bytes. `data` is from an in endpoint.
     pub fn bulk_result(&self, id: u64, endpoint: u8, status: Status, length: u32, data: &[u8]) -> Vec<u8> {
         let mut body = vec![endpoint, status as u8];
         body.extend((length as u16).to_le_bytes());

@@ -1,4 +1,4 @@
-//! Allan deviations of an hour at 5.7 kSPS and of 150 s; noise models of a million samples.
+//! Benchmarks of Allan deviations of an hour at 5.7 kSPS and of 150 s, and of noise models of a million samples.
 
 use divan::{Bencher, black_box};
 use zerorate_allan::{FitOptions, Input, Stat, deviations, fit};
@@ -27,7 +27,7 @@ fn octaves(len: usize) -> Vec<u64> {
     (0..).map(|k| 1 << k).take_while(|m| 2 * m <= len as u64).collect()
 }
 
-/// 1, 2, 3, then four to an octave, as `Taus::Fine`.
+/// Averaging factors 1, 2, 3, then four per octave, as in `Taus::Fine`.
 fn fine(len: usize) -> Vec<u64> {
     let octaves = (0..).flat_map(|k| [4, 5, 6, 7].map(|m| m << k));
     [1, 2, 3].into_iter().chain(octaves.take_while(|m| 2 * m <= len as u64)).collect()
@@ -64,7 +64,7 @@ fn step_8_f64_octaves(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| deviations(&Input::Rate(black_box(&rate)), 5700.0, Stat::Oadev, &m));
 }
 
-/// A million samples, as 2.8 h at 100 Hz: normal noise with a slow wander.
+/// A million samples, like 2.8 h at 100 Hz: white noise with a random walk.
 fn record() -> Vec<f64> {
     let uniform = rate(12_000_000);
     let mut walk = 0.0;
@@ -76,14 +76,14 @@ fn record() -> Vec<f64> {
     uniform.chunks_exact(12).map(sample).collect()
 }
 
-/// The noise model with the search for glitches and steps.
+/// Fits the noise model, including the search for outliers and steps.
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn noise_model(bencher: Bencher<'_, '_>) {
     let record = record();
     bencher.bench_local(|| fit(&Input::Rate(black_box(&record)), 100.0, &FitOptions::default()));
 }
 
-/// The spectrum alone: one transform, the choice of the terms and their intervals.
+/// Fits the spectrum only: one transform, the choice of the terms and their intervals.
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn noise_model_of_the_spectrum(bencher: Bencher<'_, '_>) {
     let record = record();

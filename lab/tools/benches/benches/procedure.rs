@@ -1,6 +1,7 @@
-//! How fast the twin simulates: a minute of the F-51 procedure, every pair read byte by byte in frames of their own.
+//! Benchmarks of the twin: a minute of the F-51 procedure, in which every pair is read byte by byte, one frame per
+//! byte.
 //!
-//! The counter is conversions: 36.2 million of them are the whole procedure of 53 minutes.
+//! The counter counts conversions: the whole procedure of 53 minutes has 36.2 million of them.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Sampler, SamplerConfig};
@@ -12,7 +13,7 @@ fn main() {
     divan::main();
 }
 
-/// Pairs in a simulated minute at 6 MHz.
+/// Number of pairs of conversions in a simulated minute at 6 MHz.
 const PAIRS: u32 = 341_556;
 const TIMEOUT_NS: u64 = 1_000_000;
 
@@ -20,7 +21,7 @@ fn minute() -> ItemsCount {
     ItemsCount::new(2 * PAIRS)
 }
 
-/// One frame of CS per byte, as the application note has it.
+/// Reads a register with one frame of CS per byte, as in the application note.
 fn read<const N: usize>(spi: &mut TwinSpi, address: u8) -> [u8; N] {
     spi.write(&[0x40 | address]).unwrap();
     let mut data = [0; N];
@@ -32,7 +33,7 @@ fn read<const N: usize>(spi: &mut TwinSpi, address: u8) -> [u8; N] {
     data
 }
 
-/// The bytes alone: channel status, rate and temperature on each edge.
+/// Transfers the bytes only: channel status, rate and temperature on each edge.
 #[divan::bench(sample_count = 10, sample_size = 1)]
 fn bytes(bencher: divan::Bencher) {
     let twin = Twin::new(Spec::from_seed(1));
@@ -53,7 +54,7 @@ fn bytes(bencher: divan::Bencher) {
     });
 }
 
-/// The same bytes through the driver and its sampler.
+/// Transfers the same bytes through the driver and its sampler.
 #[divan::bench(sample_count = 10, sample_size = 1)]
 fn driver(bencher: divan::Bencher) {
     let twin = Twin::new(Spec::from_seed(1));

@@ -1,4 +1,5 @@
-//! Checks that every link of the book leads to an existing page and place, and that nothing is loaded from elsewhere.
+//! Checks that every link of the book leads to an existing page and anchor, and that nothing is loaded from other
+//! sites.
 
 use crate::stage::below;
 use anyhow::{Result, ensure};
@@ -6,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Follows every link of `pages`, which lie below `out`.
+/// Follows every link of `pages`, which are in the folder `out`.
 pub fn check(out: &Path, pages: &[PathBuf]) -> Result<()> {
     let mut texts = BTreeMap::new();
     for page in pages {
@@ -36,7 +37,7 @@ pub fn check(out: &Path, pages: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
-/// Why a target leads nowhere.
+/// Checks where a link leads. The error states why it leads nowhere.
 fn leads(
     out: &Path,
     page: &Path,
@@ -59,7 +60,7 @@ fn leads(
     }
 }
 
-/// The values of an attribute.
+/// The values of an HTML attribute in a page.
 fn values<'a>(text: &'a str, attribute: &str) -> impl Iterator<Item = &'a str> {
     let opening = format!(" {attribute}=\"");
     text.match_indices(&opening)
@@ -69,7 +70,7 @@ fn values<'a>(text: &'a str, attribute: &str) -> impl Iterator<Item = &'a str> {
         .filter_map(|at| text[at..].split('"').next())
 }
 
-/// Whether a link leads out of the book, or a file is loaded from elsewhere than it or the page itself.
+/// Whether a URL leads to another site.
 fn is_elsewhere(url: &str) -> bool {
     !url.starts_with("data:") && (url.contains("://") || url.starts_with("//") || url.starts_with("mailto:"))
 }

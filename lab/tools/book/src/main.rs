@@ -1,8 +1,8 @@
-//! The book out of `docs/`: `book ROOT OUT COMMANDS`. `cargo xtask book` calls it. COMMANDS is a file with what the
-//! program says of its commands.
+//! Makes the book from `docs/`: `book ROOT OUT COMMANDS`. `cargo xtask book` calls it. COMMANDS is a file with the
+//! program's reference of its commands.
 //!
-//! It stages the chapters and lets mdBook render them. It takes the scripts out of the pages, so that a policy without
-//! inline code holds, and follows every link.
+//! It stages the chapters and lets mdBook render them. It moves the scripts from the pages to files, so that a
+//! content security policy can forbid inline code, and follows every link.
 
 mod links;
 mod policy;
@@ -41,7 +41,7 @@ fn render(root: &Path, staged: &Path, out: &Path) -> Result<()> {
     MDBook::load_with_config(staged, config)?.build()
 }
 
-/// Only a book may be replaced by one.
+/// Checks that the output folder is empty or contains a book, since a book may only replace a book.
 fn ours(out: &Path) -> Result<()> {
     let is_ours = out.join("toc.html").exists() || fs::read_dir(out)?.next().is_none();
     is_ours.then_some(()).with_context(|| format!("{} exists and is not a book; it was not touched", out.display()))

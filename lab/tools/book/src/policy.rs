@@ -1,7 +1,7 @@
-//! Pages that keep to a content security policy without inline code, and that say so.
+//! Makes pages satisfy a content security policy without inline code, and adds the policy to them.
 //!
-//! mdBook writes a few scripts into its pages. Each becomes a file, once for all pages that have the
-//! same; a script that is loaded where the other stood runs when the other ran. Alignments of tables become classes.
+//! mdBook writes a few scripts into its pages. Each is moved to a file, which all pages with the same script share.
+//! It is loaded at the same position, so that it runs at the same time. Alignments of tables become classes.
 
 use crate::stage::below;
 use anyhow::{Context, Result, ensure};
@@ -11,10 +11,10 @@ use std::fs;
 use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-/// The policy of a page of the book.
+/// The content security policy of a page.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; font-src 'self'; \
     connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'";
-/// Styles that mdBook writes into its pages, and the classes of `docs/book.css` that stand for them.
+/// Inline styles of mdBook, and the classes of `docs/book.css` that replace them.
 const STYLES: [(&str, &str); 4] = [
     (r#" style="clear: both""#, r#" class="clear""#),
     (r#" style="text-align: left""#, r#" class="align-left""#),
@@ -22,7 +22,7 @@ const STYLES: [(&str, &str); 4] = [
     (r#" style="text-align: right""#, r#" class="align-right""#),
 ];
 
-/// Changes all pages below `out`, and names them.
+/// Changes all pages in the folder `out`, and returns their paths.
 pub fn apply(out: &Path) -> Result<Vec<PathBuf>> {
     let pages: Vec<PathBuf> =
         below(out)?.into_iter().filter(|path| path.extension().is_some_and(|e| e == "html")).collect();
@@ -42,7 +42,7 @@ pub fn apply(out: &Path) -> Result<Vec<PathBuf>> {
     Ok(pages)
 }
 
-/// A page without script or style in it; its scripts go to `scripts`.
+/// The page without inline scripts and styles. Its scripts are added to `scripts`.
 fn without_inline(page: &str, to_root: &str, scripts: &mut BTreeMap<String, String>) -> Result<String> {
     let mut made = String::with_capacity(page.len());
     let mut rest = page;
@@ -65,7 +65,7 @@ fn without_inline(page: &str, to_root: &str, scripts: &mut BTreeMap<String, Stri
     Ok(made.replace("<meta charset=\"UTF-8\">", &meta))
 }
 
-/// The same for the same script in every build by the same compiler.
+/// A hash of the script, the same in every build by the same compiler.
 fn hash(script: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     script.hash(&mut hasher);

@@ -1,7 +1,7 @@
-//! Stages the chapters for mdBook: the files in `docs/`, and pages of the project beside it.
+//! Stages the chapters for mdBook: the files in `docs/`, and other pages of the project.
 //!
-//! In the project a chapter links to files beside and outside of `docs/`, as a reader of the sources wants it. Here
-//! such a link leads to the chapter that was made of the file; where none was, its text stays.
+//! In the repository, chapters link to files inside and outside of `docs/`, for readers of the sources. In the book,
+//! such a link leads to the chapter that was made from the file; if there is none, only the link's text stays.
 
 use anyhow::{Context, Result, ensure};
 use pulldown_cmark::{Event, LinkType, Options, Parser, Tag};
@@ -10,7 +10,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
-/// The chapter that ends with the commands of the program.
+/// The chapter to which the reference of the commands is appended.
 const COMMANDS: &str = "docs/reference/commands.md";
 
 /// Copies everything that the book shows from the project at `root` into `staged`.
@@ -43,7 +43,7 @@ pub fn fill(root: &Path, staged: &Path, commands: &str) -> Result<()> {
     Ok(fs::write(staged.join("SUMMARY.md"), summary)?)
 }
 
-/// The place of a project file in the book.
+/// The path in the book of a file of the repository.
 fn place(file: &Path) -> PathBuf {
     if let Ok(inside) = file.strip_prefix("docs") {
         let is_first = inside == Path::new("README.md");
@@ -53,7 +53,7 @@ fn place(file: &Path) -> PathBuf {
     Path::new("project").join(if name == "README.md" { concat!("overview", ".md") } else { &name })
 }
 
-/// The text of `page` with its links as they are in the book.
+/// The text of `page` with its links changed to paths in the book.
 fn relinked(text: &str, page: &Path, root: &Path, chapters: &BTreeSet<PathBuf>) -> Result<String> {
     let here = place(page);
     let here = here.parent().context("a page in a folder")?;
@@ -79,15 +79,15 @@ fn relinked(text: &str, page: &Path, root: &Path, chapters: &BTreeSet<PathBuf>) 
     Ok(made + &text[done..])
 }
 
-/// A link or a picture as it stands in a text.
+/// A link or a picture in a text.
 struct Link {
     whole: Range<usize>,
-    /// The shown text, and the target.
+    /// The ranges of the shown text and of the target.
     text: Range<usize>,
     target: Range<usize>,
 }
 
-/// Everything of the form `[text](target)`, outside of code.
+/// All links `[text](target)` outside of code.
 fn links(text: &str) -> Vec<Link> {
     let options = Options::ENABLE_TABLES | Options::ENABLE_FOOTNOTES;
     let parts = Parser::new_ext(text, options).into_offset_iter();
@@ -105,7 +105,7 @@ fn links(text: &str) -> Vec<Link> {
     inline.filter_map(link).collect()
 }
 
-/// A path without `.` and `..`; one that leaves the project is an error.
+/// A path without `.` and `..`. Returns an error if it leads out of the project.
 fn plain(path: &Path) -> Result<PathBuf> {
     let mut plain = PathBuf::new();
     for part in path.components() {
@@ -118,7 +118,7 @@ fn plain(path: &Path) -> Result<PathBuf> {
     Ok(plain)
 }
 
-/// The way from the folder `from` to `to`, both in the book.
+/// The relative path from the folder `from` to `to`.
 fn relative(from: &Path, to: &Path) -> String {
     let ups = from.components().count();
     "../".repeat(ups) + &to.to_string_lossy()

@@ -1,8 +1,8 @@
 //! Times zerorate and the crates `allan` and `allan-tools` on the rates in a file of little-endian f64. Prints a JSON
 //! object per run.
 //!
-//! `peers generate DATA SAMPLES` makes the file, and `peers time DATA` times. `peers memory DATA` runs the overlapping
-//! Allan deviation once and states the peak memory.
+//! `peers generate DATA SAMPLES` makes the file, and `peers time DATA` measures times. `peers memory DATA` computes
+//! the overlapping Allan deviation once and prints the peak memory.
 
 use rand_distr::{Distribution, Normal};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -12,9 +12,9 @@ use std::hint::black_box;
 use std::time::Instant;
 use zerorate_allan::{Input, Stat, deviations};
 
-/// Runs of zerorate, of which the best counts: each is short.
+/// Number of runs of zerorate, of which the fastest counts, because each is short.
 const REPEATS: usize = 7;
-/// Samples of the short record, 150 s at 5.7 kSPS.
+/// Number of samples of the short record: 150 s at 5.7 kSPS.
 const SHORT: usize = 855_000;
 
 fn main() {
@@ -27,7 +27,7 @@ fn main() {
     }
 }
 
-/// White noise of a gyroscope in °/s: how fast a deviation is found does not depend on the numbers.
+/// White noise of a gyroscope in °/s. The speed of the analysis does not depend on the values.
 fn generate(path: &str, samples: usize) {
     let normal = Normal::new(0.0, 0.5).expect("a positive deviation");
     let rate = normal.sample_iter(Xoshiro256PlusPlus::seed_from_u64(1)).take(samples);
@@ -50,12 +50,12 @@ fn read(path: &str) -> Vec<f64> {
     numbers.iter().map(|number| f64::from_le_bytes(*number)).collect()
 }
 
-/// Averages of 1, 2, 4 … samples, as long as a difference of two fits.
+/// Averaging factors 1, 2, 4 …, as long as a difference of two averages fits into the record.
 fn octaves(samples: usize) -> Vec<u64> {
     std::iter::successors(Some(1), |m| Some(m * 2)).take_while(|m| 2 * m <= samples as u64).collect()
 }
 
-/// 100 averages from 1 sample to a third of the record, evenly spaced in the logarithm; equal ones once.
+/// 100 averaging factors from 1 to a third of the record, evenly spaced in the logarithm, without duplicates.
 fn hundred(samples: usize) -> Vec<u64> {
     let top = (samples as f64 / 3.0).ln();
     let mut lengths: Vec<u64> = (0..100).map(|i| (top * f64::from(i) / 99.0).exp().round() as u64).collect();
@@ -63,13 +63,14 @@ fn hundred(samples: usize) -> Vec<u64> {
     lengths
 }
 
-/// The averages of `--taus fine`: 1, 2, 3, then four to an octave.
+/// The averaging factors of `--taus fine`: 1, 2, 3, then four per octave.
 fn fine(samples: usize) -> Vec<u64> {
     let octaves = (0..60).flat_map(|k| (4..8).map(move |quarter| quarter << k));
     (1..4).chain(octaves).take_while(|m| 2 * m <= samples as u64).collect()
 }
 
-/// 1, 2, 4, 10, 20, 40 …: the densest spacing that the crate `allan` can do up to the longest averages.
+/// Averaging factors 1, 2, 4, 10, 20, 40 …: the densest spacing with which the crate `allan` reaches the longest
+/// averages.
 fn decades(longest: u64) -> Vec<u64> {
     let decade = std::iter::successors(Some(1), |step| Some(step * 10)).take_while(|step| *step <= longest);
     decade.flat_map(|step| [step, 2 * step, 4 * step]).filter(|m| *m <= longest).collect()
@@ -127,7 +128,7 @@ fn best(repeats: usize, mut run: impl FnMut()) -> f64 {
     (0..repeats).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Peak resident memory of reading and computing, as a multiple of the input.
+/// Peak resident memory of reading and computing, as a multiple of the input's size.
 fn memory(rate: &[f64]) {
     let before = peak_bytes("VmRSS:");
     black_box(values(&Input::Rate(rate), Stat::Oadev, &octaves(rate.len())));
@@ -136,7 +137,7 @@ fn memory(rate: &[f64]) {
     println!("{}", json!({"who": "zerorate", "work": "oadev", "memory": peak / input}));
 }
 
-/// A line of the kernel's account of this process, in bytes.
+/// A value in the kernel's status of this process, bytes.
 fn peak_bytes(line: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").expect("Linux");
     let value = status.lines().find_map(|text| text.strip_prefix(line)).expect("a line of /proc/self/status");
