@@ -115,8 +115,7 @@ fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     times.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// Prints the largest relative difference from allantools for each kind of work. Speed means nothing if the numbers
-/// differ.
+/// Prints the largest relative difference from allantools for each kind of work: fast but wrong does not count.
 fn print_agreement(lines: &[Line]) {
     for theirs in lines.iter().filter(|line| line.who == "allantools") {
         for ours in lines.iter().filter(|line| line.who.starts_with("zerorate, 2") && line.work == theirs.work) {
@@ -155,8 +154,8 @@ fn time_program() -> Result<()> {
 /// The files, each with its goal: how many times as fast as polars or NumPy and allantools.
 const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.parquet", 15.0), ("one.npy", 15.0)];
 
-/// Times the whole program from a log of noise to the table, and a whole Python program for comparison. Each is the
-/// best of three.
+/// Times the whole program from a log of noise to the table, and a comparable Python program. The best of three
+/// counts.
 fn time_files(samples: u64, python: &Path) -> Result<()> {
     std::fs::create_dir_all(LOGS)?;
     let peers = || {

@@ -1,5 +1,4 @@
-//! `cargo xtask coverage-tempcal`: simulates logs of gyroscopes that warm up, and compares the fitted curves with
-//! the truth.
+//! `cargo xtask coverage-tempcal`: fits the bias over temperature to simulated logs, and compares it with the truth.
 
 use crate::residuals::rms;
 use crate::seeds::{self, for_each_seed};
@@ -75,8 +74,7 @@ const KINDS: [Kind; 7] = [
     Kind { name: "cubic, lag of 0 to 150 s, begins up to 400 s after switch-on", begins_s: 400.0, ..DRAWN },
 ];
 
-/// The rms errors of one axis after subtracting the mean error, and the ratios of the errors to the stated
-/// uncertainty.
+/// The rms errors of one axis without the mean error, and the ratios of the errors to the stated uncertainty.
 struct AxisErrors {
     cubic: f64,
     quintic: f64,

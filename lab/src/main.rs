@@ -1,5 +1,4 @@
-//! The tasks of `cargo xtask` that need more than a compiler: simulation campaigns, hardware emulation, benchmarks
-//! and distribution.
+//! The tasks of `cargo xtask` that need more than a compiler: campaigns, emulated hardware, benchmarks, distribution.
 //!
 //! To add a command: write a module with `#[derive(clap::Args)] pub struct NameArgs` and
 //! `pub fn run(args: &NameArgs)`, and give it a variant in [`Task`].

@@ -211,8 +211,7 @@ pub const FAULTS: [Fault; 12] = [
     },
 ];
 
-/// A unit with a base motion that is slow compared with the recording. The methods that use the whole recording have
-/// to detect it.
+/// A unit with a base motion slow against the recording. The methods that use the whole recording must detect it.
 pub fn slow_sway(seed: u64) -> Spec {
     let (sway_dps, sway_hz) = (draw(seed, 1).between_logs(0.01, 0.2), draw(seed, 2).between_logs(1e-4, 1e-3));
     Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }

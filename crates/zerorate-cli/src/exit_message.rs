@@ -1,5 +1,4 @@
-//! The last line on stderr, however the program ends. It tells what the program leaves behind, such as a chamber
-//! that heats.
+//! The last line on stderr, however the program ends. It tells what is left behind, such as a chamber that heats.
 
 use crate::output::say;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,5 +1,4 @@
-//! Parses the command line. Without arguments, it prints the first steps for new users. It adds advice to clap's
-//! errors.
+//! Parses the command line. Without arguments, prints the first steps for new users. Adds advice to clap's errors.
 
 use crate::cli::Cli;
 use crate::output::say;
@@ -19,8 +18,7 @@ const LINES: [&str; 5] = [
     "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
 ];
 
-/// Commands that users may look for but that other programs provide: where they are, and how to install them from a
-/// clone.
+/// Commands that users may look for but that other programs provide, and how to install those from a clone.
 const ELSEWHERE: [(&str, &str); 3] = [
     ("version", "is an option: zerorate --version"),
     ("fleet", "is in the Python package: pip install './bindings/python[fleet]' in a clone"),
@@ -33,8 +31,7 @@ const ELSEWHERE: [(&str, &str); 3] = [
 /// The exit code of a usage error.
 const USAGE: u8 = 2;
 
-/// Parses the command line and applies its limits. Without arguments, prints the first steps and returns the exit
-/// code.
+/// Parses the command line and applies its limits. Without arguments, prints the first steps and returns an exit code.
 pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
     if args.len() < 2 {
         LINES.iter().for_each(say);
@@ -159,8 +156,7 @@ fn names(arg: &Arg) -> Vec<String> {
     short.into_iter().chain(arg.get_long().map(|long| format!("--{long}"))).collect()
 }
 
-/// Replaces the comma in `100,5` or `1,5h` by a point. `None` if the text is not a single number with a decimal
-/// comma.
+/// Replaces the comma in `100,5` or `1,5h` by a point. `None` if the text is not a single number with a decimal comma.
 fn with_point(text: &str) -> Option<String> {
     let (whole, rest) = text.split_once(',')?;
     let digits = whole.strip_prefix(['-', '+']).unwrap_or(whole);

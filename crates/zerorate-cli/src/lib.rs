@@ -34,8 +34,7 @@ mod wording;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Runs the command line `args`, with the program name first. Returns the exit code: 0 success, 1 failure, 2 usage
-/// error, 3 refusal.
+/// Runs the command line `args`, program name first. Returns 0 for success, 1 failure, 2 usage error, 3 refusal.
 ///
 /// For help, `--version` and command lines that cannot be parsed, clap ends the process.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {

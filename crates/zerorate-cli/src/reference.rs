@@ -1,11 +1,9 @@
-//! Writes the reference of all commands and options in Markdown for the book, from the definition of the command
-//! line.
+//! Writes the reference of all commands and options in Markdown for the book, from the definition of the command line.
 
 use crate::commands::help::DEVICE;
 use clap::{Arg, Command};
 
-/// Makes the page: a section for each of `groups`, which list the commands of `cli` by purpose, and the addresses of
-/// devices.
+/// Makes the page: a section for each of `groups`, which list commands of `cli` by purpose, and device addresses.
 pub fn page(mut cli: Command, groups: &[(&str, &[&str])]) -> String {
     cli.build();
     let global: String = cli.get_arguments().filter(|arg| arg.is_global_set()).map(item).collect();

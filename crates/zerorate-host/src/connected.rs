@@ -54,8 +54,7 @@ pub trait Connection {
     }
 }
 
-/// A part and, once samples are requested, the thread that reads it. Dropping it ends the thread before the
-/// connection.
+/// A part and, once sampling, the thread that reads it. Dropping it ends the thread before the connection.
 pub struct ConnectedPart<C: Connection> {
     state: State<C>,
     connection: C,

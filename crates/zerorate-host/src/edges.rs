@@ -6,8 +6,7 @@ use std::time::Duration;
 
 /// A source of data-ready edges.
 pub trait Edges {
-    /// Returns the newest edge that was not returned yet, or waits for the next one. `None` if none comes within
-    /// `timeout_ns`.
+    /// Returns the newest unread edge, or waits for the next one. `None` if none comes within `timeout_ns`.
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;
 
     /// The current time on the clock of the edges, as text for messages.

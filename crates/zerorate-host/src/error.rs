@@ -8,8 +8,7 @@ use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 use zerorate_record::admission::Disbelief;
 
-/// The error of a device that cannot be read. Its text, with the texts of its sources, says what was observed and
-/// what to do.
+/// The error of a device that cannot be read. Its texts say what was observed and what to do.
 #[derive(Debug)]
 pub struct DeviceError {
     cause: Cause,

@@ -77,8 +77,7 @@ pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
 /// The name of a log that means standard input.
 pub const STDIN: &str = "-";
 
-/// Opens a log: a file, standard input (`-`), or the folder of a ROS 2 bag with several files. Returns each file
-/// with its name.
+/// Opens a log: a file, standard input (`-`), or the folder of a ROS 2 bag. Returns each file with its name.
 ///
 /// # Errors
 /// Returns an error if the log cannot be opened.

@@ -1,9 +1,8 @@
 //! One thread reads a device and distributes the samples to all readers.
 //!
-//! A reader that needs every sample (a recorder, the procedure) uses a [`LosslessReader`], for which the thread
-//! waits. If that takes too long, samples are lost before they reach the thread, and later samples count them. The
-//! thread never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and is told their
-//! number.
+//! A reader that needs every sample (a recorder, the procedure) uses a [`LosslessReader`], for which the thread waits.
+//! If that takes too long, samples are lost before they reach the thread, and later samples count them. The thread
+//! never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and is told their number.
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
@@ -118,8 +117,8 @@ enum Request {
 }
 
 impl Hub {
-    /// Opens the device in a new thread. Nothing is sent to the part yet. `stop` ends the reading as if a recording
-    /// ended there.
+    /// Opens the device in a new thread. Nothing is sent to the part yet. `stop` ends the reading like a recording's
+    /// end.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -170,8 +169,7 @@ impl Hub {
         &self.stop
     }
 
-    /// The speed of simulated or replayed time. [`Hub::read`] sets it first; afterwards it may be changed at any
-    /// time.
+    /// The speed of simulated or replayed time. [`Hub::read`] sets it first; afterwards it may be changed at any time.
     #[must_use]
     pub fn speed(&self) -> &Speed {
         &self.speed
@@ -275,8 +273,7 @@ impl Watcher {
         self.0.recv().ok()
     }
 
-    /// Waits for the next batch, for `patience` at most. After the end, [`Hub::failure`] tells whether an error was
-    /// the reason.
+    /// Waits for the next batch, for `patience` at most. After the end, [`Hub::failure`] has the error, if any.
     #[must_use]
     pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         Poll::of(self.0.recv_timeout(patience))
@@ -299,7 +296,7 @@ impl BatchBuilder {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
     }
 
-    /// Fills a batch until it is full, long enough or marked; returns `None` then. Otherwise returns how the reading
+    /// Fills a batch until it is full, long enough or marked; returns `None` then. Otherwise returns how reading
     /// ended.
     fn fill(&mut self, batch: &mut Batch, source: &mut dyn Source, is_over: impl Fn() -> bool) -> Option<Result<()>> {
         let longest_ns = self.longest_ns().unwrap_or(u64::MAX);

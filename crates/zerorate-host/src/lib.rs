@@ -1,5 +1,4 @@
-//! Reads gyroscopes that are connected to a computer. `--device` names the device, and the [`Hub`] reads it for all
-//! readers.
+//! Reads gyroscopes that are connected to a computer. `--device` names one, and the [`Hub`] reads it for all readers.
 //!
 //! This crate has no argument parser, no output and no global state. All messages are values, and a [`Stop`] ends
 //! the work that received it.

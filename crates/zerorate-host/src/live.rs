@@ -33,8 +33,7 @@ const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_0
 /// Number of times that the whole configuration must be read back correctly at each clock.
 const READ_BACKS: u32 = 20;
 
-/// Number of samples with the self-test on, and with it off: batches of 64, which are long compared with the
-/// bandwidth (F-03).
+/// Number of samples with and without the self-test: batches of 64, long compared with the bandwidth (F-03).
 const SELF_TEST_SAMPLES: u16 = 1024;
 
 /// Time without a sample that is an error, ns.
@@ -155,8 +154,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         }
     }
 
-    /// Returns an error if there are edges but no new samples for long: the part may be gone and its RDY line
-    /// floating.
+    /// Returns an error if edges bring no new samples for long: the part may be gone and its RDY line floating.
     #[inline]
     fn require_alive(&mut self, now_ns: u64) -> Result<()> {
         if self.is_alive(now_ns) { Ok(()) } else { Err(self.why_silent()) }

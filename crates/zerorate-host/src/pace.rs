@@ -82,8 +82,7 @@ impl Clock for Monotonic {
     }
 }
 
-/// Keeps the part's time from running ahead of the wall clock. It checks the clock every [`PACE`] of wall-clock
-/// time.
+/// Keeps the part's time from running ahead of the wall clock. It checks the clock every [`PACE`] of wall-clock time.
 pub(crate) struct WallClock<C = Monotonic> {
     clock: C,
     speed: Speed,

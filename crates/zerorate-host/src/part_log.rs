@@ -10,8 +10,7 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// The largest distance from a code, in codes, that counts as a rounding error of a code that was written as a
-/// decimal or in a unit.
+/// Largest distance from a code that is a rounding error of a code written as a decimal or in a unit, in codes.
 const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes and the temperature of a part.

@@ -18,8 +18,7 @@ pub enum RowReader {
 }
 
 impl RowReader {
-    /// Opens a capture, or else a log of `part` if one is given. `path` names the file in messages. `args` are for
-    /// logs only.
+    /// Opens a capture, or else a log of `part` if given. `path` names the file in messages. `args` are for logs only.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or is damaged, or if it is not a capture and no part is given.

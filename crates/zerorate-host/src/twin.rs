@@ -124,8 +124,7 @@ fn several(axes: usize, width: Width) -> Part {
     Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
 }
 
-/// Several twins on one clock, as the axes of one part. The temperature and all other common values are those of the
-/// first.
+/// Several twins on one clock, as the axes of one part. Temperature and other common values are those of the first.
 struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,

@@ -96,8 +96,7 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Locks the port against other programs, and ignores its modem lines, which a bridge with three wires does not
-/// have.
+/// Locks the port against other programs, and ignores its modem lines, which a bridge with three wires does not have.
 #[cfg(unix)]
 fn claim(serial: &SerialPort) -> io::Result<()> {
     use rustix::fs::{FlockOperation, flock};

@@ -38,8 +38,7 @@ pub struct Acquisition {
 }
 
 impl Acquisition {
-    /// Opens the device. It is read until its data end, or until `stop` is requested. `on_warning` receives the
-    /// device's warnings.
+    /// Opens the device and reads it until its end or until `stop` is requested. `on_warning` receives its warnings.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -76,8 +75,7 @@ impl Acquisition {
         self.hub.facts()
     }
 
-    /// The description of the capture. `notes` replace those of the recording. A given serial number must equal the
-    /// recorded one.
+    /// The description of the capture. `notes` replace recorded ones. A given serial number must equal a recorded one.
     ///
     /// # Errors
     /// Returns an error if the recording states another serial number.
@@ -124,8 +122,7 @@ impl Acquisition {
         self.marks_ns.push(after_ns);
     }
 
-    /// The twin's true state of each axis at the last returned sample. Empty unless that sample was requested by
-    /// `mark`.
+    /// The twin's true state of each axis at the last returned sample; empty unless `mark` requested it.
     pub fn truths(&self) -> Vec<Truth> {
         let last = self.batch.as_ref().filter(|batch| batch.rows.len() == self.taken);
         last.map_or_else(Vec::new, |batch| batch.truths.clone())

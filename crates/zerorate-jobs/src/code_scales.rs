@@ -76,8 +76,7 @@ impl CodeOptions {
     /// Sets the scale of each kind of axis that has no unit yet. Returns warnings about assumed scales.
     ///
     /// # Errors
-    /// Returns an error if the part states no scale or not this full scale, or if a full scale is given beside a
-    /// unit.
+    /// Returns an error if the part states no scale or not this full scale, or if a full scale is given beside a unit.
     pub fn apply(&self, axes: &mut ImuOptions) -> Result<Vec<OfKind>, InvalidOptions> {
         let names = axes.log.names;
         let mut assumed = Vec::new();
@@ -152,8 +151,7 @@ fn others(kind: Kind, scale: FullScale) -> Vec<&'static str> {
     catalogue::FILES.iter().filter(|(_, text)| has(text)).map(|(name, _)| *name).collect()
 }
 
-/// Whether a scale warning concerns these axes. It does not with three accelerometers, because gravity verifies
-/// their scale.
+/// Whether a scale warning concerns these axes. Three accelerometers need none: gravity verifies their scale.
 #[must_use]
 pub fn concerns(kind: Kind, axes: &[Column]) -> bool {
     let count = axes.iter().filter(|axis| axis.quantity == Some(kind.quantity())).count();

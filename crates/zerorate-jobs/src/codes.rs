@@ -19,8 +19,7 @@ pub struct Group {
 pub struct Explanation {
     /// The code at the start of a warning, or in a refusal.
     pub code: &'static str,
-    /// The severity as the page states it: `warning`, `refusal` or `remark`, or two of them as in `warning or
-    /// refusal`.
+    /// The severity: `warning`, `refusal` or `remark`, or two of them as in `warning or refusal`.
     pub says: String,
     /// The commands of `zerorate` that print it.
     pub by: Vec<String>,

@@ -20,7 +20,7 @@ impl Recorder {
     }
 
     /// Records a sample. Complete batches are written at once. Fails within a second after the file was removed or
-    /// cut short.
+    /// cut.
     #[inline]
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         self.file.check().map_err(|error| CaptureError::io("record into", self.file.path(), error))?;

@@ -5,8 +5,7 @@ use super::row::Row;
 use super::succession::{Break, Succession};
 use super::warning::CaptureWarning;
 
-/// The number of consecutive samples without increasing time after which the recording stops: 0.7 s at the full
-/// rate.
+/// The number of consecutive samples without increasing time after which the recording stops: 0.7 s at the full rate.
 const STANDING: u32 = 4096;
 
 /// Filters the samples of a live device. Samples that cannot be recorded count as lost.
@@ -35,8 +34,7 @@ pub enum Disbelief {
 }
 
 impl Admission {
-    /// Returns the row to record, with a corrected count of losses. `None` if the row must be left out; the next row
-    /// then counts it as lost.
+    /// Returns the row to record, with corrected losses. `None` leaves the row out; the next row counts it as lost.
     pub fn admit(&mut self, row: Row) -> Result<Option<Row>, Disbelief> {
         let lost = row.lost.saturating_add(self.owed);
         let lost = match self.succession.follow(row.with_lost(lost).mark()) {

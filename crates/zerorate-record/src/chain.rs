@@ -1,5 +1,4 @@
-//! The checks of a capture: each block ends with a hash over everything before it (docs/formats/capture.md,
-//! "Checks").
+//! The checks of a capture: each block ends with a hash over everything before it (docs/formats/capture.md, "Checks").
 
 use super::columns::Rows;
 use super::hash::{SampleHash, hex};
@@ -151,8 +150,7 @@ fn type_name(data_type: &DataType) -> String {
     short.to_owned()
 }
 
-/// A column encoded for the checks. Each row has a byte, 1 if there is a value and 0 for a null, and then the value
-/// in little-endian order.
+/// A column encoded for the checks. For each row: a byte, 0 for a null or else 1, and the value in little endian.
 struct Cells {
     bytes: Vec<u8>,
     stride: usize,

@@ -1,5 +1,4 @@
-//! Presents a capture as a self-describing table: codes have scales, invalid readings are null, and lost rows are
-//! counted.
+//! Presents a capture as a self-describing table: codes have scales, invalid readings are null, losses are counted.
 
 use crate::columns::Rows;
 use crate::layout::{CodedAxis, Layout};
@@ -93,8 +92,7 @@ type TakeRows<'a> = &'a mut (dyn FnMut(&RecordBatch, &Rows) -> Result<(), InputE
 #[cfg(not(target_family = "wasm"))]
 const AHEAD: usize = 4;
 
-/// Passes the rows of a capture to `take` on another thread, while this thread checks the next rows. Both take about
-/// the same time.
+/// Passes the rows of a capture to `take` on another thread, while this one checks the next. Both take about as long.
 #[cfg(not(target_family = "wasm"))]
 fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputError> {
     std::thread::scope(|scope| {

@@ -225,8 +225,7 @@ impl CaptureInfo {
         self.set(self.layout.part())
     }
 
-    /// The recorded part, completed by facts from `known`. The scales of the codes, and the bandwidth if it was set,
-    /// come from the capture.
+    /// The recorded part, completed by facts from `known`. Scales, and the bandwidth if set, come from the capture.
     ///
     /// # Errors
     /// Returns [`NotThePart`] if the capture has another part, or an axis that `known` lacks.

@@ -28,8 +28,7 @@ pub struct Layout {
     axes: Vec<CodedAxis>,
     temp: Scale,
     status_bits: u8,
-    /// Number of low bits that the recorded codes lack compared with a [`Reading`]: 8 for the 16-bit codes of an
-    /// ADIS16130 (F-43).
+    /// Number of low bits that codes lack compared with a [`Reading`]: 8 for the 16-bit codes of an ADIS16130 (F-43).
     dropped_bits: u8,
 }
 
@@ -257,8 +256,7 @@ impl Layout {
         ((code - scale.zero_code) << self.dropped_bits) as i32
     }
 
-    /// Whether a reading is out of range: its code is at an end of the scale, or the status of an ADIS16130 says so
-    /// (OVR, F-35).
+    /// Whether a reading is out of range: by a code at an end of the scale, or by an ADIS16130's status (OVR, F-35).
     #[inline]
     fn is_out_of_range(&self, axis: &CodedAxis, code: i64, status: Option<u32>) -> bool {
         let (first, last) = axis.scale.codes();

@@ -67,8 +67,7 @@ fn properties(schema: &SchemaRef) -> WriterProperties {
         .build()
 }
 
-/// Chooses the encoding of a column. Timestamps and codes differ little from row to row; f64 values hardly ever
-/// repeat.
+/// Chooses a column's encoding. Timestamps and codes differ little from row to row; f64 values hardly ever repeat.
 fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataType) -> WriterPropertiesBuilder {
     let column = ColumnPath::from(name);
     match data_type {

@@ -1,5 +1,4 @@
-//! A preview of the twin, from a small module that loads fast. It runs until the whole session is loaded and
-//! continues from there.
+//! A preview of the twin, from a small module that loads fast. The whole session continues from it once loaded.
 
 use crate::live::Pace;
 use crate::message::DeviceState;
@@ -54,8 +53,7 @@ impl FirstLook {
         encode(&frame, &payload)
     }
 
-    /// How long the preview has run, s of the twin's time. [`Live::catch_up`](crate::live::Live::catch_up) continues
-    /// there.
+    /// How long the preview has run, s of the twin's time, for [`Live::catch_up`](crate::live::Live::catch_up).
     #[must_use]
     pub fn shown_s(&self) -> f64 {
         self.live_view.now_s()

@@ -79,8 +79,7 @@ impl Live {
         }
     }
 
-    /// Continues where a [`FirstLook`](crate::first::FirstLook) at the same unit is, `shown_s` after its first
-    /// reading.
+    /// Continues after a [`FirstLook`](crate::first::FirstLook) at the same unit, `shown_s` after its first reading.
     pub fn catch_up(&mut self, shown_s: f64, clock: &mut dyn FnMut() -> f64) {
         self.pace.begun_s = shown_s;
         self.turn(clock, f64::INFINITY);

@@ -1,5 +1,4 @@
-//! The messages between the page and its session: `docs/formats/page.md`. `web/src/protocol.ts` is generated from
-//! these types.
+//! The messages between the page and its session: `docs/formats/page.md`. `web/src/protocol.ts` is made from them.
 
 mod calibrating;
 mod statistics;
@@ -406,8 +405,7 @@ pub struct SampleCounts {
     /// Number of samples that were lost before they were read, as counted by the samples themselves.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub lost: u64,
-    /// Number of samples that were read but not shown, because this page's session was too slow. A recording has
-    /// them.
+    /// Number of samples that were read but not shown, because this page's session was too slow. A recording has them.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missed: u64,
     /// Number of readings that are impossible for the part.

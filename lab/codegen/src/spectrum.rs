@@ -1,5 +1,4 @@
-//! Plots spectra of the twin at rest, sampled in three ways. They show how bandwidth, capacitor and divider change
-//! noise and resonance.
+//! Plots spectra of the twin at rest, sampled in three ways: effects of bandwidth, capacitor and divider.
 
 use crate::bandwidth::fold;
 use adis16130::blocking::Adis16130;
@@ -16,13 +15,11 @@ use zerorate_view::plot::{Spectrum, Tone, spectra};
 const UNIT: &str = "seed=4,warmup_c=0";
 /// Length of the segments of Welch's estimate at the full rate, in samples: a resolution of 0.35 Hz.
 const SAMPLES: usize = 1 << 17;
-/// Length of the segments for a record at less than a twentieth of the rate, where the full length would take
-/// minutes.
+/// Length of the segments for a record at less than a twentieth of the rate, where the full length would take minutes.
 const SAMPLES_DIVIDED: usize = 1 << 14;
 /// Time without an edge after which the part counts as failed, ns.
 const NO_EDGE_NS: u64 = 100_000_000;
-/// Number of multiples of the sampling rate, on either side, around which noise is aliased. The poles suppress noise
-/// above them.
+/// Number of multiples of the sampling rate on either side that alias noise. The poles suppress noise above them.
 const IMAGES: i32 = 64;
 
 /// One way of sampling the part.

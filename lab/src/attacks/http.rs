@@ -11,8 +11,7 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::Duration;
 
-/// Read timeout. The server closes a connection after waiting 5 s for the next request, so this suffices on any
-/// machine.
+/// Read timeout. The server closes a connection after waiting 5 s for a request, so this suffices on any machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Number of simultaneous connections, well below the limit of the server.
 const TOGETHER: usize = 32;

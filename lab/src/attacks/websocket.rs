@@ -18,8 +18,7 @@ const SUITE: &str = "autobahntestsuite==25.10.1";
 const PARTS: [&str; 4] = ["1.*,2.*,3.*,4.*", "5.*,7.*,10.*", "6.*", "9.*"];
 /// Left out: thousands of round trips, which the server slows down on purpose (docs/serve.md).
 const LEFT_OUT: &str = "9.7.*,9.8.*";
-/// The least number of cases that must run. Cases of compression are not among them, since the server does not offer
-/// it.
+/// The least number of cases that must run. None is of compression, since the server does not offer it.
 const LEAST: usize = 280;
 
 /// The result of a case, as `suite.py` prints it.
@@ -73,8 +72,7 @@ fn found(output: &Output) -> Result<Vec<CaseResult>> {
     lines.map(|line| serde_json::from_str(line).with_context(|| line.to_owned())).collect()
 }
 
-/// The suite's verdict, except for messages that the page's server refuses by design: binary ones and those above 1
-/// MiB.
+/// The suite's verdict, except for messages that the page's server refuses by design: binary or above 1 MiB.
 fn judge(found: &CaseResult) -> Outcome {
     let by_design = refusal(&found.case);
     let is_done = matches!(&*found.behavior, "OK" | "NON-STRICT" | "INFORMATIONAL")

@@ -30,8 +30,7 @@ pub struct Frames {
     pub snapshots: u64,
 }
 
-/// Receives frames until `is_over`, but at least two. Stores in `shown_ms` how much of the part's time they have
-/// shown.
+/// Receives frames until `is_over`, but at least two. Stores in `shown_ms` how much of the part's time they show.
 pub fn watch(address: &str, is_over: &dyn Fn() -> bool, shown_ms: &AtomicU64) -> Result<Frames> {
     let mut stream = BufReader::new(connect(address)?);
     let (mut frames, mut last) = (Frames::default(), None);

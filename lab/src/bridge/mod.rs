@@ -115,7 +115,7 @@ impl Bench {
         Ok(summary)
     }
 
-    /// Calibrates with the same plan through the bridge and in this process. The results must agree within their
+    /// Calibrates by one plan through the bridge and in this process. The results must agree within their
     /// uncertainties.
     fn calibrate(&self) -> Result<(Value, Value)> {
         let emulator = self.emulator(Line::Socket)?;

@@ -180,8 +180,7 @@ fn one(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> anyh
     })
 }
 
-/// The ratio of the mean Allan variance to the model's, for each octave. It is 1 if the simulation follows the
-/// model.
+/// The ratio of the mean Allan variance to the model's, for each octave. It is 1 if the simulation follows the model.
 fn mean_over_model(scenario: &Scenario, runs: &[Run]) -> String {
     let octaves = runs.iter().map(|run| run.curve.len()).min().unwrap_or(0);
     let ratio = |i: usize| {

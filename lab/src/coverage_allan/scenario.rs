@@ -73,8 +73,7 @@ pub struct Bounds {
     pub steps: (f64, f64),
 }
 
-/// Bounds of scenarios without bounds of their own. The deviation that chance allows for this number of records is
-/// added.
+/// Bounds of scenarios without their own. The deviation that chance allows for the number of records is added.
 const OTHER: Bounds = Bounds {
     coverage: (93.0, 97.0),
     rms: [f64::INFINITY; 3],

@@ -167,7 +167,7 @@ fn add_flicker(rate: &mut [f64], b: f64, fft: &Arc<dyn Fft<f64>>, rng: &mut Smal
     for (i, rate) in rate.iter_mut().enumerate() {
         let at = i as f64 * SLOW_RATE_HZ / RATE_HZ;
         let (whole, part) = (at as usize, at.fract());
-        // Fast flicker repeats in a long record, which is harmless, because its correlations are far shorter than a
+        // Fast flicker repeats in a long record, which is harmless: its correlations are far shorter than a
         // repetition.
         *rate += slow[whole] * (1.0 - part) + slow[whole + 1] * part + fast[i % SYNTHESIS];
     }

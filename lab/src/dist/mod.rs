@@ -83,8 +83,7 @@ pub fn write_licences_of_page(out: &Path) -> Result<()> {
 struct Folder {
     dist: PathBuf,
     work: PathBuf,
-    /// Time of the commit, Unix time in s. It is the time of all files, so that the same sources give the same
-    /// bytes.
+    /// Time of the commit, Unix time in s. It is the time of all files, so that the same sources give the same bytes.
     epoch: String,
 }
 

@@ -1,5 +1,4 @@
-//! The documents for every distributed copy: licences of all linked software, with their texts, and a bill of
-//! materials.
+//! The documents for every distributed copy: licences of all linked software, and a bill of materials.
 
 use super::product::{Component, PRODUCTS, Product};
 use super::{Folder, python, sbom};

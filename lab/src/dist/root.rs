@@ -20,8 +20,7 @@ impl Root {
         Self::with(folder, BARE)
     }
 
-    /// A bare Debian with these packages, whose names are separated by commas. It is made once, and kept as an
-    /// archive.
+    /// A bare Debian with these packages, separated by commas. It is made once, and kept as an archive.
     pub fn with(folder: &Folder, packages: &str) -> Result<Option<Self>> {
         if !is_root() {
             eprintln!("SKIPPED: a bare Debian to try things in: this needs root");

@@ -8,8 +8,7 @@ use super::product::{Component, Product};
 use anyhow::Result;
 use serde_json::{Value, json};
 
-/// The bill of materials of a product. It contains no time and no random number, so the same contents give the same
-/// text.
+/// The bill of materials of a product. It has no time and no random number: the same contents give the same text.
 pub fn text(product: &Product, contents: &[Component]) -> Result<String> {
     let root = format!("{}@{VERSION}", product.name);
     let mut dependencies = vec![json!({

@@ -1,6 +1,5 @@
-//! UF2: the file format that a user copies to the drive of a board's boot loader
-//! (<https://github.com/microsoft/uf2>). It has blocks of 512 bytes, each with its address and its number, so that a
-//! drive may write them in any order.
+//! UF2: the file format that a user copies to the drive of a board's boot loader (<https://github.com/microsoft/uf2>).
+//! It has blocks of 512 bytes, each with its address and its number, so that a drive may write them in any order.
 
 use anyhow::{Context, Result, bail, ensure};
 use object::read::elf::{ElfFile32, ProgramHeader};

@@ -43,8 +43,7 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// Tests this computer's wheel in an empty environment, and the other one under an emulator with Debian's Python and
-/// numpy.
+/// Tests this computer's wheel in an empty environment, and the other one under an emulator with Debian's Python.
 pub fn check(folder: &Folder) -> Result<()> {
     let here = folder.empty("wheel")?;
     done(Command::new("python3").args(["-m", "venv"]).arg(&here))?;

@@ -3,8 +3,7 @@
 use crate::server::{descriptors, resident_mb};
 use anyhow::{Result, ensure};
 
-/// Growth from the second quarter of a run to its last that is ignored, MB. Buffers of visitors that come and go
-/// need that much.
+/// Ignored growth from the second quarter of a run to the last, MB. Buffers of visitors that come and go need it.
 const FLAT_MB: f64 = 4.0;
 /// Size of the hub's queue, MB: 16 batches of 4096 samples. It fills when a busy machine delays its reader.
 const QUEUE_MB: f64 = 6.8;

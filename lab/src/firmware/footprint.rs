@@ -1,5 +1,4 @@
-//! The figures of `docs/reference/footprint.md`: checks the goals, compares them with the committed figures, and
-//! writes the page.
+//! The figures of `docs/reference/footprint.md`: checks goals, compares with committed figures, and writes the page.
 
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;

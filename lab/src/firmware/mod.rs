@@ -45,11 +45,9 @@ pub struct FirmwareArgs {
 #[derive(Serialize)]
 struct Outcome {
     seed: u64,
-    /// Number of readings that agree between controller and host in every representation; `None` without the
-    /// emulator.
+    /// Number of readings that agree between controller and host in every representation; `None` without the emulator.
     readings_agreed: Option<usize>,
-    /// Number of means after which the tracker has the same state on controller and host; `None` without the
-    /// emulator.
+    /// Number of means after which the tracker has the same state on controller and host; `None` without the emulator.
     means_agreed: Option<usize>,
     panic_symbols_in_driver: usize,
     figures: Vec<Figure>,
@@ -186,8 +184,7 @@ fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Compares the figures with the committed page and with the goals. Prints missed goals, and writes the page with
-/// `--update`.
+/// Compares the figures with the committed page and the goals. Prints missed goals; `--update` writes the page.
 fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

@@ -1,5 +1,4 @@
-//! A short form of AN-1042 on means: steps 4, 6 and 8 of F-51 at their times, without the checks of the real
-//! procedure.
+//! A short form of AN-1042 on means: steps 4, 6 and 8 of F-51, without the checks of the real procedure.
 
 use super::unit::{MEAN_S, Recording};
 use crate::trial::Rig;
@@ -26,8 +25,7 @@ pub struct Difference {
     pub btc_dps_per_c: f64,
 }
 
-/// Runs the real procedure and the short form on the twin for a whole hour. The twin is read through bus and driver,
-/// like a real part.
+/// Runs the real procedure and the short form on the twin for a whole hour, read through bus and driver.
 pub fn held_against_the_procedure(spec: Spec) -> anyhow::Result<Difference> {
     let mut rig = Rig::new(spec);
     let mut procedure = Procedure::new(&Axis::ADIS16130, Plan::default())?;

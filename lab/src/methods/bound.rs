@@ -34,8 +34,7 @@ fn windows(recording: &Recording) -> Vec<Block> {
     (0..WINDOWS).map(|k| recording.window(k as f64 * length_s, (k + 1) as f64 * length_s)).collect()
 }
 
-/// Covariance of the windows' mean rates. The random walk between a window and the end of the recording counts as
-/// noise.
+/// Covariance of the windows' mean rates. The random walk from a window to the recording's end counts as noise.
 fn covariance(windows: &[Block], noise: &NoiseModel, end_s: f64) -> Vec<Vec<f64>> {
     let steady = noise.without_random_walk();
     let one =

@@ -67,8 +67,7 @@ fn hour(spec: &Spec) -> Recording {
     Recording::warm_up(spec, HOUR_S)
 }
 
-/// The reference without temperature correction: the user measured the bias once, in the middle of the span, and
-/// knows it exactly.
+/// The reference without temperature correction: the bias was measured once, mid-span, and is known exactly.
 fn raw(recording: &Recording) -> Correction {
     let middle_c = recording.temps_c()[TEMPS / 2];
     Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)
@@ -111,8 +110,7 @@ impl Units<'_> {
         Kind::ALL.into_iter().map(of_kind).collect()
     }
 
-    /// Runs the warm-up method on linear units. Returns a summary for each rate random walk, given as a multiple of
-    /// M-04.
+    /// Runs the warm-up method on linear units. Returns a summary for each rate random walk, a multiple of M-04.
     pub fn by_walk(&self, factors: &[f64]) -> anyhow::Result<Vec<Summary>> {
         self.summaries(|seed| {
             let linear = Kind::Linear.spec(seed, self.lag_s);

@@ -3,8 +3,7 @@
 use zerorate::Correction;
 use zerorate_allan::linear::Cholesky;
 
-/// The correction by an unweighted cubic fit: minus the polynomial through temperatures and rates, about a reference
-/// temperature.
+/// The correction by an unweighted cubic fit to temperatures and rates, about a reference temperature.
 pub fn cubic(points: &[(f64, f64)], reference_c: f64) -> Option<Correction> {
     let powers = |temp_c: f64| [0, 1, 2, 3].map(|k| (temp_c - reference_c).powi(k));
     let sum = |of: &dyn Fn(&[f64; 4], f64) -> f64| {

@@ -24,8 +24,7 @@ impl Kind {
         }
     }
 
-    /// The unit with this seed. All have a temperature coefficient of 0.04 °/s/°C (F-05) and self-heating of 8 °C
-    /// (M-03).
+    /// The unit with this seed. All have a tempco of 0.04 °/s/°C (F-05) and self-heating of 8 °C (M-03).
     pub fn spec(self, seed: u64, lag_s: f64) -> Spec {
         let unit = Spec::from_seed(seed);
         let linear = Spec {
@@ -79,8 +78,7 @@ impl Recording {
         lengths_s.iter().map(until).collect()
     }
 
-    /// A warm-up, after which the air is cooled by 8 °C and warmed again at 1 °C/min: 20 min, 8 + 12 min, 8 + 22
-    /// min.
+    /// A warm-up, after which the air is cooled by 8 °C and warmed again at 1 °C/min: 20 min, 8 + 12 min, 8 + 22 min.
     pub fn cycle(spec: &Spec) -> Self {
         const SWING_C: f64 = 8.0;
         const SLOPE_S: f64 = 480.0;

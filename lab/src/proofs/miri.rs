@@ -1,12 +1,10 @@
-//! Runs Miri on the C interface, whose Rust side has all `unsafe` code that receives pointers, and on tests of the
-//! driver and the core.
+//! Runs Miri on the C interface, whose Rust side has all `unsafe` code with foreign pointers, and on driver and core.
 
 use super::nightly;
 use anyhow::Result;
 use xtask::venv::done;
 
-/// A target with 32 bits, like the controllers that the code is for. (On x86-64, libm uses assembly, which Miri
-/// cannot run.)
+/// A target with 32 bits, like the controllers in question. (On x86-64, libm uses assembly, which Miri cannot run.)
 const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 
 /// The tests with `--check`.

@@ -37,8 +37,7 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-/// The number of errors, and the errors with a frame in our module. An error is a block of lines that contains
-/// frames.
+/// The number of errors, and the errors with a frame in our module. An error is a block of lines that contains frames.
 fn errors(log: &str) -> (usize, Vec<String>) {
     let text = |line: &str| line.split_once("== ").map_or("", |(_, text)| text).to_owned() + "\n";
     let lines: Vec<String> = log.lines().map(text).collect();

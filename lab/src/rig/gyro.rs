@@ -1,8 +1,6 @@
-//! A simulated gyroscope for the guest that is a HID sensor. `gyro RECORD` creates it through `/dev/uhid`, and
-//! records what it sends.
+//! A simulated HID gyroscope for the guest. `gyro RECORD` creates it through `/dev/uhid`, and records what it sends.
 //!
-//! This file is compiled separately, statically, with only the standard library, because the guest has no other
-//! libraries.
+//! This file is compiled separately and statically, with only the standard library: the guest has no others.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};

@@ -1,5 +1,4 @@
-//! Compares the program's captures with the readings of the HID gyroscope, which it reads through the kernel's HID
-//! driver.
+//! Compares the program's captures with the readings of the HID gyroscope, through the kernel's HID driver.
 
 use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};

@@ -48,8 +48,7 @@ const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-
 /// Time constant of the self-heating for that calibration, s (M-03 is 600 s). The capacitor of F-04 prevents the
 /// aliasing of noise at 100 Hz.
 const WARMUP_S: &str = "20";
-/// The captures at the slow rate. There are several, because a host may pause the whole machine for longer than a
-/// period.
+/// The captures at the slow rate. There are several, because a host may pause the machine for longer than a period.
 const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];
 /// Time limit for each step of the guest.
 const LIMIT: Duration = Duration::from_secs(150);
@@ -77,8 +76,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     findings.verdict()
 }
 
-/// Boots the guest, plugs in one part after the other when its script asks for it, and collects the data of both
-/// sides.
+/// Boots the guest, plugs in one part after the other at its script's request, and collects the data of both sides.
 fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<RigData> {
     let run = folder.join("run");
     if run.exists() {
@@ -136,8 +134,7 @@ fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value>
     serde_json::from_slice(&output.stdout).context("the in-process calibration")
 }
 
-/// A command with a higher priority, if that is allowed. A process with real-time behaviour must not wait for a
-/// compiler.
+/// A command with higher priority, if allowed. A process with real-time behaviour must not wait for a compiler.
 fn preferred(program: &Path) -> Command {
     if !is_root() {
         return Command::new(program);

@@ -62,8 +62,7 @@ impl Drop for UsbTwin {
     }
 }
 
-/// The 24-bit reads with this COM byte (F-24) in a log of the wire, whose columns are
-/// t_ns,mosi,miso,lost_rate,edges.
+/// The 24-bit reads with this COM byte (F-24) in a log of the wire, whose columns are t_ns,mosi,miso,lost_rate,edges.
 fn reads(wire: &str, com: &str) -> Vec<RegisterReading> {
     let frame = |line: &str| {
         let mut fields = line.split(',').skip(1);

@@ -1,5 +1,4 @@
-//! The part fails at a random moment of a recording. The recording is compared with one of the same unit without the
-//! fault.
+//! The part fails at a random moment of a recording, which is compared with one of the same unit without the fault.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::faults::{Fault, fault_of};

@@ -88,8 +88,7 @@ fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// An error text if `correct` accepts the file without a warning, but its output differs from that for the undamaged
-/// file.
+/// An error text if `correct` accepts the file without a warning, but with another output than the undamaged file's.
 fn believed(bench: &Bench, file: &str) -> Result<Option<String>> {
     let (run, rows) = bench.corrected(file, &format!("{file}.corrected.csv"))?;
     let silent = run.code == Some(0) && rows != bench.rest.rows && run.stderr.lines().count() <= bench.rest.words;

@@ -1,5 +1,4 @@
-//! The part works, but the conditions are not as the procedure requires. Whole procedures of 53 minutes run in this
-//! process.
+//! The part works, but the conditions are not as the procedure requires. Procedures of 53 minutes run in this process.
 
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};

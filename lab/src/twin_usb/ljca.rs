@@ -23,8 +23,7 @@ pub const ANNOUNCEMENT: Announcement = Announcement {
 
 /// Device descriptor: USB 2.0, vendor class, 8086:0b63, strings 1 and 2, one configuration.
 const DEVICE_DESCRIPTOR: [u8; 18] = [18, 1, 0, 2, 255, 0, 0, 64, 0x86, 0x80, 0x63, 0x0b, 0, 1, 1, 2, 0, 1];
-/// Configuration descriptor: one configuration, one interface of vendor class, bulk out 1 and bulk in 2 with 64
-/// bytes each.
+/// Configuration descriptor: one configuration, one vendor-class interface, bulk out 1 and bulk in 2 with 64 bytes.
 #[rustfmt::skip]
 const CONFIGURATION_DESCRIPTOR: [u8; 32] = [
     9, 2, 32, 0, 1, 1, 0, 0x80, 50,
@@ -50,8 +49,7 @@ const MODE_3: u8 = 0b11;
 
 /// The hardware behind the adapter.
 pub trait Board {
-    /// Transfers one frame of CS with the clock in mode 3. Returns the bytes that were received while `mosi` was
-    /// sent.
+    /// Transfers one frame of CS with the clock in mode 3. Returns the bytes that were received while `mosi` was sent.
     fn frame(&mut self, mosi: &[u8]) -> Vec<u8>;
     /// Whether RDY is high.
     fn rdy_high(&mut self) -> bool;
@@ -191,8 +189,7 @@ impl Ljca {
         }
     }
 
-    /// Transfers bytes over SPI. In any other mode than 3, the part samples the wrong edges and does not understand
-    /// the bytes.
+    /// Transfers bytes over SPI. In any other mode than 3, the part samples the wrong edges and decodes nothing.
     fn transfer(&self, indicator: u8, mosi: &[u8], board: &mut impl Board) -> Vec<u8> {
         let miso = if self.spi_mode == MODE_3 { board.frame(mosi) } else { vec![0xFF; mosi.len()] };
         let mut packet = vec![indicator, miso.len() as u8];

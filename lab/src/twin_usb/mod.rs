@@ -1,5 +1,4 @@
-//! `cargo xtask twin-usb`: the twin as hardware behind an emulated USB adapter. QEMU plugs it into a guest through a
-//! socket.
+//! `cargo xtask twin-usb`: the twin behind an emulated USB adapter. QEMU plugs it into a guest through a socket.
 //!
 //! [`redir`] and [`ljca`] encode and decode bytes, and [`part`] runs the twin in real time. This module has the loop
 //! between them. README.md specifies the exchange.

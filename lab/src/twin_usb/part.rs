@@ -61,8 +61,8 @@ pub struct Losses {
     pub dropped: u64,
 }
 
-/// The true terms of the slow bias at the end. A perfect measurement at `sensor_c` finds PBC = −bias and BTC =
-/// −slope (F-50).
+/// The true terms of the slow bias at the end. A perfect measurement at `sensor_c` finds PBC = −bias, BTC = −slope
+/// (F-50).
 #[derive(Deserialize, Serialize)]
 pub struct Truth {
     pub sensor_c: f64,
@@ -99,8 +99,8 @@ impl WallPart {
         Duration::from_nanos(next_ns.saturating_sub(now_ns))
     }
 
-    /// Finishes the log of the wire and returns the summary. `edges_reported` is the number of edges that the host
-    /// was told of.
+    /// Finishes the log of the wire and returns the summary. `edges_reported` counts the edges that the host was told
+    /// of.
     pub fn finish(mut self, edges_reported: u32) -> Result<Summary> {
         self.rdy_fell();
         self.seen.edges_reported = edges_reported;

@@ -1,5 +1,4 @@
-//! `zerorate man` and `zerorate completions`: the command line as a manual page and as completion scripts for
-//! shells.
+//! `zerorate man` and `zerorate completions`: the command line as a manual page and as completion scripts for shells.
 
 use super::help::DEVICE;
 use crate::output::print;

@@ -54,8 +54,7 @@ pub struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// Checks that `calibration`, from the file `path`, belongs to this part. Returns a warning if that is
-    /// uncertain.
+    /// Checks that `calibration`, from the file `path`, belongs to this part. Returns a warning if that is uncertain.
     ///
     /// # Errors
     /// Returns an error if the calibration belongs to another part.

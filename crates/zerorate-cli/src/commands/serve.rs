@@ -165,8 +165,7 @@ fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<
     Ok(())
 }
 
-/// Stores the calibrations of the folder and of the command line in the session, and applies the first of the
-/// latter.
+/// Stores the calibrations of the folder and of the command line in the session, and applies the first of the latter.
 fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
     let (session, folder) = session_thread.calibrations();
     folder.read(session)?;

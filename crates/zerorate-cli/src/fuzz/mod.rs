@@ -1,5 +1,4 @@
-//! Fuzz tests: damaged input into every decoder of the program. None may panic. The harness is shared with
-//! `zerorate-record`.
+//! Fuzz tests: damaged input into every decoder of the program. None may panic. `zerorate-record` has the harness.
 
 mod calibrations;
 #[path = "../../../zerorate-record/src/fuzz/edit.rs"]

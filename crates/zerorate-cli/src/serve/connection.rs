@@ -41,8 +41,7 @@ impl HostCheck {
         Self { bus, mclk_hz: facts.mclk_hz }
     }
 
-    /// The result, once the duration is reached; `None` before. The inner value is `None` if there is nothing to
-    /// report.
+    /// The result, once the duration is reached; `None` before. The inner value is `None` if all is well.
     pub fn ended(&self, tally: &Tally) -> Option<Option<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;

@@ -92,8 +92,7 @@ pub enum SampleFeed {
     Watcher(Watcher),
 }
 
-/// Length of the queue for a real part, in batches of 20 ms. It holds 20 s, so that only a session that hangs misses
-/// samples.
+/// Length of the queue for a real part, in batches of 20 ms: 20 s, so that only a session that hangs misses samples.
 const PATIENCE: usize = 1024;
 
 impl SampleFeed {

@@ -1,5 +1,4 @@
-//! Access control. A request must use the server's own name, come from its own page, and show the token if one is
-//! required.
+//! Access control. A request must use the server's own name, come from its own page, and show any required token.
 
 use crate::exit::Usage;
 use anyhow::{Result, anyhow};

@@ -223,8 +223,7 @@ fn home(server: &Server, headers: &HeaderMap) -> Answer {
     answer::typed(StatusCode::OK, "application/json", text)
 }
 
-/// Checks a token that the user typed into the page, or that the page took from the fragment of its address. The
-/// answer sets the cookie.
+/// Checks a token that the user typed, or that the page took from its address. The answer sets the cookie.
 async fn token(server: &Server, body: Incoming) -> Answer {
     let shown = match time::timeout(server.limits.head, Limited::new(body, TOKEN).collect()).await {
         Ok(Ok(body)) => body.to_bytes(),

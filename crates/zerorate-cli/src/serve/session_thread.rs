@@ -97,8 +97,7 @@ impl Reading {
 }
 
 impl SessionThread {
-    /// Prepares the thread for a device that was opened and is not being read yet. Also returns the sender of
-    /// requests.
+    /// Prepares the thread for a device that was opened and is not being read yet. Also returns its request sender.
     pub fn new(opener: Opener, opened: OpenDevice, recordings: Recordings, folder: Folder) -> (Self, RequestSender) {
         let (sender, requests) = sync_channel(QUEUE);
         let (frames, _) = broadcast::channel(BEHIND);
@@ -266,8 +265,7 @@ impl SessionThread {
         }
     }
 
-    /// Handles a device that cannot be read. The reason is printed only when it changes, however often opening is
-    /// tried.
+    /// Handles a device that cannot be read. The reason is printed only when it changes, however often it is opened.
     fn gone(&mut self, error: &anyhow::Error, look_again: bool) {
         let hub = match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
             Device::Over { hub, .. } => hub,

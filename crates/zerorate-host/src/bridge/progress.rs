@@ -1,5 +1,4 @@
-//! Checks that the bridge's clock advances. A capture ends by that clock, so it would never end if the clock stood
-//! still.
+//! Checks that the bridge's clock advances. Otherwise a capture, which ends by that clock, would never end.
 
 use anyhow::{Result, ensure};
 use std::time::Duration;

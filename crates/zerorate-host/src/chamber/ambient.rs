@@ -1,5 +1,4 @@
-//! The ambient temperature of a simulated part over its own simulated time. The part pauses until the next segment
-//! is known.
+//! The ambient temperature of a simulated part over simulated time. The part pauses until the next segment is known.
 
 use crate::Stop;
 use adis16130_twin::Twin;

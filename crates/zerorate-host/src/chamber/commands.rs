@@ -43,8 +43,7 @@ impl ChamberCommands {
         Ok(Self { set: set.to_owned(), read: read.to_owned(), retry })
     }
 
-    /// The command that sets a temperature, which is written with one decimal, never with an exponent or as a
-    /// negative zero.
+    /// The command that sets a temperature, with one decimal, and never an exponent or a negative zero.
     fn set_to(&self, temp_c: f64) -> String {
         let tenths = (temp_c * 10.0).round() / 10.0 + 0.0;
         self.set.replace(PLACEHOLDER, &format!("{tenths:.1}"))

@@ -85,8 +85,7 @@ impl FromStr for ChamberSpec {
 }
 
 impl ChamberSpec {
-    /// Makes the chamber; no command is run yet. `None` if it is set by hand. After `stop` only [`Chamber::end`] may
-    /// wait.
+    /// Makes the chamber; no command is run yet. `None` if set by hand. After `stop` only [`Chamber::end`] may wait.
     #[must_use]
     pub fn chamber(&self, stop: &Stop) -> Option<Box<dyn Chamber>> {
         match self {

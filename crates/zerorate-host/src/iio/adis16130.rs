@@ -14,8 +14,7 @@ use zerorate_record::Row;
 
 const RATE: &str = "in_anglvel_z";
 const TEMP: &str = "in_temp0";
-/// Relative tolerance of a scale. The kernel prints scales with nine decimals, so that of the rate has only three
-/// digits.
+/// Relative tolerance of a scale. The kernel prints nine decimals, so the rate's scale has only three digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
 /// The part, read by polling.
@@ -45,8 +44,7 @@ impl Adis16130 {
         let hz = address.hz.unwrap_or(DEFAULT_POLL_HZ);
         let dps = std::f64::consts::PI / 180.0; // the kernel's unit is rad/s
         let rate_shift = shift(folder, RATE, dps / f64::from(RATE_LSB_PER_DPS), i64::from(ZERO_CODE))?;
-        // the kernel's unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code
-        // (F-41)
+        // the kernel's unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code (F-41)
         let temp_zero = i64::from(ZERO_CODE) - 25 * i64::from(TEMP_LSB_PER_C);
         let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
         Ok(Self { address: address.clone(), facts, sampling, rate_shift, temp_shift, polls: Polls::new(hz), taken: 0 })

@@ -98,8 +98,7 @@ impl Device {
     }
 }
 
-/// The part as the driver describes it. Drivers write part names in lower case; the proper name comes from the
-/// `known` part file.
+/// The part as the driver describes it. Drivers write names in lower case; a `known` part file has the proper name.
 fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, known: Option<&Part>) -> Part {
     const NO_TEMP: Scale = Scale { lsb_per_unit: 1.0, zero_code: 0, zero_value: 0.0, width_bits: 16, signed: true };
     let known = known.filter(|known| known.name.eq_ignore_ascii_case(driver));

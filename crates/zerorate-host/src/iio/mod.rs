@@ -1,8 +1,7 @@
 //! Gyroscopes that are read through drivers of the Linux kernel (Industrial I/O).
 //!
-//! [`generic`] reads any of them with the scales that its driver states: through the driver's buffer, with
-//! timestamps, or else by polling. [`adis16130`] polls the ADIS16130, whose codes are known and whose driver has no
-//! buffer.
+//! [`generic`] reads any of them with the scales that its driver states: through the driver's buffer, with timestamps,
+//! or else by polling. [`adis16130`] polls the ADIS16130, whose codes are known and whose driver has no buffer.
 
 mod adis16130;
 mod channel;

@@ -4,8 +4,7 @@ use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
 use zerorate_record::{Layout, Row};
 
-/// Corrects the rows of a part. The corrected rates come in order, two rows later, because the checks need two more
-/// rows.
+/// Corrects the rows of a part. The corrected rates come two rows later, because the checks need two more rows.
 #[derive(Clone, Debug)]
 pub struct Correcting {
     layout: Layout,

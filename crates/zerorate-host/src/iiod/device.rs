@@ -122,8 +122,7 @@ impl Device {
         self.live().trims_dps
     }
 
-    /// Adds rows. Rows that did not fit into this watcher's own queue were read nevertheless: they count for the
-    /// rate, not as lost.
+    /// Adds rows. Rows that did not fit into this watcher's own queue were read: they count for the rate, not as lost.
     pub fn take(&self, watched: &WatchedBatch) {
         let live = &mut *self.live();
         let (mut missed, mut lost) = (watched.missed, watched.lost);
@@ -185,8 +184,7 @@ impl Device {
     /// Writes an attribute.
     ///
     /// # Errors
-    /// Returns an error if there is no such attribute, it cannot be written, writing is not allowed, or the value is
-    /// not valid.
+    /// Returns an error if there is no such attribute, it cannot or may not be written, or the value is not valid.
     pub fn write(&self, place: Place<'_>, attribute: &str, value: &[u8]) -> Result<(), Errno> {
         if !self.attributes(place).contains(&attribute) {
             return Err(Errno::NOT_FOUND);
@@ -274,8 +272,7 @@ impl Device {
         Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
     }
 
-    /// Sets the correction at the current temperature, by an added offset. The correction still follows the
-    /// temperature.
+    /// Sets the correction at the current temperature, by an added offset. It still follows the temperature.
     fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
         let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
         let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;

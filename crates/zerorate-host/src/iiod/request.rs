@@ -163,8 +163,7 @@ impl<'a> Words<'a> {
         Ok((ms > 0).then(|| Duration::from_millis(ms.into())))
     }
 
-    /// Parses the object of an attribute. For the device itself there is no such word, and the attribute is returned
-    /// instead.
+    /// Parses the object of an attribute. The device itself has no such word; the attribute is returned instead.
     fn place(&mut self) -> Result<(Place<'a>, Option<&'a str>), Errno> {
         let Some(word) = self.0.next() else { return Ok((Place::Device, None)) };
         Ok(match Keyword::of(word).0.as_str() {

@@ -16,12 +16,10 @@ use zerorate_view::Seconds;
 
 /// Receives the events of a calibration.
 pub trait Watch {
-    /// Receives the progress, every 4096 samples (1.4 times a second of the part's time). Returns false to end the
-    /// measurement.
+    /// Receives the progress, every 4096 samples (1.4 times a second of the part's time). Returns false to end.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Receives the uncertainties that the calibration would have if the recording ended now. Called only with a
-    /// target.
+    /// Receives the uncertainties that the recording would state if it ended now. Called only with a target.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.
@@ -110,8 +108,8 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Initialises the part. The procedure's time starts with the first row, so the recorded rows suffice to repeat
-    /// it.
+    /// Initialises the part. Time starts with the first row, so that the recorded rows suffice to repeat the
+    /// procedure.
     fn initialise(&mut self) -> Result<()> {
         self.acquisition.initialise()?;
         let Some(first) = self.acquisition.next_row()? else { return Err(self.ended_early()) };

@@ -26,8 +26,7 @@ use zerorate_record::{CaptureInfo, Format};
 pub struct OutputOptions {
     /// The file of the calibration.
     pub output: Option<PathBuf>,
-    /// Whether the calibration of a real part without an `output` goes to `calibration-<id>.toml` in the current
-    /// folder.
+    /// Whether a real part's calibration without an `output` goes to `calibration-<id>.toml` in the current folder.
     pub saves: bool,
     /// The file that records every sample.
     pub log: Option<PathBuf>,
@@ -40,8 +39,7 @@ pub struct OutputOptions {
 /// The longest recording that a method without steps uses, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// The default of [`Plan::settle_s`], s. With a recorded capture and a method without steps it is a day, so that the
-/// whole capture is used.
+/// The default of [`Plan::settle_s`], s: a day if a method without steps has a capture, so that all of it is used.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
@@ -101,8 +99,7 @@ pub struct Job {
     files: Files,
 }
 
-/// Prepares a measurement. Messages use `names` for the settings. If the plan states no Earth rotation, that of the
-/// recording is used.
+/// Prepares a measurement. Messages use `names` for the settings. A recording may state the Earth's rotation.
 ///
 /// # Errors
 /// Returns [`InvalidOptions`] if the plan does not fit the part.
@@ -200,8 +197,7 @@ impl DeliveryFailure {
         Self { why, rescued: rescue(name, &wanted, calibration.to_toml().as_bytes()) }
     }
 
-    /// The error text with the failure and the file that holds the calibration. `also` is appended to the file's
-    /// name.
+    /// The error text with the failure and the file that holds the calibration. `also` is appended to the file's name.
     #[must_use]
     pub fn error(self, also: &str) -> anyhow::Error {
         let place = match self.rescued {

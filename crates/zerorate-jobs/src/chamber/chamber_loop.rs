@@ -19,8 +19,7 @@ pub const TICK_NS: u64 = 1_000_000_000;
 /// A set point is sent again after it has moved by this much, °C: the resolution of chambers.
 const SET_STEP_C: f64 = 0.1;
 
-/// A running measurement. `writer` is the first field, so it is dropped before everything that waits for the
-/// profile.
+/// A running measurement. `writer` is the first field, so it is dropped before everything that waits for the profile.
 pub struct ChamberLoop<'a> {
     writer: Option<ProfileWriter>,
     /// A simulated chamber that follows the steps, if the sensor is simulated and the plan is set by hand.
@@ -79,8 +78,7 @@ impl<'a> ChamberLoop<'a> {
         }
     }
 
-    /// Runs the measurement. However it ends, the chamber is set to its safe temperature and the log is closed
-    /// properly.
+    /// Runs the measurement. However it ends, the chamber is set to its safe temperature, and the log is closed.
     pub fn run(mut self) -> Result<(LoopResult, FinishedSteps)> {
         let ended = self.feed().map_err(|error| if is_stopped(&error) { self.ended_early() } else { error });
         self.control.leave();

@@ -101,8 +101,7 @@ impl Files {
     }
 }
 
-/// A measurement that is ready to run. `writer` is the first field, so it is dropped before everything that waits
-/// for the profile.
+/// A measurement that is ready to run. `writer` is dropped first, before everything that waits for the profile.
 pub struct Job {
     writer: Option<ProfileWriter>,
     control: SetPointControl,

@@ -24,8 +24,7 @@ pub struct PlanFile {
 }
 
 impl PlanFile {
-    /// Reads a plan. A CSV log of a chamber's temperature is accepted for a recording only. Errors use `names` for
-    /// the settings.
+    /// Reads a plan. A CSV log of a chamber is accepted for a recording only. Errors use `names` for the settings.
     ///
     /// # Errors
     /// Returns [`InvalidOptions`] if the file is not a plan, or an error if it cannot be read.

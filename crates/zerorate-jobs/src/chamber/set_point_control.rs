@@ -64,8 +64,7 @@ impl SetPointControl {
         let by = match spec.map(|spec| spec.chamber(stop)) {
             None => Control::Recording,
             Some(None) => Control::Hand,
-            // a real sensor must be read while the chamber responds, so its chamber has a thread; a simulated sensor
-            // waits
+            // a real sensor is read meanwhile, so its chamber has a thread; a simulated sensor waits
             Some(Some(chamber)) if is_simulated => Control::Chamber(chamber),
             Some(Some(chamber)) => Control::Chamber(Box::new(ChamberThread::new(chamber)?)),
         };

@@ -8,15 +8,13 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::time::Duration;
 
-/// The ending of every unfinished file's name. No other files have it, so it identifies files that a killed run
-/// left.
+/// The ending of every unfinished file's name. No other files have it, so it identifies files that a killed run left.
 const ENDING: &str = ".zerorate.part";
 
 /// Number of random characters between the file's name and the ending.
 const RANDOM: usize = 6;
 
-/// The longest part of a name that is repeated in an unfinished file's name, in characters, so that the whole stays
-/// legal.
+/// The longest part of a name that an unfinished file's name repeats, in characters, so that the whole stays legal.
 const LONGEST_STEM: usize = 100;
 
 /// Attempts to lock a folder that another process has locked. A process holds the lock for microseconds.

@@ -48,8 +48,7 @@ pub enum OutputError {
              file itself", path.display(), target.display())]
     ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
 
-    /// `-` was given as the output. Other programs then write to stdout, but this one prints results for people
-    /// there.
+    /// `-` was given as the output. Other programs then write to stdout, but this one prints results for people there.
     #[error("`-` is not a file, and stdout is for what the command prints; give the file a name")]
     Dash,
 

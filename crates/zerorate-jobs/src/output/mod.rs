@@ -1,5 +1,4 @@
-//! Output files. They never overwrite an input or an existing file, and never appear half-written under their final
-//! name.
+//! Output files. They never overwrite an input or an existing file, nor appear half-written under their final name.
 //!
 //! [`Outputs`] knows all files of a run. A command opens every file through it, so that it knows every input. It
 //! refuses an output that is an input or another output of the same run, under any name (hard links, symbolic links,
@@ -134,8 +133,7 @@ impl Outputs {
         Recording::new(path, place)
     }
 
-    /// Claims a file that the run rewrites repeatedly. It may exist already: the run continues from an earlier run's
-    /// content.
+    /// Claims a file that the run rewrites repeatedly. It may exist: the run continues from an earlier run's content.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::derived`].

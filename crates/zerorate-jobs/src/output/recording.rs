@@ -115,7 +115,7 @@ impl Write for CountingWriter {
     }
 }
 
-/// A recording file and its checks. It is open for appending, so a file that was cut short stays shorter than the
+/// A recording file and its checks. It is open for appending, so that a file that was cut stays shorter than the
 /// count.
 #[derive(Debug)]
 struct RecordedFile {

@@ -14,8 +14,7 @@ fn all() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     ALL.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all temporary files just before the program exits. It keeps the list locked, so that later ones block
-/// forever.
+/// Removes all temporary files right before the program exits. The list stays locked, so later ones block forever.
 pub fn remove_all_for_good() {
     let all = all();
     for path in all.iter() {

@@ -97,8 +97,7 @@ pub fn check_serial(
 /// Streams the corrected rate until the part ends, the duration is over or `listener` returns an error.
 ///
 /// # Errors
-/// Returns [`CodedRefusal`] if the part is frozen, or an error if the part cannot be read or `listener` refuses a
-/// row.
+/// Returns [`CodedRefusal`] if the part is frozen, or an error if the part cannot be read or `listener` refuses a row.
 pub fn stream(
     mut acquisition: Acquisition,
     calibration: &Calibration,

@@ -1,5 +1,4 @@
-//! Restores the sensors' own readings from an ArduPilot log, by undoing the corrections and rotations that its
-//! parameters state.
+//! Restores the sensors' own readings from an ArduPilot log, undoing the corrections and rotations in its parameters.
 //!
 //! `IMU` messages hold readings that were corrected by INS_TCALn and rotated by AHRS_ORIENTATION, while the
 //! parameters of a temperature calibration are in the frame of the sensor (ArduPilot, Tools/scripts/tempcal_IMU.py).

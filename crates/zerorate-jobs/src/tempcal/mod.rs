@@ -22,11 +22,9 @@ pub struct TempcalOptions {
     pub codes: CodeOptions,
     /// The temperature column; `None` finds it by its unit or name.
     pub temperature: Option<String>,
-    /// The reference temperature of the bias, °C; `None` for 25 °C, or the middle of the span if the logs do not
-    /// reach 25 °C.
+    /// The reference temperature of the bias, °C; `None` for 25 °C, or mid-span if the logs do not reach 25 °C.
     pub reference_c: Option<f64>,
-    /// The largest allowed standard uncertainty of a gyroscope's bias over the temperatures of the logs, °/s; `None`
-    /// for no limit.
+    /// The largest allowed standard uncertainty of a gyroscope's bias over the temperatures, °/s; `None` for no limit.
     pub max_u_dps: Option<f64>,
 }
 
@@ -47,8 +45,7 @@ pub struct Tempcal {
 /// Fits the bias over temperature of all axes of the sensors in logs of one unit.
 ///
 /// # Errors
-/// Returns an error if a log cannot be read, has no temperature or lacks axes, and a refusal if no curve can be
-/// fitted.
+/// Returns an error if a log cannot be read, has no temperature or lacks axes, or a refusal if no fit is possible.
 pub fn tempcal(logs: &[UnitLog], options: &TempcalOptions) -> Result<Tempcal> {
     if let Some(wanted) = options.max_u_dps.filter(|wanted| !(wanted.is_finite() && *wanted > 0.0)) {
         return Err(InvalidOptions(format!("the largest uncertainty is {wanted} °/s; give a number above 0")).into());

@@ -17,8 +17,7 @@ type Entries = Vec<(&'static str, String)>;
 struct Language {
     /// The template for the only axis of an ADIS16130.
     one: &'static str,
-    /// The templates for any number of axes of any part: the common part, and the part that is repeated for each
-    /// axis.
+    /// The templates for any number of axes of any part: the common part, and the part that is repeated for each axis.
     common: &'static str,
     axis: &'static str,
     /// The templates of the functions that correct raw codes: for a linear correction, and for a curve.

@@ -323,8 +323,7 @@ impl Picture<'_> {
         format!("minimum {} {unit} at {} s", number(value), number(tau_s))
     }
 
-    /// Label positions along a line, the best first: those just far enough from the curve not to be read as its
-    /// label.
+    /// Label positions along a line, the best first: those just far enough from the curve not to be read as its label.
     fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<((f64, f64), Anchor)> {
         let track = densely(&self.scales.track(curve));
         let far = |(x, y): (f64, f64)| track.iter().map(|(a, b)| (x - a).hypot(y - b)).fold(f64::MAX, f64::min);

@@ -42,8 +42,7 @@ impl Axis {
         Self { low: self.low * factor, high: self.high * factor, ..*self }
     }
 
-    /// The pixel of a value. Values far outside, such as zero on a logarithmic axis, are clamped outside of the
-    /// frame.
+    /// The pixel of a value. Values far outside, such as zero on a logarithmic axis, are clamped outside of the frame.
     pub fn at(&self, value: f64) -> f64 {
         let fraction = if self.log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -115,8 +114,7 @@ impl Axis {
     }
 }
 
-/// The smallest step of 1, 2 or 5 times a power of ten that is at least this large, and the decimals of its
-/// multiples.
+/// The smallest step of 1, 2 or 5 times a power of ten that is at least this large, and the decimals of its multiples.
 pub fn round_step(least: f64) -> (f64, usize) {
     let step = round_125(least, f64::ceil);
     (step, usize::try_from(-exponent(step)).unwrap_or(0))

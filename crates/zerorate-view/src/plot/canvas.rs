@@ -186,8 +186,7 @@ pub fn stroke(data: Data, colour: &str, width: f64) -> Path {
         .set("stroke-linejoin", "round")
 }
 
-/// A group that is clipped at the frame. All plots of a page share one namespace, so each frame has its own clip
-/// name.
+/// A group that is clipped at the frame. All plots of a page share one namespace, so each frame has its own clip name.
 pub fn clipped(area: &Area) -> Group {
     let Area { left, right, top, bottom } = area;
     let name = format!("inside-{left:.0}-{right:.0}-{top:.0}-{bottom:.0}");

@@ -1,5 +1,4 @@
-//! Plot of spectral densities over frequency, log-log: one panel per axis, with the strongest spectral lines
-//! labelled.
+//! Plot of spectral densities over frequency, log-log: one panel per axis, with the strongest spectral lines labelled.
 
 use super::allan::{COLOURS, around};
 use super::axes::Axis;

@@ -1,5 +1,4 @@
-//! Parameters of flight controllers for all sensors of a log: cubic polynomials of the bias, which the firmware
-//! subtracts.
+//! Parameters of flight controllers for all sensors of a log: cubic polynomials of the bias, to be subtracted.
 
 use super::AxisCurve;
 use crate::export::InvalidOptions;

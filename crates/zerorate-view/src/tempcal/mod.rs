@@ -1,5 +1,4 @@
-//! The bias over temperature of the axes in logs, as numbers for scripts, as a table in words, as plots and as a
-//! page.
+//! The bias over temperature of the axes in logs, as numbers for scripts, as a table in words, as plots and as a page.
 
 mod autopilot;
 mod files;

@@ -66,8 +66,8 @@ impl Sensors {
         Ok(lacking.map_or(Ok(()), |axis| Err(format!("{} has no axis {}", log.display(), axis.name))))
     }
 
-    /// Adds one axis of an IMU in the next log; the columns in `imu` are ignored. All axes of a single log can be
-    /// added this way.
+    /// Adds one axis of an IMU in the next log, instead of `imu.columns`. All axes of a single log can be added this
+    /// way.
     ///
     /// # Errors
     /// The inner result is an error text if the earlier logs do not have the axis.

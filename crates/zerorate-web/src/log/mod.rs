@@ -1,7 +1,6 @@
 //! A log that was dropped on the page: its content, its noise, its bias over temperature, and files made from them.
 //!
-//! [`LogReader::look`] reads the log once. Columns are then analysed one by one, so that the caller can show
-//! progress.
+//! [`LogReader::look`] reads the log once. Columns are then analysed one by one, so that the caller can show progress.
 
 #[cfg(feature = "readers")]
 mod axis;
@@ -43,8 +42,7 @@ mod reader {
     }
 
     impl LogReader {
-        /// Reads the log of this name and returns its content or a question. `open` returns its bytes from the start
-        /// at each call.
+        /// Reads the log of this name. Returns its content or a question. `open` returns all its bytes at each call.
         pub fn look(name: &str, open: impl Fn() -> Input, said: &LogSettings) -> (LogInspection, Option<Self>) {
             let path = Path::new(name);
             match read(path, &open, said) {

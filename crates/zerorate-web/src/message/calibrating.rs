@@ -50,8 +50,8 @@ pub struct Running {
     pub pending_refusals: Vec<String>,
     /// Temperatures, °C: at the start, now, the lowest and the highest.
     pub temps_c: Option<[f64; 4]>,
-    /// The uncertainties at the last check if it had ended then; only for `warmup` and `cycle`, and null if it would
-    /// be refused.
+    /// The uncertainties if it had ended at the last check; only for `warmup` and `cycle`, null if it would be
+    /// refused.
     pub forecast: Option<Forecast>,
     /// Whether `finish-calibration` is allowed now.
     pub can_finish: bool,

@@ -58,8 +58,7 @@ pub struct Coefficient {
     pub unit: String,
     /// Whether the value differs significantly from zero.
     pub identified: bool,
-    /// Estimated seconds until it is identified, if the noise is as it appears. Null if that is unknown, or if it is
-    /// already identified.
+    /// Estimated seconds until it is identified, if the noise is as it appears. Null if unknown or already identified.
     pub identified_in_s: Option<f64>,
 }
 

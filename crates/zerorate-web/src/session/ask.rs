@@ -151,8 +151,7 @@ impl Session {
         Ok(())
     }
 
-    /// Handles the end of a recording. Methods that use all of it can finish. Any other calibration is aborted with
-    /// the reason `otherwise`.
+    /// Handles the end of a recording. Methods that use all of it can finish; others are aborted, with this reason.
     pub(super) fn end_guided(&mut self, otherwise: &str) {
         let Some(guided) = &mut self.guided else { return self.abort_calibration(otherwise) };
         match guided.end_recording() {

@@ -152,8 +152,7 @@ impl AxisState {
         self.blocks.iter().skip(self.blocks.len().saturating_sub(count)).copied().collect()
     }
 
-    /// One-sided noise density d, from differences of adjacent blocks in the last minute, which have the variance
-    /// d²/τ.
+    /// One-sided noise density d: differences of adjacent blocks in the last minute have the variance d²/τ.
     fn white_dps_per_rt_hz(&self) -> Option<f64> {
         let rates = self.blocks.iter().map(|block| block.rate_dps);
         let steps = rates.clone().zip(rates.skip(1)).map(|(one, next)| (next - one) * (next - one));

@@ -79,8 +79,7 @@ impl CalibrationStore {
         self.stored.iter().map(|stored| &stored.calibration)
     }
 
-    /// The warnings about applying a calibration from elsewhere to this device. Returns an error if it belongs to
-    /// another part.
+    /// The warnings about applying a calibration to this device. Returns an error if it belongs to another part.
     pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<SessionWarning>, String> {
         let StoredCalibration { calibration, warnings } = self.known(id)?;
         let cal = || format!("calibration {id}");
@@ -163,8 +162,7 @@ impl CalibrationStore {
     }
 }
 
-/// The error for a calibration whose id is stored with other content. The id depends on part, time and coefficients
-/// only.
+/// The error for a stored id with other content. The id depends on part, time and coefficients only.
 fn other_content(id: &str) -> String {
     format!(
         "calibration {id} is on file with the same coefficients but other values, such as [validity]. Remove that \

@@ -234,8 +234,7 @@ impl Session {
         self.live_view.state(state);
     }
 
-    /// Stores a calibration from its TOML text, and returns its id. A place stays free for a calibration that is
-    /// being measured.
+    /// Stores a calibration from its TOML text, and returns its id. A place stays free for one that is being measured.
     ///
     /// # Errors
     /// Returns a text about what is wrong with the calibration.

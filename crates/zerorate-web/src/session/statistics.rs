@@ -1,5 +1,4 @@
-//! The noise of an axis so far: Allan deviation, spectrum, rate over temperature. Its memory is bounded for any
-//! duration.
+//! The noise of an axis so far: Allan deviation, spectrum, rate over temperature. The memory is bounded.
 
 use super::axis::{BLOCK_S, Block};
 use super::live_view::ReadingObserver;
@@ -130,8 +129,7 @@ impl Statistics {
         let mut points: Vec<AllanPoint> = short
             .take_while(|(tau_s, ..)| *tau_s < 0.7 * longest)
             .map(|(tau_s, dev_dps, n)| {
-                // adjacent averages of white noise: the degrees of freedom are two thirds of the number of
-                // differences
+                // adjacent averages of white noise: the degrees of freedom are two thirds of the number of differences
                 let (lo_dps, hi_dps) = interval(dev_dps, n as f64 * 2.0 / 3.0, ONE_SIGMA);
                 AllanPoint { tau_s, dev_dps, lo_dps, hi_dps, model_dps: None }
             })
@@ -149,8 +147,7 @@ impl Statistics {
         points
     }
 
-    /// The coefficients of the model. With a `caution`, B and K are not valid, because the model takes other signals
-    /// for slow noise.
+    /// The coefficients of the model. With a `caution`, B and K are not valid: other signals are taken for slow noise.
     fn coefficients(&self, caution: Option<&str>) -> Vec<Coefficient> {
         let Some(fit) = &self.fit else { return Vec::new() };
         let stated = [

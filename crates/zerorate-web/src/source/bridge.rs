@@ -35,8 +35,8 @@ const SCLK_HZ: u32 = MAX_SCLK_HZ / 2;
 
 /// Time without a sample after which the part counts as failed.
 const SILENCE: Duration = Duration::from_secs(1);
-/// Additional time for which the window that has the port may be blocked, by a dialog or by a browser that throttles
-/// hidden windows.
+/// Additional time for which the port's window may be blocked, by a dialog or by a browser that throttles hidden
+/// windows.
 const BLOCKED: Duration = Duration::from_secs(30);
 
 impl Bridge {
@@ -134,8 +134,7 @@ async fn measure(shared: SharedWire, config: Config) -> Result<Infallible, Strin
     }
 }
 
-/// Stops the bridge, and configures its SPI clock and the part. The inner error states why this bridge cannot be
-/// used.
+/// Stops the bridge, and configures its SPI clock and the part. The inner error states why this bridge cannot be used.
 async fn greet(shared: &SharedWire, config: &Config) -> Result<Result<(), String>, RequestError> {
     wire::request(shared, Command::Stop, Answer::Stopped.only()).await?;
     let hello = wire::request(shared, Command::Hello, |answer| match answer {

@@ -1,5 +1,4 @@
-//! Benchmarks of the twin: a minute of the F-51 procedure, in which every pair is read byte by byte, one frame per
-//! byte.
+//! Benchmarks of the twin: a minute of the F-51 procedure, with every pair read byte by byte, one frame per byte.
 //!
 //! The counter counts conversions: the whole procedure of 53 minutes has 36.2 million of them.
 

@@ -1,5 +1,4 @@
-//! Checks that every link of the book leads to an existing page and anchor, and that nothing is loaded from other
-//! sites.
+//! Checks that every link of the book leads to an existing page and anchor, and that nothing foreign is loaded.
 
 use crate::stage::below;
 use anyhow::{Result, ensure};

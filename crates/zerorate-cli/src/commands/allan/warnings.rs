@@ -4,8 +4,8 @@ use zerorate_imu::{ImuWarning, Record};
 use zerorate_logs::LogWarning;
 use zerorate_view::noise;
 
-/// The codes of warnings about the noise model, the most serious first. Warnings with other codes are about the log
-/// and precede them.
+/// The codes of warnings about the noise model, the most serious first. All other codes are about the log and come
+/// first.
 const BY_WEIGHT: [&str; 18] = [
     "model-rejected",
     "follows-temperature",

@@ -26,8 +26,7 @@ pub fn print_result(report: &CalibrationReport, calibration: &Calibration, args:
     }
 }
 
-/// Prints the calibration after its file could not be written: as the text of the file, which can be redirected, or
-/// in the JSON object.
+/// Prints the calibration after its file could not be written: as the text of a file, or in the JSON object.
 pub fn print_undelivered(
     failure: DeliveryFailure,
     mut report: CalibrationReport,

@@ -51,8 +51,7 @@ fn u_dps(axis: &AxisReport) -> f64 {
     Uncertainty::FACTOR * (squares / f64::from(POINTS)).sqrt()
 }
 
-/// Difference between the curve and the twin's true curve: rms over the measured temperatures, °/s. `None` without a
-/// twin.
+/// Difference from the twin's true curve: rms over the measured temperatures, °/s. `None` without a twin.
 fn off_dps(axis: &AxisReport) -> Option<f64> {
     let truth = &axis.truth.as_ref()?.curve;
     let off = axis.curve.iter().zip(truth).map(|(one, other)| one.correction_dps - other.correction_dps);

@@ -228,8 +228,7 @@ fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) ->
     }
 }
 
-/// Writes the noise file, if its numbers are valid or the user accepts invalid ones. Returns the lines that tell
-/// about it.
+/// Writes the noise file, if its numbers are valid or the user accepts invalid ones. Returns the lines about it.
 fn deliver(
     args: &ImuArgs,
     axes: &[Record],
