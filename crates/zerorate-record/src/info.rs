@@ -22,7 +22,7 @@ const DEVICE: &str = "zerorate.device";
 const SERIAL: &str = "zerorate.serial";
 const EVERY_TEMP: &str = "zerorate.every_temp";
 const DIVIDER: &str = "zerorate.divider";
-/// Omitted if it is 1, as in all files of older programs.
+/// Key of [`CaptureInfo::divided`]. Omitted if that is 1, as in all files of older programs.
 const DIVIDED: &str = "zerorate.divided";
 const BANDWIDTH_HZ: &str = "zerorate.bandwidth_hz";
 const EARTH: &str = "zerorate.earth_dps";

@@ -155,7 +155,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Real time for a device.
+    /// Paces the device in real time.
     pub fn of(about: &About) -> Self {
         Self { is_simulated: about.simulated, factor: 1.0, begun_s: 0.0, since: None }
     }

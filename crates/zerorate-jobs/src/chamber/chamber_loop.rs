@@ -173,7 +173,7 @@ impl<'a> ChamberLoop<'a> {
         Ok(())
     }
 
-    /// Sets the chamber if its set point has moved.
+    /// Sets the chamber if its set point has moved by [`SET_STEP_C`] or reached the end of its ramp.
     fn set_point(&mut self) -> Result<()> {
         let wanted_c = self.procedure.set_point_c();
         let is_there = wanted_c == self.procedure.progress().to_c;
@@ -181,7 +181,7 @@ impl<'a> ChamberLoop<'a> {
         if self.control.set_c().is_none_or(moved) { self.control.set(wanted_c) } else { Ok(()) }
     }
 
-    /// Tells the person at the knobs what to do at a new step.
+    /// Tells the person who sets the chamber by hand what to do at a new step.
     fn announce(&mut self) {
         let progress = self.procedure.progress();
         let is_new = self.announced != Some(progress.step) && progress.state != ChamberState::Done;
@@ -194,7 +194,7 @@ impl<'a> ChamberLoop<'a> {
         }
     }
 
-    /// A log that fails is a failure, but no reason to throw away the measurement.
+    /// Warns that the log failed and drops it. The measurement goes on; the error is reported at its end.
     #[cold]
     fn lose_log(&mut self, error: anyhow::Error) {
         let after_s = self.procedure.progress().elapsed_s;
@@ -224,7 +224,7 @@ impl<'a> ChamberLoop<'a> {
     }
 }
 
-/// Whether it is nothing but the wish to end.
+/// Whether the error only means that a stop was requested.
 fn is_stopped(error: &anyhow::Error) -> bool {
     error.downcast_ref().map(DeviceError::cause) == Some(Cause::Stopped)
 }
