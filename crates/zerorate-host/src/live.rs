@@ -39,7 +39,7 @@ const SELF_TEST_SAMPLES: u16 = 1024;
 /// Time without a sample that is an error, ns.
 const SILENCE_NS: u64 = 1_000_000_000;
 
-/// The same time in sample periods, for a part with a slow clock.
+/// Number of sample periods without a sample that is an error, if it is longer than [`SILENCE_NS`].
 const SILENT_PERIODS: f64 = 20.0;
 
 /// Time in which an initialised part produces many edges (F-32), ns.

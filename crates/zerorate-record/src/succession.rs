@@ -15,7 +15,7 @@ const NEEDED: usize = 16;
 /// Late edges on a busy host, or a loss that is reported a few samples late, cause far smaller differences.
 const UNSURE: f64 = 64.0;
 
-/// The same number if the edges agree with the time.
+/// Number of samples by which time and losses may differ if the edges agree with the time.
 const SURE: f64 = 8.0;
 
 /// Additional allowed difference of time and losses, as a share of the gap. Errors of the clock and of the learned

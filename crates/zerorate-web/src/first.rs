@@ -46,7 +46,7 @@ impl FirstLook {
         Some(encode(&frame, &payload))
     }
 
-    /// The frame with everything, for a newly opened window.
+    /// A complete frame, for a newly opened window.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
         let (frame, payload) = self.live_view.everything(None);

@@ -95,7 +95,7 @@ enum LinkTarget {
     To(PathBuf),
 }
 
-/// Follows one link on the way of `path`.
+/// Follows one symbolic link in `path`.
 fn follow(path: &Path, link: &Path, metadata: &Metadata) -> Result<LinkTarget, OutputError> {
     let target = fs::read_link(link).map_err(|error| OutputError::io("write", path, error))?;
     refuse_foreign(path, link, metadata, &target)?;

@@ -32,7 +32,7 @@ pub struct TempcalOptions {
 pub struct Tempcal {
     /// The curve of each axis, sensor by sensor.
     pub axes: Vec<AxisCurve>,
-    /// The same curves, in the form that calibrations are made from.
+    /// The curves of `axes`, in the form that calibrations are made from.
     pub curves: Vec<LogCurve>,
     /// The means of each axis, for plots.
     pub points: Vec<Points>,

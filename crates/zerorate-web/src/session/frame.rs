@@ -23,7 +23,7 @@ impl Session {
         Some(encode(&self.completed(frame, changed), &payload))
     }
 
-    /// The frame with everything, for a window that was just opened or was too slow.
+    /// A complete frame, for a window that was just opened or was too slow.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
         let (frame, payload) = self.live_view.everything(self.store.applied());
@@ -84,7 +84,7 @@ impl LiveView {
         news
     }
 
-    /// A frame with everything.
+    /// A complete frame: all values, changed or not.
     pub fn everything(&self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         self.told(ViewChanges { everything: true, ..ViewChanges::default() }, applied)
     }

@@ -26,7 +26,7 @@ impl FirstLook {
         self.0.frame()
     }
 
-    /// The frame with everything, for a newly opened window.
+    /// A complete frame, for a newly opened window.
     pub fn snapshot(&mut self) -> Vec<u8> {
         self.0.snapshot()
     }

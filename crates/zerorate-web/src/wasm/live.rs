@@ -112,7 +112,7 @@ impl LiveSession {
         self.session().frame()
     }
 
-    /// The frame with everything, for a newly opened window.
+    /// A complete frame, for a newly opened window.
     pub fn snapshot(&mut self) -> Vec<u8> {
         self.session().snapshot()
     }
