@@ -5,7 +5,7 @@ use clap::builder::BoolishValueParser;
 use zerorate_allan::SettingName;
 use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::Columns;
-use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, Only, RawType, Setting, TimeUnit, Unit};
+use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, RawType, RowFilter, Setting, TimeUnit, Unit};
 
 /// How a log is read: options that `allan` and `imu` share.
 #[derive(Args, Clone, Debug, Default)]
@@ -20,7 +20,7 @@ pub struct LogArgs {
     /// bus=0,sensor=1: for a table or text with the rows of several sensors. Each further --where gives a result of
     /// its own.
     #[arg(long = "where", value_name = "COLUMN=VALUE", conflicts_with = "raw")]
-    pub only: Vec<Only>,
+    pub only: Vec<RowFilter>,
 
     /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
     #[arg(long, value_enum, value_name = "MARK")]
@@ -134,7 +134,7 @@ impl ColumnArgs {
     }
 
     /// The conditions of `--where`. Each one selects rows for a separate record.
-    pub fn series(&self) -> &[Only] {
+    pub fn series(&self) -> &[RowFilter] {
         &self.log.only
     }
 

@@ -6,7 +6,7 @@ use std::{fmt, io};
 use zerorate_input::InputError;
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
-use zerorate_record::admission::Disbelief;
+use zerorate_record::admission::InvalidDeviceData;
 
 /// The error of a device that cannot be read. Its texts say what was observed and what to do.
 #[derive(Debug)]
@@ -76,8 +76,8 @@ impl From<anyhow::Error> for DeviceError {
     }
 }
 
-impl From<Disbelief> for DeviceError {
-    fn from(error: Disbelief) -> Self {
+impl From<InvalidDeviceData> for DeviceError {
+    fn from(error: InvalidDeviceData) -> Self {
         anyhow::Error::new(error).into()
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! `docs/imu.md` states which number goes where, and the source of each rule.
 
-use super::numbers::{AxisNumbers, Chosen, Memory, NoiseFileOptions, Numbers, Sensor};
+use super::numbers::{AxisNumbers, CorrelationTime, NoiseFileOptions, Numbers, Sensor, SourcedNumber};
 use zerorate_allan::Usage;
 use zerorate_input::plain;
 
@@ -158,7 +158,7 @@ fn vins(file: &mut Text, numbers: &Numbers) {
     let Numbers { rate_hz, .. } = numbers;
     let [gyroscope, accelerometer] = [&numbers.gyroscope, &numbers.accelerometer].map(|all| {
         let all = all.as_ref();
-        let per_sample = |one: &Chosen| one.times(rate_hz.sqrt());
+        let per_sample = |one: &SourcedNumber| one.times(rate_hz.sqrt());
         (all.map(|all| per_sample(&all.n)), all.map(|all| per_sample(&all.k)))
     });
     file.number("acc_n", accelerometer.0.as_ref(), "m/s²");
@@ -189,7 +189,7 @@ fn kf_gins(file: &mut Text, numbers: &Numbers) {
                Gauss–Markov process of one correlation time for all";
     file.head(numbers, Format::KfGins, why);
     let Numbers { gyroscope, accelerometer, memory, .. } = numbers;
-    let Memory { tau_s, from } = memory;
+    let CorrelationTime { tau_s, from } = memory;
     file.line("imunoise:");
     // 1 rad/√s is 60·180/π °/√h
     file.list("  arw", gyroscope, |axis| axis.fitted_n.value.to_degrees() * 60.0, "°/√h: N of each axis");
@@ -253,9 +253,9 @@ impl Text {
         }
     }
 
-    fn number(&mut self, key: &str, chosen: Option<&Chosen>, unit: &str) {
+    fn number(&mut self, key: &str, chosen: Option<&SourcedNumber>, unit: &str) {
         match chosen {
-            Some(Chosen { value, from }) => {
+            Some(SourcedNumber { value, from }) => {
                 self.line(&format!("{key}: {}   # {unit}: {}", number(*value), plain::line(from)));
             }
             None => self.missing(key, unit),

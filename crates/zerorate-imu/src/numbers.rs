@@ -100,29 +100,29 @@ pub struct Numbers {
     /// The accelerometer; `None` if no axis is one.
     pub accelerometer: Option<Sensor>,
     /// The correlation time of the bias as a Gauss–Markov process.
-    pub memory: Memory,
+    pub memory: CorrelationTime,
 }
 
 /// The axes of one kind.
 pub struct Sensor {
     /// N for all axes, combined by the rule.
-    pub n: Chosen,
+    pub n: SourcedNumber,
     /// K for all axes, combined by the rule.
-    pub k: Chosen,
+    pub k: SourcedNumber,
     /// The numbers of each axis.
     pub axes: Vec<AxisNumbers>,
 }
 
 /// A number and its source.
 #[derive(Clone)]
-pub struct Chosen {
+pub struct SourcedNumber {
     /// The number.
     pub value: f64,
     /// The axis or axes that it comes from.
     pub from: String,
 }
 
-impl Chosen {
+impl SourcedNumber {
     /// Multiplies the number by a factor.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {
@@ -133,17 +133,17 @@ impl Chosen {
 /// The noise numbers of one axis.
 pub struct AxisNumbers {
     /// White noise.
-    pub n: Chosen,
+    pub n: SourcedNumber,
     /// White noise as it was fitted, for a reader that has no random walk to cover the noise with.
-    pub fitted_n: Chosen,
+    pub fitted_n: SourcedNumber,
     /// Random walk.
-    pub k: Chosen,
+    pub k: SourcedNumber,
     /// Standard deviation of the Gauss–Markov process that stands for the wander of the bias.
     pub sigma: f64,
 }
 
 /// The correlation time that all axes share.
-pub struct Memory {
+pub struct CorrelationTime {
     /// Correlation time, s.
     pub tau_s: f64,
     /// The source of the correlation time, for the file.
@@ -167,7 +167,7 @@ impl Axis<'_> {
     }
 
     /// N and K by a rule.
-    fn n_and_k(&self, rule: Rule, usage: Usage) -> (Chosen, Chosen) {
+    fn n_and_k(&self, rule: Rule, usage: Usage) -> (SourcedNumber, SourcedNumber) {
         let (n, k) = (self.chosen("N", &self.fit.n), self.chosen("K", &self.fit.k));
         let covering = match rule {
             Rule::Covers(horizon_s) => self.fit.covering(usage, horizon_s),
@@ -181,7 +181,7 @@ impl Axis<'_> {
                 false => format!("fitted: below {:.3e}", fitted.hi * self.si()),
             };
             let from = format!("{letter} of {axis}, covers the noise up to {horizon_s:.0} s; {fitted}");
-            Chosen { value: value * self.si(), from }
+            SourcedNumber { value: value * self.si(), from }
         };
         // if N alone covers the noise, only the fit gives K
         let of_n = n_covers * n_covers / horizon_s;
@@ -195,13 +195,13 @@ impl Axis<'_> {
 
     /// A coefficient, or its upper limit where it is not identified: too small a number makes a filter trust its
     /// state too much, too large a number only makes the filter learn more slowly.
-    fn chosen(&self, letter: &str, coefficient: &Coefficient) -> Chosen {
+    fn chosen(&self, letter: &str, coefficient: &Coefficient) -> SourcedNumber {
         let axis = self.name;
         let (value, from) = match coefficient.identified {
             true => (coefficient.value, format!("{letter} of {axis}")),
             false => (coefficient.hi, format!("upper 95 % limit of {letter} of {axis}, which is not identified")),
         };
-        Chosen { value: value * self.si(), from }
+        SourcedNumber { value: value * self.si(), from }
     }
 
     /// The name of the axis, and what its record has beside noise: lines, drift, warm-up, steps and glitches.
@@ -264,7 +264,7 @@ const PEAK: f64 = 0.617;
 impl Numbers {
     /// The noise numbers of these axes.
     pub fn new(choice: NoiseFileOptions, usage: Usage, doubts: &Rejections, axes: &[Axis<'_>]) -> Self {
-        let memory = Memory::of(axes);
+        let memory = CorrelationTime::of(axes);
         let of_kind = |kind| axes.iter().filter(move |axis| axis.kind == kind);
         let sensor = |kind| Sensor::new((&choice, usage), of_kind(kind), memory.tau_s);
         let (gyroscope, accelerometer) = (sensor(Kind::Gyroscope), sensor(Kind::Accelerometer));
@@ -276,7 +276,7 @@ impl Numbers {
     }
 }
 
-impl Memory {
+impl CorrelationTime {
     /// The geometric mean of the correlation times of the Gauss–Markov terms. Without such terms, the correlation
     /// time of a process whose Allan deviation peaks at the longest averaging time that all models cover. If there
     /// are gyroscopes, only they count: accelerometers often have other correlation times.
@@ -334,8 +334,8 @@ impl Rule {
 
 impl Combine {
     /// Combines several numbers into one; `None` if there are none.
-    fn choose<'a>(self, all: impl Iterator<Item = &'a Chosen>) -> Option<Chosen> {
-        let all: Vec<&Chosen> = all.collect();
+    fn choose<'a>(self, all: impl Iterator<Item = &'a SourcedNumber>) -> Option<SourcedNumber> {
+        let all: Vec<&SourcedNumber> = all.collect();
         match self {
             Self::Worst => all.into_iter().max_by(|a, b| a.value.total_cmp(&b.value)).cloned(),
             Self::Mean => {
@@ -343,7 +343,7 @@ impl Combine {
                 let from =
                     if let [only] = from[..] { only.to_owned() } else { format!("mean of {}", from.join(", ")) };
                 let mean = all.iter().map(|one| one.value).sum::<f64>() / all.len() as f64;
-                (!all.is_empty()).then_some(Chosen { value: mean, from })
+                (!all.is_empty()).then_some(SourcedNumber { value: mean, from })
             }
         }
     }

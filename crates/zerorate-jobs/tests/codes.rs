@@ -270,7 +270,7 @@ fn of_logs() -> Vec<LogWarning> {
         LogWarning::OffCodes { path: path(), column: column(), by: 1.234e-4, unit: "°/s", codes: 0.52 },
         LogWarning::Stopped { path: path(), column: column(), same: 2000, len: 720_000 },
         LogWarning::Hung { path: path(), column: column(), same: 2000, len: 72_000, from_s: 15.0 },
-        LogWarning::TimesMended {
+        LogWarning::TimesRepaired {
             path: path(),
             column: "t_us".to_owned(),
             how: "12 rows come too late and are sorted (the first: row 3456)".to_owned(),

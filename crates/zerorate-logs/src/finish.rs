@@ -119,7 +119,7 @@ impl RawColumns {
         };
         let said = mended.map_err(|why| disordered((path, name), times, unit, &why, args.names))?;
         let (path, column) = (path.display().to_string(), &*name);
-        let warning = |how| LogWarning::TimesMended { path: path.clone(), column: column.clone(), how };
+        let warning = |how| LogWarning::TimesRepaired { path: path.clone(), column: column.clone(), how };
         self.warnings.extend(said.into_iter().map(warning));
         Ok(())
     }

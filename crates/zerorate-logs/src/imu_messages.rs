@@ -332,7 +332,7 @@ impl<'a> Collector<'a> {
         let unstamped = are_zero.then(|| {
             times = recorded;
             let how = "all stamps are 0; the times at which the bag recorded the messages are used".to_owned();
-            LogWarning::TimesMended { path: path.display().to_string(), column: stamps.clone(), how }
+            LogWarning::TimesRepaired { path: path.display().to_string(), column: stamps.clone(), how }
         });
         times.unit = Some(TimeUnit::Ns);
         let (clock, sample) = match has_rate {

@@ -99,7 +99,7 @@ pub use cut::{Cut, CutTime};
 pub use error::{LogError, Result};
 pub use forms::kind;
 pub use number::Decimal;
-pub use only::{Condition, Only};
+pub use only::{Condition, RowFilter};
 pub use options::{ColumnOptions, MAX_BAD};
 pub use parameters::{changed_parameter, parameters};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};

@@ -9,7 +9,7 @@
 
 use crate::clock::{Times, median};
 use crate::error::{LogError, Result};
-use crate::only::{Condition, Only};
+use crate::only::{Condition, RowFilter};
 use crate::options::ColumnOptions;
 use crate::rate_question::quoted;
 use crate::raw_columns::{Clock, RawColumns, first_rows};
@@ -119,7 +119,7 @@ pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()
     let given = args.only.iter().flat_map(|only| &only.conditions).cloned();
     let told = columns.iter().zip(&values[0]);
     let told = told.map(|(column, value)| Condition { column: column.clone(), value: value.clone() });
-    let only = Only { conditions: given.chain(told).collect() }.to_string();
+    let only = RowFilter { conditions: given.chain(told).collect() }.to_string();
     let option = args.names.of(Setting::Where);
     let (plural, are) = if columns.len() == 1 { ("", "is") } else { ("s", "are") };
     Err(LogError::Ask(format!(

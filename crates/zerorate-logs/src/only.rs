@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 /// The rows of a table in which columns have these values.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Only {
+pub struct RowFilter {
     /// The conditions that each row must meet; one or more.
     pub conditions: Vec<Condition>,
 }
@@ -21,7 +21,7 @@ pub struct Condition {
     pub value: String,
 }
 
-impl Only {
+impl RowFilter {
     /// The error for values that no row has.
     pub(crate) fn without_rows(&self, path: &Path) -> LogError {
         let all = self.conditions.iter().map(|Condition { column, value }| format!("`{column}` is `{value}`"));
@@ -29,14 +29,14 @@ impl Only {
     }
 }
 
-impl fmt::Display for Only {
+impl fmt::Display for RowFilter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let all = self.conditions.iter().map(|Condition { column, value }| format!("{column}={value}"));
         f.write_str(&all.collect::<Vec<_>>().join(","))
     }
 }
 
-impl FromStr for Only {
+impl FromStr for RowFilter {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -69,10 +69,10 @@ mod tests {
             ("place=left, outside", &[("place", "left, outside")]),
             ("a,b=1", &[("a,b", "1")]),
         ] {
-            let only: Only = text.parse().unwrap();
+            let only: RowFilter = text.parse().unwrap();
             let found: Vec<_> = only.conditions.iter().map(|one| (&*one.column, &*one.value)).collect();
             assert_eq!(found, expected, "{text}");
         }
-        assert!("SensorId".parse::<Only>().is_err() && "=1".parse::<Only>().is_err());
+        assert!("SensorId".parse::<RowFilter>().is_err() && "=1".parse::<RowFilter>().is_err());
     }
 }

@@ -3,7 +3,7 @@
 use crate::cut::Cut;
 use crate::error::{LogError, Result};
 use crate::number::Decimal;
-use crate::only::Only;
+use crate::only::RowFilter;
 use crate::raw_type::RawType;
 use crate::setting::{Names, Setting};
 use std::path::Path;
@@ -25,7 +25,7 @@ pub struct ColumnOptions {
     pub time_column: Option<String>,
 
     /// The rows that are read; `None` reads all rows.
-    pub only: Option<Only>,
+    pub only: Option<RowFilter>,
 
     /// The part of the log that is read.
     pub cut: Cut,

@@ -5,7 +5,7 @@ use super::sample::{self, Sampled};
 use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
 use crate::error::{LogError, Result, wrong};
-use crate::only::Only;
+use crate::only::RowFilter;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::warning::LogWarning;
@@ -63,7 +63,7 @@ pub struct TableColumns<'a> {
     values: Vec<TableColumn>,
     time: Option<(String, Times)>,
     /// The choice of rows by the last of `columns`, and the names of those columns; `None` reads all rows.
-    only: Option<(&'a Only, Vec<String>)>,
+    only: Option<(&'a RowFilter, Vec<String>)>,
     /// The first rows of all columns of a table.
     sample: Vec<Sampled>,
 }

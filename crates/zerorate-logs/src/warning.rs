@@ -27,7 +27,7 @@ pub enum LogWarning {
     /// Samples of a column are equal from a moment on.
     Hung { path: String, column: String, same: usize, len: usize, from_s: f64 },
     /// Rows were put in order, as the text says.
-    TimesMended { path: String, column: String, how: String },
+    TimesRepaired { path: String, column: String, how: String },
     /// The stamps are off an even clock, as the text says.
     TimesJitter { path: String, how: String },
     /// The dates in a column of times tell its unit.
@@ -98,7 +98,7 @@ rows!(match LogWarning {
             "{path}: {same} of {len} samples of column {column} are the same, from {from_s:.1} s on; cut them out"
         ),
     },
-    Self::TimesMended { ref path, ref column, ref how } =>
+    Self::TimesRepaired { ref path, ref column, ref how } =>
         Row { code: "times-mended", text: format_args!("{path}, {column}: {how}") },
     Self::TimesJitter { ref path, ref how } => Row { code: "times-jitter", text: format_args!("{path}: {how}") },
     Self::TimeUnitTaken { ref path, ref column, unit } => Row {
@@ -194,7 +194,7 @@ impl LogWarning {
             | Self::OfTable { .. }
             | Self::Miscounted { .. }
             | Self::RowsIncomplete { .. }
-            | Self::TimesMended { .. }
+            | Self::TimesRepaired { .. }
             | Self::TimesJitter { .. }
             | Self::TimeUnitTaken { .. }
             | Self::UnitsTaken { .. }

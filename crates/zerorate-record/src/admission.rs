@@ -2,7 +2,7 @@
 //! (docs/formats/capture.md, "What must agree").
 
 use super::row::Row;
-use super::succession::{Break, Succession};
+use super::succession::{Break, Continuity};
 use super::warning::CaptureWarning;
 
 /// The number of consecutive samples without increasing time after which the recording stops: 0.7 s at the full rate.
@@ -11,7 +11,7 @@ const STANDING: u32 = 4096;
 /// Filters the samples of a live device. Samples that cannot be recorded count as lost.
 #[derive(Clone, Debug, Default)]
 pub struct Admission {
-    succession: Succession,
+    succession: Continuity,
     /// Number of samples left out since the last admitted one, including the losses that those samples reported.
     owed: u32,
     standing: u32,
@@ -21,7 +21,7 @@ pub struct Admission {
 
 /// The reasons why the device's data cannot be recorded.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Disbelief {
+pub enum InvalidDeviceData {
     /// The clock stands still or went back.
     #[error(
         "the clock of the device stands still or went back: {0} samples in a row are not later than the one before \
@@ -35,7 +35,7 @@ pub enum Disbelief {
 
 impl Admission {
     /// Returns the row to record, with corrected losses. `None` leaves the row out; the next row counts it as lost.
-    pub fn admit(&mut self, row: Row) -> Result<Option<Row>, Disbelief> {
+    pub fn admit(&mut self, row: Row) -> Result<Option<Row>, InvalidDeviceData> {
         let lost = row.lost.saturating_add(self.owed);
         let lost = match self.succession.follow(row.with_lost(lost).mark()) {
             Ok(()) | Err(Break::EdgesJump { .. }) => lost,
@@ -44,17 +44,17 @@ impl Admission {
                 self.jumped += missing;
                 self.succession.amend(missing)
             }
-            Err(what @ Break::LostTooMany { .. }) => return Err(Disbelief::Losses(what)),
+            Err(what @ Break::LostTooMany { .. }) => return Err(InvalidDeviceData::Losses(what)),
         };
         (self.owed, self.standing) = (0, 0);
         Ok(Some(row.with_lost(lost)))
     }
 
-    fn leave_out(&mut self, lost: u32, what: Break) -> Result<(), Disbelief> {
+    fn leave_out(&mut self, lost: u32, what: Break) -> Result<(), InvalidDeviceData> {
         self.owed = lost.saturating_add(1);
         self.left_out += 1;
         self.standing += 1;
-        if self.standing >= STANDING { Err(Disbelief::Clock(self.standing, what)) } else { Ok(()) }
+        if self.standing >= STANDING { Err(InvalidDeviceData::Clock(self.standing, what)) } else { Ok(()) }
     }
 
     /// The warnings about samples that were left out or changed.
@@ -119,6 +119,6 @@ mod tests {
     #[test]
     fn invented_losses_end_it() {
         let refused = after(100).admit(Row { lost: 1_000_000, ..row(100) });
-        assert!(matches!(refused, Err(Disbelief::Losses(_))));
+        assert!(matches!(refused, Err(InvalidDeviceData::Losses(_))));
     }
 }

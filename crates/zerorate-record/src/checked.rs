@@ -5,7 +5,7 @@ use super::chain::{self, Chain, End};
 use super::columns::Rows;
 use super::info::CaptureInfo;
 use super::layout::AXES;
-use super::succession::{Break, Succession};
+use super::succession::{Break, Continuity};
 use super::warning::CaptureWarning;
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, SchemaRef};
@@ -19,7 +19,7 @@ pub struct Checked {
     info: CaptureInfo,
     source: Box<dyn BatchSource>,
     checks: Checks,
-    succession: Succession,
+    succession: Continuity,
     found: Found,
     ended: bool,
 }
@@ -71,7 +71,7 @@ impl Checked {
             info,
             source,
             checks,
-            succession: Succession::default(),
+            succession: Continuity::default(),
             found: Found::default(),
             ended: false,
         })

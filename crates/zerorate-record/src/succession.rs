@@ -91,7 +91,7 @@ impl Step {
 
 /// Checks successive rows. The result depends on earlier rows only, so a recorder and a reader of its file agree.
 #[derive(Clone, Debug, Default)]
-pub struct Succession {
+pub struct Continuity {
     last: Option<Mark>,
     first_steps: Vec<Step>,
     learned: Option<Pace>,
@@ -104,7 +104,7 @@ struct Pace {
     edges: f64,
 }
 
-impl Succession {
+impl Continuity {
     /// Checks the next row against the previous one. The row replaces the previous one, unless its time does not
     /// increase.
     pub fn follow(&mut self, mark: Mark) -> Result<(), Break> {
@@ -142,7 +142,7 @@ impl Succession {
         pace.map_or(Ok(()), |pace| self.first_steps.iter().try_for_each(|step| pace.judge(*step)))
     }
 
-    /// Whether the rate is still being learned. If so, the result of [`Succession::review`] may change with the next
+    /// Whether the rate is still being learned. If so, the result of [`Continuity::review`] may change with the next
     /// row.
     pub fn is_learning(&self) -> bool {
         self.first_steps.len() < LEARNED
@@ -201,7 +201,7 @@ mod tests {
     }
 
     fn first_break(rows: &[Mark]) -> Option<(usize, Break)> {
-        let mut succession = Succession::default();
+        let mut succession = Continuity::default();
         rows.iter().enumerate().find_map(|(i, row)| Some((i, succession.follow(*row).err()?)))
     }
 
@@ -266,14 +266,14 @@ mod tests {
     fn a_jump_among_the_first_rows_shows_later() {
         let mut rows = rows(100);
         rows[5..].iter_mut().for_each(|row| row.t_ns += 1_000_000_000);
-        let mut succession = Succession::default();
+        let mut succession = Continuity::default();
         assert!(rows.iter().all(|row| succession.follow(*row).is_ok()));
         assert!(matches!(succession.review(), Err(Break::ClockJump { .. })));
     }
 
     #[test]
     fn an_amended_row_agrees() {
-        let mut succession = Succession::default();
+        let mut succession = Continuity::default();
         let rows = rows(500);
         assert!(rows[..200].iter().all(|row| succession.follow(*row).is_ok()));
         let Err(Break::RowsMissing { missing, .. }) = succession.follow(rows[400]) else { panic!("not noticed") };

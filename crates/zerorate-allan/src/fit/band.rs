@@ -28,7 +28,7 @@ const AGREE: f64 = 3.5;
 const LEAST_DIFFERENCE: f64 = 0.04;
 
 /// A fit up to one frequency.
-struct Look {
+struct FitUpTo {
     top_hz: f64,
     /// ln N and its variance.
     ln_n: f64,
@@ -67,8 +67,8 @@ fn tops(table: &Table) -> Vec<f64> {
 }
 
 /// Fits up to each end, from the lowest on. Each fit starts from the result before.
-fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) -> Option<Look> {
-    let mut looks: Vec<Look> = Vec::new();
+fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) -> Option<FitUpTo> {
+    let mut looks: Vec<FitUpTo> = Vec::new();
     for &top_hz in tops {
         let look = look(table, top_hz, markovs, &starts)?;
         starts = Vec::from([look.slow.clone()]);
@@ -82,7 +82,7 @@ fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) 
     looks.into_iter().find(|look| look.top_hz == top_hz)
 }
 
-fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Option<Look> {
+fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Option<FitUpTo> {
     let mut problem = Problem::new(table.below(top_hz), 0.0);
     let mut found = best(&problem, starts, markovs, MOST_CHOSEN)?.found;
     let error = model_error(&problem, &found);
@@ -98,13 +98,13 @@ fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Opti
     let n2 = found.at[N2];
     let variance = marginal_variance(&problem, &found, N2, &problem.information(&found))? / (4.0 * n2 * n2);
     let is_fair = has_followed && is_held(&problem) && sees_plateau(&problem, &found) && error < MOST_ERROR;
-    Some(Look { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
+    Some(FitUpTo { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
 }
 
 /// The longest chain of fair ends, Hz, each of which agrees with all lower ones. Of equal chains, the lowest.
-fn agreeing(looks: &[Look]) -> Vec<f64> {
+fn agreeing(looks: &[FitUpTo]) -> Vec<f64> {
     let from = |first: usize| {
-        let mut chain: Vec<&Look> = Vec::new();
+        let mut chain: Vec<&FitUpTo> = Vec::new();
         for look in looks[first..].iter().filter(|look| look.is_fair) {
             if chain.iter().all(|lower| look.agrees(lower)) {
                 chain.push(look);
@@ -116,7 +116,7 @@ fn agreeing(looks: &[Look]) -> Vec<f64> {
     longest.unwrap_or_default().iter().map(|look| look.top_hz).collect()
 }
 
-impl Look {
+impl FitUpTo {
     fn agrees(&self, lower: &Self) -> bool {
         let apart = (lower.variance - self.variance).max(LEAST_DIFFERENCE * lower.variance);
         libm::fabs(self.ln_n - lower.ln_n) < AGREE * libm::sqrt(apart)
@@ -165,7 +165,7 @@ fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> 
 }
 
 /// Whether a Gauss–Markov term is worth its price in likelihood up to the end of its scan.
-fn has_memory(table: &Table, look: &Look) -> bool {
+fn has_memory(table: &Table, look: &FitUpTo) -> bool {
     let problem = Problem::new(table.below(look.top_hz), look.error);
     let one = best(&problem, core::slice::from_ref(&look.slow), 1, MOST_CHOSEN);
     let none = best(&problem, &[plain_start(&problem), look.slow[..SHAPE].to_vec()], 0, MOST_CHOSEN);
@@ -183,8 +183,8 @@ mod tests {
     use std::vec::Vec;
 
     /// Looks at steps of an octave from 1 Hz on, each with ln N and its standard deviation.
-    fn looks(all: &[(f64, f64)]) -> Vec<Look> {
-        let look = |(step, &(ln_n, sigma)): (i32, &(f64, f64))| Look {
+    fn looks(all: &[(f64, f64)]) -> Vec<FitUpTo> {
+        let look = |(step, &(ln_n, sigma)): (i32, &(f64, f64))| FitUpTo {
             top_hz: libm::exp2(f64::from(step)),
             ln_n,
             variance: sigma * sigma,

@@ -5,7 +5,7 @@ use super::lines::Line;
 use super::profile::Profile;
 use super::readings::white_share;
 use super::record_length;
-use super::scoring::{K2, LONGEST, N2, Reading, SHAPE, corner_hz};
+use super::scoring::{Explanation, K2, LONGEST, N2, SHAPE, corner_hz};
 use super::select::{Other, Selection};
 use super::{Corner, Estimate, MOST_ERROR, Term};
 use crate::Coefficient;
@@ -101,7 +101,7 @@ impl Coefficients<'_> {
                 }
                 _ => (low_pass.first().copied(), None),
             };
-            let of_white = found.form.reading == Reading::Joins;
+            let of_white = found.form.reading == Explanation::Joins;
             terms.push(Term::BandShape { cosines: cosines.to_vec(), pole, corner, of_white });
         }
         if let Some(Drift::WarmUp { tau_s }) = found.form.drift {

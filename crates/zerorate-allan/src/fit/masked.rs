@@ -48,7 +48,7 @@ pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec
 const LEAK_MARGIN: f64 = 2.0;
 
 /// A line with all its coefficients in the spectrum.
-pub(super) struct Whole {
+pub(super) struct WholeLine {
     pub(super) line: Line,
     /// Variance and frequency of the line's sines in the model.
     pub(super) sines: Vec<(f64, f64)>,
@@ -57,7 +57,7 @@ pub(super) struct Whole {
     leaks: bool,
 }
 
-impl Whole {
+impl WholeLine {
     fn leaks_into(&self, weak: &Self) -> bool {
         let most = LEAK_MARGIN * self.line.rms * self.line.rms * leak(self.run, weak.run);
         self.leaks && weak.line.rms * weak.line.rms <= most
@@ -73,18 +73,18 @@ impl Whole {
 impl MaskedBins {
     /// All lines of the record with their sines. A sine that begins and ends with the record leaks into coefficients
     /// further on. That power belongs to the line of the sine, not to a line of its own.
-    pub(super) fn with_narrow(self, narrow: &[Narrow]) -> Vec<Whole> {
-        let own = narrow.iter().map(|narrow| Whole {
+    pub(super) fn with_narrow(self, narrow: &[Narrow]) -> Vec<WholeLine> {
+        let own = narrow.iter().map(|narrow| WholeLine {
             line: narrow.line,
             sines: narrow.sines.to_vec(),
             run: narrow.run,
             leaks: !narrow.is_gone,
         });
         let broad = self.lines.into_iter().zip(self.sines).zip(self.runs);
-        let broad = broad.map(|((line, sines), run)| Whole { line, sines, run, leaks: false });
-        let mut rest: Vec<Whole> = own.chain(broad).collect();
+        let broad = broad.map(|((line, sines), run)| WholeLine { line, sines, run, leaks: false });
+        let mut rest: Vec<WholeLine> = own.chain(broad).collect();
         rest.sort_by(|a, b| b.line.rms.total_cmp(&a.line.rms));
-        let mut found: Vec<Whole> = Vec::new();
+        let mut found: Vec<WholeLine> = Vec::new();
         for weak in rest {
             match found.iter_mut().find(|strong| strong.leaks_into(&weak)) {
                 Some(strong) => strong.add(weak.line.rms),
@@ -131,12 +131,12 @@ const MOST_SLOW_LEAKAGE: f64 = 0.1;
 /// The strongest line that may leak into the rows of the fit, and the mean share of the rows' power that may be
 /// leakage. The share is of all rows, or of the rows up to half the line's frequency, on which B and K rest, if it is
 /// larger there. `None` if it is small.
-pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
+pub(super) fn leakage(lines: &[WholeLine], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
     let strongest = lines.iter().filter(|whole| whole.leaks);
     let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
     let share = |bin: &Bin| {
         let variance = 2.0 * bin.power * (bin.end - bin.first) as f64 * hz;
-        let leaks = |whole: &Whole| whole.line.rms * whole.line.rms * leak(whole.run, (bin.first, bin.end));
+        let leaks = |whole: &WholeLine| whole.line.rms * whole.line.rms * leak(whole.run, (bin.first, bin.end));
         (lines.iter().filter(|whole| whole.leaks).map(leaks).sum::<f64>() / variance).min(1.0)
     };
     let mean_below = |f_hz: f64| {

@@ -57,7 +57,7 @@ pub use model::Model;
 pub use motion::{Motion, MotionKind, motion};
 use periods::Period;
 pub use pool::{Differs, Outlier, Pool, PoolError, PoolRecord, Spread, fit_pool};
-use prediction::Doubt;
+use prediction::PredictionError;
 use realfft::FftError;
 use remarks::{Raw, remarks};
 use samples::{check, cut_glitches, enough, rates};
@@ -475,7 +475,7 @@ fn described(
     let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
     let scatter = Scatter::of(&curves, &model);
     let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
-    let doubt = Doubt::of((&chosen.problem, own), &model, &measured, Some(&scatter))?;
+    let doubt = PredictionError::of((&chosen.problem, own), &model, &measured, Some(&scatter))?;
     let (chi2, freedom) = select::chi2(&chosen.problem, own);
     let (n, other) = coefficients.n(widening, tail_at_zero);
     let fit = Fit {

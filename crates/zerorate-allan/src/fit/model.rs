@@ -1,8 +1,8 @@
 //! The Allan variance of a fitted model, and the variance of its overlapping estimate.
 
 use super::density::{Drift, shape_angle};
-use super::prediction::{Doubt, Variances};
-use super::scoring::{B2, K2, N2, Optimum, Q2, Reading, low_pass_memory, shape};
+use super::prediction::{PredictionError, Variances};
+use super::scoring::{B2, Explanation, K2, N2, Optimum, Q2, low_pass_memory, shape};
 use super::thinning::Thinning;
 use super::transform::autocovariance;
 use crate::FLOOR_PER_B;
@@ -38,7 +38,7 @@ pub struct Model {
     /// Variance and frequency of each sine.
     sines: Vec<(f64, f64)>,
     thinning: Thinning,
-    doubt: Doubt,
+    doubt: PredictionError,
 }
 
 /// The record behind a model, and the part of its spectrum that is measured instead of modelled.
@@ -93,7 +93,7 @@ impl Model {
             drift: form.drift.map(|drift| (drift, found.drift)),
             sines: measured.sines.clone(),
             thinning: Thinning::default(),
-            doubt: Doubt::default(),
+            doubt: PredictionError::default(),
         };
         let lags = measured.lags(low_pass_memory(form, &found.at, rate_hz, top_hz));
         let density = |i: usize| {
@@ -104,7 +104,7 @@ impl Model {
             }
             let sin = libm::sin(PI * f_hz / rate_hz);
             let shape = shape(form, &found.at, shape_angle(f_hz, rate_hz, top_hz));
-            let slow = if form.reading == Reading::Joins { 0.0 } else { (shape - 1.0) * model.slow_density(f_hz) };
+            let slow = if form.reading == Explanation::Joins { 0.0 } else { (shape - 1.0) * model.slow_density(f_hz) };
             found.at[N2] * shape + slow + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
         };
         let densities: Vec<f64> = (0..=lags).map(density).collect();
@@ -126,7 +126,7 @@ impl Model {
         self.b2 * flicker + self.k2 / omega2 * folded + self.markovs.iter().map(markov).sum::<f64>()
     }
 
-    pub(super) fn with(self, doubt: Doubt) -> Self {
+    pub(super) fn with(self, doubt: PredictionError) -> Self {
         Self { doubt, ..self }
     }
 
@@ -318,7 +318,7 @@ mod tests {
             drift: None,
             sines: Vec::new(),
             thinning: Thinning::default(),
-            doubt: Doubt::default(),
+            doubt: PredictionError::default(),
         };
         let flicker = Model { b2: 2.0, ..silent.clone() };
         let walk = Model { k2: 3.0, ..silent.clone() };

@@ -8,7 +8,7 @@ use super::coefficients::Coefficients;
 use super::curve::Curves;
 use super::density::Table;
 use super::model::{MeasuredSpectrum, Model};
-use super::prediction::Doubt;
+use super::prediction::PredictionError;
 use super::remarks::{Raw, remarks};
 use super::scoring::{B2, N2, Optimum, Problem, SHAPE_PRICE};
 use super::select::{DESCENT, Selection, chi2, is_upper, select};
@@ -324,7 +324,7 @@ fn common(
     let (chi2, freedom) = chi2(&chosen.problem, found);
     let measured = MeasuredSpectrum { rate_hz, record_s, top_hz, above, sines: Vec::new() };
     let model = Model::new(found, &measured)?;
-    let doubt = Doubt::of((&chosen.problem, found), &model, &measured, None)?;
+    let doubt = PredictionError::of((&chosen.problem, found), &model, &measured, None)?;
     let of_no_record = Curves::of(&[], rate_hz);
     let misfit = is_rejected.then(|| Misfit::of((&chosen.problem, found), None, (&of_no_record, &model)));
     let (n, other) = coefficients.n(0.0, 0.0);

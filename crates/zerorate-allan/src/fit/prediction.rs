@@ -13,7 +13,7 @@ const SMALL: f64 = 1e-3;
 
 /// The uncertainty of ln σ²(τ) in another record.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Doubt {
+pub(super) struct PredictionError {
     /// The variances at each octave of the averaging time, in samples.
     by_length: Vec<(u64, Variances)>,
 }
@@ -27,7 +27,7 @@ pub(super) struct Variances {
     pub(super) scatter: f64,
 }
 
-impl Doubt {
+impl PredictionError {
     /// `scatter` is `None` for a model of several records.
     pub(super) fn of(
         (problem, found): (&Problem, &Optimum),

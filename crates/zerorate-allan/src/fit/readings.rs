@@ -1,6 +1,6 @@
 //! Other explanations of a spectrum that a filter or a Gauss–Markov term bends.
 
-use super::scoring::{ModelForm, N2, Optimum, Problem, Reading, SHORTEST};
+use super::scoring::{Explanation, ModelForm, N2, Optimum, Problem, SHORTEST};
 use super::select::{DESCENT, LOOK, SURVIVORS, level_near, start, white, with_cosine};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -33,7 +33,7 @@ pub(super) fn white_share(problem: &Problem, found: &Optimum) -> f64 {
 fn low_pass(problem: &Problem) -> Option<Optimum> {
     let rate_hz = problem.table.rate_hz;
     let start = |samples: f64| joining(problem, rate_hz / (2.0 * PI * samples), &[libm::exp(-1.0 / samples)]);
-    best(problem, ModelForm { poles: 1, reading: Reading::Joins, ..ModelForm::PLAIN }, LOW_PASSES.map(start))
+    best(problem, ModelForm { poles: 1, reading: Explanation::Joins, ..ModelForm::PLAIN }, LOW_PASSES.map(start))
 }
 
 fn corner(problem: &Problem) -> Option<Optimum> {
@@ -43,7 +43,7 @@ fn corner(problem: &Problem) -> Option<Optimum> {
         let hz = low * libm::pow(high / low, f64::from(step) / f64::from(CORNERS - 1));
         joining(problem, hz, &[2.0 * libm::log(libm::sin(PI * hz / table.rate_hz)), 0.0])
     };
-    best(problem, ModelForm { poles: 2, reading: Reading::Joins, ..ModelForm::PLAIN }, (0..CORNERS).map(start))
+    best(problem, ModelForm { poles: 2, reading: Explanation::Joins, ..ModelForm::PLAIN }, (0..CORNERS).map(start))
 }
 
 fn memory(problem: &Problem) -> Option<Optimum> {
@@ -55,8 +55,11 @@ fn memory(problem: &Problem) -> Option<Optimum> {
         at.extend([variance, libm::log(tau_s)]);
         at
     };
-    let found =
-        best(problem, ModelForm { markovs: 1, reading: Reading::Short, ..ModelForm::PLAIN }, SHORT_MARKOVS.map(start));
+    let found = best(
+        problem,
+        ModelForm { markovs: 1, reading: Explanation::Short, ..ModelForm::PLAIN },
+        SHORT_MARKOVS.map(start),
+    );
     let is_short = |found: &Optimum| libm::exp(found.at[found.form.markov(0) + 1]) * table.rate_hz < SHORTEST;
     found.filter(|found| is_short(found) && white_share(problem, found) > LEAST_WHITE)
 }

@@ -18,7 +18,7 @@ pub(super) struct ModelForm {
     /// Order of a low-pass in the band shape, which cosines follow only slowly: 0, 1 (a pole) or 2 (corner and
     /// damping).
     pub(super) poles: usize,
-    pub(super) reading: Reading,
+    pub(super) reading: Explanation,
     /// Number of Gauss–Markov terms.
     pub(super) markovs: usize,
     /// Whether the model has quantisation of the angle.
@@ -31,7 +31,7 @@ pub(super) struct ModelForm {
 
 /// The explanation of a spectrum that bends at its upper end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Reading {
+pub(super) enum Explanation {
     /// One shape filters all noise.
     Usual,
     /// A shape of the white noise only. The slow noise is added after the filter.
@@ -52,7 +52,7 @@ impl ModelForm {
     pub(super) const PLAIN: Self = Self {
         cosines: 0,
         poles: 0,
-        reading: Reading::Usual,
+        reading: Explanation::Usual,
         markovs: 0,
         quantised: false,
         drift: None,
@@ -66,7 +66,7 @@ impl ModelForm {
 
     /// Shortest correlation time of a Gauss–Markov term, in samples.
     pub(super) fn shortest(&self) -> f64 {
-        if self.reading == Reading::Short { SHORTEST_OF_ALL } else { SHORTEST }
+        if self.reading == Explanation::Short { SHORTEST_OF_ALL } else { SHORTEST }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -247,7 +247,7 @@ impl Problem {
             let (low_pass, low_pass_slopes) = low_pass(form, at, row.cosines[0]);
             let shape = libm::exp(exponent) * low_pass * response.gain;
             let q = row.quantisation * response.gain;
-            let slow = if form.reading == Reading::Joins { response.gain } else { shape };
+            let slow = if form.reading == Explanation::Joins { response.gain } else { shape };
             let (b, k) = (row.flicker * slow, row.walk * slow);
             let mut sum = at[N2] * shape + at[B2] * b + at[K2] * k;
             (slopes[N2][i], slopes[B2][i], slopes[K2][i], slopes[Q2][i]) = (shape, b, k, q);
@@ -257,7 +257,7 @@ impl Problem {
                 (slopes[place][i], slopes[place + 1][i]) = (g * slow, at[place] * rise * slow);
                 sum += at[place] * g * slow;
             }
-            let shaped = if form.reading == Reading::Joins { at[N2] * shape } else { sum };
+            let shaped = if form.reading == Explanation::Joins { at[N2] * shape } else { sum };
             (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = shaped * row.cosines[j]);
             (0..form.poles).for_each(|j| slopes[SHAPE + form.cosines + j][i] = shaped * low_pass_slopes[j]);
             density[i] = response.offset + sum + at[Q2] * q;

@@ -2,7 +2,7 @@
 
 use super::density::{Drift, MOST_COSINES, Table};
 use super::scoring::{
-    B2, K2, LONGEST, Local, ModelForm, N2, Optimum, POLES, Problem, Q2, Reading, SHAPE, SHORTEST, low_pass_memory,
+    B2, Explanation, K2, LONGEST, Local, ModelForm, N2, Optimum, POLES, Problem, Q2, SHAPE, SHORTEST, low_pass_memory,
 };
 use super::{MOST_ERROR, readings};
 use crate::{Coefficient, chi2_quantile};
@@ -98,7 +98,7 @@ impl Selection {
     pub(super) fn has_plain_form(&self) -> bool {
         let form = &self.found.form;
         match form.reading {
-            Reading::Joins => self.problem.error < MOST_ERROR / 2.0,
+            Explanation::Joins => self.problem.error < MOST_ERROR / 2.0,
             _ => form.cosines == 0 && form.poles < 2 && self.problem.error == 0.0,
         }
     }
@@ -106,12 +106,12 @@ impl Selection {
     /// The explanation that takes the model's Gauss–Markov term for a low-pass, or its low-pass for such a term.
     fn own_other(&self) -> Option<Other> {
         let (found, n2) = (&self.found, self.found.at[N2]);
-        if let (Reading::Joins, [pole]) = (found.form.reading, &found.at[SHAPE + found.form.cosines..]) {
+        if let (Explanation::Joins, [pole]) = (found.form.reading, &found.at[SHAPE + found.form.cosines..]) {
             let samples = -1.0 / libm::log(*pole);
             return (samples > SHORTEST).then(|| Other { tau_s: samples / self.problem.table.rate_hz, n: 0.0 });
         }
         let is_hidden = readings::white_share(&self.problem, found) < MOST_ERROR;
-        let is_short = found.form.reading == Reading::Short;
+        let is_short = found.form.reading == Explanation::Short;
         let least = if is_hidden { n2 } else { (OTHER_N - 1.0) * n2 };
         let loud = loudest(found).filter(|index| (is_hidden || is_short) && memory(found, *index).0 > least);
         let (plateau, tau_s) = memory(found, low_pass(&self.problem, found).or(loud)?);

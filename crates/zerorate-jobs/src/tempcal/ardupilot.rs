@@ -18,13 +18,13 @@ const NO_TEMPERATURE_C: f64 = -80.0;
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
 /// The corrections and rotation that a log's parameters applied to the readings of one IMU.
-pub(super) struct Corrected<'a> {
+pub(super) struct AppliedCorrections<'a> {
     parameters: &'a BTreeMap<String, f64>,
     /// The number of the IMU, from 0.
     imu: u32,
 }
 
-impl<'a> Corrected<'a> {
+impl<'a> AppliedCorrections<'a> {
     pub(super) fn new(parameters: &'a BTreeMap<String, f64>, imu: u32) -> Self {
         Self { parameters, imu }
     }
@@ -158,12 +158,12 @@ mod tests {
     fn a_turned_board_is_turned_back() {
         let mut axes = [vec![1.0], vec![2.0], vec![3.0]];
         let of = parameters(&[("AHRS_ORIENTATION", 16.0)]);
-        Corrected::new(&of, 0).undo(Kind::Gyroscope, &mut axes, &[25.0]).unwrap();
+        AppliedCorrections::new(&of, 0).undo(Kind::Gyroscope, &mut axes, &[25.0]).unwrap();
         for (values, expected) in axes.iter().zip([1.0, 3.0, -2.0]) {
             assert!((values[0] - expected).abs() < 1e-12, "{values:?} {expected}");
         }
         let of = parameters(&[("AHRS_ORIENTATION", 101.0)]);
-        assert!(Corrected::new(&of, 0).undo(Kind::Gyroscope, &mut axes, &[25.0]).is_err());
+        assert!(AppliedCorrections::new(&of, 0).undo(Kind::Gyroscope, &mut axes, &[25.0]).is_err());
     }
 
     /// 2·10⁻⁴ rad/s/°C about 35 °C was subtracted, less its value at 30 °C.
@@ -177,9 +177,9 @@ mod tests {
             ("INS_TCAL2_GYR1_X", 200.0),
             ("INS_GYR2_CALTEMP", 30.0),
         ]);
-        Corrected::new(&of, 0).undo(Kind::Gyroscope, &mut axes, &[50.0]).unwrap();
+        AppliedCorrections::new(&of, 0).undo(Kind::Gyroscope, &mut axes, &[50.0]).unwrap();
         assert_eq!(axes[0], [0.0], "another IMU");
-        Corrected::new(&of, 1).undo(Kind::Gyroscope, &mut axes, &[50.0]).unwrap();
+        AppliedCorrections::new(&of, 1).undo(Kind::Gyroscope, &mut axes, &[50.0]).unwrap();
         assert!((axes[0][0] - (2e-4 * 10.0_f64).to_degrees()).abs() < 1e-12, "{axes:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! Reads the sensors of logs: the means of each axis with their temperatures.
 
-use super::ardupilot::Corrected;
+use super::ardupilot::AppliedCorrections;
 use super::{TempcalOptions, UnitLog};
 use crate::InvalidOptions;
 use crate::code_scales::concerns;
@@ -26,7 +26,7 @@ pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec
 
 /// Undoes what the parameters of an ArduPilot log did to the readings of an IMU.
 fn undo(imu: &mut ImuColumns, parameters: &BTreeMap<String, f64>, log: &Path) -> Result<()> {
-    let corrected = Corrected::new(parameters, number_of_imu(imu.topic.as_deref()));
+    let corrected = AppliedCorrections::new(parameters, number_of_imu(imu.topic.as_deref()));
     for kind in Kind::ALL {
         let of_kind = |column: &&mut Column| column.quantity == Some(kind.quantity());
         let mut columns: Vec<&mut Column> = imu.columns.iter_mut().filter(of_kind).collect();

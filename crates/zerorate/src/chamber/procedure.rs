@@ -72,7 +72,7 @@ struct AxisState {
 
 /// The approach of the air to the temperature span of the plan. The air may start outside of the span.
 #[derive(Clone, Copy, Debug, Default)]
-enum Coming {
+enum AirApproach {
     /// The chamber has not reported an air temperature yet.
     #[default]
     Unknown,
@@ -137,7 +137,7 @@ pub struct ChamberProcedure {
     settled_at_c: Option<(f64, f64)>,
     /// Last air temperature that the chamber reported, °C.
     air_c: Option<f64>,
-    coming: Coming,
+    coming: AirApproach,
     beyond: u32,
 }
 
@@ -172,7 +172,7 @@ impl ChamberProcedure {
             disturbed: 0,
             settled_at_c: None,
             air_c: None,
-            coming: Coming::default(),
+            coming: AirApproach::default(),
             beyond: 0,
         })
     }

@@ -55,7 +55,7 @@ impl Findings {
 
 /// The input of the search: the averages of the procedure, and the assumptions about the unit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Question {
+pub(crate) struct SearchInput {
     /// The averages of steps 4, 6 and 8.
     pub(crate) averages: [WeightedMean; 3],
     /// T2 − T1, °C.
@@ -76,7 +76,7 @@ const FEWEST: usize = 40;
 const SUSPECT: f64 = 3.0;
 
 /// Looks for deviations. `None` if the record is too short or has too many gaps.
-pub(crate) fn findings(seconds: &[Second], question: &Question) -> Option<Findings> {
+pub(crate) fn findings(seconds: &[Second], question: &SearchInput) -> Option<Findings> {
     let bins = bins(seconds);
     if bins.len() < FEWEST {
         return None;
@@ -117,7 +117,7 @@ fn bins(seconds: &[Second]) -> Vec<Bin> {
 
 /// State of the search, with the model so far.
 struct Search<'a> {
-    question: &'a Question,
+    question: &'a SearchInput,
     windows: Vec<Window>,
     whitener: Cholesky,
     rates: Vec<f64>,
@@ -132,7 +132,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(seconds: &[Second], bins: &[Bin], question: &'a Question) -> Option<Self> {
+    fn new(seconds: &[Second], bins: &[Bin], question: &'a SearchInput) -> Option<Self> {
         let windows: Vec<Window> = bins.iter().map(|bin| bin.window).collect();
         let mut covariances = question.noise.covariances(&windows);
         let bend: Vec<f64> = shape::means(&Shape::curved(seconds, question.t3_c), &windows).collect();
@@ -238,7 +238,7 @@ impl<'a> Search<'a> {
 
     /// The finding for a shape of a given size.
     fn finding(&self, shape: &Shape, size: f64) -> Finding {
-        let worst = |error: fn(&Question, &Shape) -> f64| match *shape {
+        let worst = |error: fn(&SearchInput, &Shape) -> f64| match *shape {
             Shape::Step { at_s, from_s, to_s } => {
                 let errors = [at_s, from_s, to_s].map(|at_s| error(self.question, &Shape::step(at_s)));
                 errors.into_iter().fold(0.0, |worst: f64, error| if error.abs() > worst.abs() { error } else { worst })
@@ -247,8 +247,8 @@ impl<'a> Search<'a> {
         };
         Finding {
             deviation: self.question.deviation(shape, size),
-            pbc_dps: size * worst(Question::pbc_error),
-            btc_dps_per_c: size * worst(Question::btc_error),
+            pbc_dps: size * worst(SearchInput::pbc_error),
+            btc_dps_per_c: size * worst(SearchInput::btc_error),
         }
     }
 
@@ -297,7 +297,7 @@ fn freedom(shape: &Shape) -> f64 {
     if matches!(shape, Shape::Oscillation { .. }) { alarm(shape) - alarm(&Shape::step(0.0)) } else { 0.0 }
 }
 
-impl Question {
+impl SearchInput {
     fn deviation(&self, shape: &Shape, size: f64) -> Deviation {
         match *shape {
             Shape::Step { at_s, .. } => {
@@ -409,9 +409,9 @@ mod tests {
         (0..1000).map(second).collect()
     }
 
-    fn asked() -> Question {
+    fn asked() -> SearchInput {
         let average = |start_s, end_s| WeightedMean { start_s, end_s, weight: 1.0 };
-        Question {
+        SearchInput {
             averages: [average(0.0, 10.0), average(200.0, 210.0), average(850.0, 999.0)],
             span_c: 5.0,
             t3_c: 33.0,

@@ -1,7 +1,7 @@
 //! Computes PBC, BTC and T3 from the recorded windows, each with its standard uncertainty.
 
 use super::blocks::{Blocks, Second};
-use super::drift_checks::{self, Findings, Question};
+use super::drift_checks::{self, Findings, SearchInput};
 use super::window_sums::Summary;
 use crate::correction::Correction;
 use crate::health::block_means::{Adjacent, BLOCK_S};
@@ -170,9 +170,9 @@ pub(crate) fn outcome_of_windows(seen: &Evidence<'_>) -> Result<Outcome<WindowWa
 }
 
 /// Makes the input of the drift checks.
-fn question(seen: &Evidence<'_>) -> Result<Question, Refusal> {
+fn question(seen: &Evidence<'_>) -> Result<SearchInput, Refusal> {
     let slope = Slope::new(seen)?;
-    Ok(Question {
+    Ok(SearchInput {
         averages: AVERAGES.map(|state| window(seen, state, 1.0)),
         span_c: slope.span_c(),
         t3_c: Level::new(seen, slope.btc_dps_per_c())?.t3_c,

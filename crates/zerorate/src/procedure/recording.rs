@@ -2,7 +2,7 @@
 //! then all blocks go into one estimate ([`temperature`](crate::temperature)).
 
 use super::blocks::{Blocks, Second};
-use super::drift_checks::{self, Findings, Question};
+use super::drift_checks::{self, Findings, SearchInput};
 use super::estimate::{Evidence, Noise, Outcome, turning};
 use super::window_sums::{Summary, WindowSums};
 #[cfg(feature = "std")]
@@ -211,7 +211,7 @@ impl Searched<'_> {
         axis.noise?;
         let tenth_s = (end_s - start_s) / 10.0;
         let window = |start_s: f64| WeightedMean { start_s, end_s: start_s + tenth_s, weight: 1.0 };
-        let question = Question {
+        let question = SearchInput {
             averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
             span_c: span_c.max(f64::MIN_POSITIVE),
             t3_c: final_temp_c(seconds)?,

@@ -12,14 +12,14 @@ pub(super) struct Held {
 
 /// The way in which the bias follows the temperature sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Following {
+pub struct LagAndPlay {
     /// Time constant of the lag of the sensing element, s.
     pub lag_s: f64,
     /// Half width of the play, °C: the temperature may change by this much before the bias follows.
     pub play_c: f64,
 }
 
-impl Following {
+impl LagAndPlay {
     /// Returns the temperature that the bias follows for each block, and for the last block the one with and the
     /// one without play. Both start in balance and in the middle of the play.
     pub(super) fn temps_c(&self, blocks: &[Block]) -> (Vec<f64>, Held) {

@@ -29,7 +29,7 @@ use crate::part::{Axis, TypicalBias};
 use crate::uncertainty::Uncertainty;
 use alloc::vec::Vec;
 use basis::Basis;
-pub use follow::Following;
+pub use follow::LagAndPlay;
 use interval::{Peak, honest_u};
 use model_averaging::{Weighed, weigh};
 use posterior::{Powers, Record};
@@ -115,7 +115,7 @@ pub struct BiasCurve {
     /// Posterior probability of each order.
     pub order_weights: [f64; TERMS],
     /// The lag and the play of the bias, as the mean over all models.
-    pub following: Following,
+    pub following: LagAndPlay,
     /// Whether the bias lags more likely than not.
     pub is_late: bool,
     /// The noise: white as given, B and K the geometric means over all models.
@@ -332,7 +332,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
         sources: sources(models, variances, excess),
         order,
         order_weights,
-        following: Following {
+        following: LagAndPlay {
             lag_s: mean(|model| model.hypothesis.following.lag_s),
             play_c: mean(|model| model.hypothesis.following.play_c),
         },

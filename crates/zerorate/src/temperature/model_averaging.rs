@@ -4,7 +4,7 @@
 use super::base_motion::{self, Candidate};
 use super::filter::{Filter, White};
 use super::posterior::{Columns, Posterior, Record};
-use super::{Assumed, Following, Noise};
+use super::{Assumed, LagAndPlay, Noise};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
 use alloc::vec::Vec;
@@ -40,7 +40,7 @@ const STEP_PROBABILITY: f64 = 0.02;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hypothesis {
     pub(super) noise: Noise,
-    pub(super) following: Following,
+    pub(super) following: LagAndPlay,
     /// Number of steps in the recording, the strongest first.
     pub(super) steps: usize,
     /// Frequency of the base motion, Hz, if there is one.
@@ -99,7 +99,7 @@ fn score(model: &Weighed) -> f64 {
 /// A hypothesis about the temperature that the bias follows, the number of steps, and the base motion.
 #[derive(Clone, Copy, Debug, Default)]
 struct Path {
-    following: Following,
+    following: LagAndPlay,
     steps: usize,
     motion: Option<Candidate>,
     /// Logarithm of the number of finer plays that share the prior probability of one.
@@ -124,8 +124,9 @@ impl<'a> Lattice<'a> {
         let typical = assumed.axis.noise.map_or(unknown(white_dps_per_rt_hz), |noise| noise.model());
         let lags = lags(record);
         let plays = plays(record);
-        let followings =
-            lags.iter().flat_map(|lag_s| plays.iter().map(move |play_c| Following { lag_s: *lag_s, play_c: *play_c }));
+        let followings = lags
+            .iter()
+            .flat_map(|lag_s| plays.iter().map(move |play_c| LagAndPlay { lag_s: *lag_s, play_c: *play_c }));
         let steps = record.steps_s.len();
         Self {
             record,
@@ -158,7 +159,7 @@ impl<'a> Lattice<'a> {
             let Some(&(best, path)) = scored.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
             let play_c = path.following.play_c;
             let with = |one: &Path, play_c: f64, log_finer: f64| {
-                let path = Path { following: Following { play_c, ..one.following }, log_finer, ..*one };
+                let path = Path { following: LagAndPlay { play_c, ..one.following }, log_finer, ..*one };
                 (self.score(filter, noise, &path), path)
             };
             let is_worse = |play_c: f64| with(&path, play_c, path.log_finer).0 < best - NEGLIGIBLE;

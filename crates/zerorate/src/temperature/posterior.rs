@@ -4,7 +4,7 @@ use super::basis::Basis;
 use super::filter::{Filter, Filtered, White, Whites};
 use super::follow::Held;
 use super::gls::whitener;
-use super::{Block, Following, TERMS};
+use super::{Block, LagAndPlay, TERMS};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -93,7 +93,7 @@ impl Record<'_> {
     }
 
     /// The whitened columns of a bias with this lag and play, and with this number of steps.
-    pub(super) fn columns(&self, filter: &Filter, following: Following, steps: usize) -> Columns {
+    pub(super) fn columns(&self, filter: &Filter, following: LagAndPlay, steps: usize) -> Columns {
         let (followed, held) = following.temps_c(self.blocks);
         let rates = self.blocks.iter().map(|block| block.rate_dps).collect();
         let polynomial = |degree| followed.iter().map(|temp_c| self.basis.at(degree, *temp_c)).collect();

@@ -29,13 +29,13 @@ pub(super) struct Mean {
 
 /// The filter after a quiet period, if the period is rest.
 #[derive(Clone, Copy, Debug)]
-struct Lesson {
+struct RestUpdate {
     filter: Filter,
     /// Sum over the seconds of the quiet period: the means less their expected values.
     innovation_dps_s: f32,
 }
 
-impl Lesson {
+impl RestUpdate {
     fn none(filter: &Filter) -> Self {
         Self { filter: *filter, innovation_dps_s: 0.0 }
     }
@@ -53,8 +53,8 @@ struct Hypothesis {
     weight: f32,
     before: Filter,
     /// The lesson without the newest windows, in which a rotation may have begun.
-    sure: Lesson,
-    now: Lesson,
+    sure: RestUpdate,
+    now: RestUpdate,
     /// Probability together with the quiet period being rest, and with it being a rotation (`rotation`).
     rest: f32,
     rotation: f32,
@@ -62,7 +62,7 @@ struct Hypothesis {
 
 impl Hypothesis {
     fn new(weight: f32, filter: &Filter) -> Self {
-        let lesson = Lesson::none(filter);
+        let lesson = RestUpdate::none(filter);
         Self { weight, before: *filter, sure: lesson, now: lesson, rest: 0.0, rotation: weight }
     }
 }

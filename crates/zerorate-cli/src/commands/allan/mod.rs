@@ -20,7 +20,7 @@ use zerorate_allan::{FitOptions, Options, Stat, Taus};
 use zerorate_imu::{AllanReport, AnalysisOptions, AxisReport, MotionReport, Record, Rejection};
 use zerorate_jobs::allan::{AllanOptions, allan};
 use zerorate_jobs::pool::Pool;
-use zerorate_logs::{ColumnOptions, Only};
+use zerorate_logs::{ColumnOptions, RowFilter};
 use zerorate_view::noise::{are_axes, svg};
 use zerorate_view::report::{AllanPage, allan_page};
 
@@ -208,7 +208,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
 fn records(args: &AllanArgs) -> Result<Vec<Record>> {
     let options = args.options();
     let [_, _, ..] = args.column.series() else { return allan(&args.files, &options) };
-    let of_series = |only: &Only| {
+    let of_series = |only: &RowFilter| {
         let log = ColumnOptions { only: Some(only.clone()), ..options.log.clone() };
         let mut records = allan(&args.files, &AllanOptions { log, ..args.options() })?;
         records.iter_mut().for_each(|record| record.file = format!("{} {only}", record.file.display()).into());

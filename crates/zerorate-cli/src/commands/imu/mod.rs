@@ -19,7 +19,7 @@ use zerorate_allan::{FitOptions, span};
 use zerorate_imu::{AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoiseFileOptions, Record, Rule};
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::{Condition, LogWarning, Names, Only};
+use zerorate_logs::{Condition, LogWarning, Names, RowFilter};
 use zerorate_view::noise::axes_svg;
 use zerorate_view::report::{AllanPage, Fact, allan_page};
 
@@ -104,7 +104,7 @@ pub struct ImuArgs {
 
 impl ImuArgs {
     /// The options for one condition of `--where`. Its files are named after the condition's value: `imu-1.yaml`.
-    fn of_series(&self, only: &Only) -> Self {
+    fn of_series(&self, only: &RowFilter) -> Self {
         let plain = |one: &Condition| one.value.replace(|c: char| !c.is_alphanumeric(), "_");
         let value = only.conditions.iter().map(plain).collect::<Vec<_>>().join("-");
         let named = |path: &PathBuf| {

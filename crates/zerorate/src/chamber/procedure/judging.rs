@@ -1,6 +1,6 @@
 //! Checks of a measurement in a chamber, each second: missing readings, open door, time at a set point, rest.
 
-use super::{ChamberProcedure, Coming, Present};
+use super::{AirApproach, ChamberProcedure, Present};
 use crate::chamber::plan::{REACHED_C, StepEnd};
 use crate::chamber::record::{Drift, Soak};
 use crate::chamber::refusal::{ChamberRefusal, Disturbance};
@@ -65,13 +65,13 @@ impl ChamberProcedure {
         let (low_c, high_c) = (low_c.min(safe_c), high_c.max(safe_c));
         let (low_c, high_c) = (low_c - self.plan.overshoot_c, high_c + self.plan.overshoot_c);
         self.coming = match self.coming {
-            _ if (low_c..=high_c).contains(&air_c) => Coming::Over,
-            Coming::Unknown => Coming::From { air_c, step: self.step },
-            Coming::From { step, .. } if step != self.step => Coming::Over,
+            _ if (low_c..=high_c).contains(&air_c) => AirApproach::Over,
+            AirApproach::Unknown => AirApproach::From { air_c, step: self.step },
+            AirApproach::From { step, .. } if step != self.step => AirApproach::Over,
             coming => coming,
         };
         match self.coming {
-            Coming::From { air_c: first_c, .. } => {
+            AirApproach::From { air_c: first_c, .. } => {
                 (low_c.min(first_c - self.plan.overshoot_c), high_c.max(first_c + self.plan.overshoot_c))
             }
             _ => (low_c, high_c),

@@ -3,7 +3,7 @@
 use super::series::Series;
 use super::{COEFFICIENTS, CurveStep, LogMeans, has_two_directions};
 use crate::temperature::filter::Filter;
-use crate::temperature::follow::Following;
+use crate::temperature::follow::LagAndPlay;
 use crate::temperature::{Block, Noise, gls};
 use alloc::vec;
 use alloc::vec::Vec;
@@ -43,7 +43,7 @@ pub(super) type SlowNoise = [f64; 2];
 
 /// Prior standard deviations of the coefficients.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct PriorSpreads {
     /// Standard deviation of the first order of the series.
     size: f64,
     /// Ratio of the standard deviation of each order to that of the order before.
@@ -66,9 +66,9 @@ pub(super) struct Model {
     /// Logarithm of the ratio of the evidence to that of a bias that does not depend on temperature.
     pub(super) log_odds: f64,
     pub(super) noise: SlowNoise,
-    pub(super) following: Following,
+    pub(super) following: LagAndPlay,
     pub(super) was_on: bool,
-    pub(super) shape: Shape,
+    pub(super) shape: PriorSpreads,
     /// All coefficients: those of the series, then direction, starts and steps.
     pub(super) all: Vec<f64>,
     pub(super) coefficients: [f64; COEFFICIENTS],
@@ -186,7 +186,7 @@ impl Record {
     }
 
     /// Returns the means of a log, followed by the columns of its model.
-    pub(super) fn columns(&self, index: usize, following: &Following) -> Columns {
+    pub(super) fn columns(&self, index: usize, following: &LagAndPlay) -> Columns {
         let log = &self.logs[index];
         let (low_c, high_c) = self.series.span_c();
         let (followed_c, places) = log.followed(following, self.was_on, TURNS * (high_c - low_c));
@@ -215,7 +215,7 @@ impl Record {
     }
 
     /// The columns of all logs.
-    pub(super) fn all_columns(&self, following: &Following) -> Vec<Columns> {
+    pub(super) fn all_columns(&self, following: &LagAndPlay) -> Vec<Columns> {
         (0..self.logs.len()).map(|index| self.columns(index, following)).collect()
     }
 
@@ -238,7 +238,7 @@ impl Record {
     }
 
     /// The shapes that are tried.
-    pub(super) fn shapes(&self) -> Vec<Shape> {
+    pub(super) fn shapes(&self) -> Vec<PriorSpreads> {
         let directions = if self.two_directions { &DIRECTIONS[..] } else { &DIRECTIONS[..1] };
         let starts = if self.logs.len() > 1 { &STARTS[..] } else { &STARTS[..1] };
         let mut shapes = Vec::new();
@@ -247,7 +247,7 @@ impl Record {
             {
                 let [size, direction, starts] = [size, direction, starts].map(|ratio| ratio * self.scale);
                 for is_unsettled in [false, true] {
-                    shapes.push(Shape { size, shrink, direction, starts, is_unsettled });
+                    shapes.push(PriorSpreads { size, shrink, direction, starts, is_unsettled });
                 }
             }
         }
@@ -255,7 +255,7 @@ impl Record {
     }
 
     /// Logarithm of the prior of a shape and of the lag of `following`. `None` if the shape equals another one.
-    pub(super) fn log_prior(&self, shape: &Shape, following: &Following) -> Option<f64> {
+    pub(super) fn log_prior(&self, shape: &PriorSpreads, following: &LagAndPlay) -> Option<f64> {
         let of_shape = match (following.lag_s > 0.0, shape.is_unsettled) {
             (false, false) => 0.0,
             (false, true) => return None,
@@ -268,13 +268,13 @@ impl Record {
     }
 
     /// Expected size of the bias that is out of balance at the start of a log.
-    fn transient(&self, log: &LogMeans, following: &Following) -> f64 {
+    fn transient(&self, log: &LogMeans, following: &LagAndPlay) -> f64 {
         let (low_c, high_c) = self.series.span_c();
         self.scale / (high_c - low_c) * log.start_c_per_s().abs() * following.lag_s
     }
 
     /// Prior variances of all coefficients. A variance of 0 fixes a coefficient at 0.
-    fn variances(&self, shape: &Shape) -> Vec<f64> {
+    fn variances(&self, shape: &PriorSpreads) -> Vec<f64> {
         let level = LEVEL * self.scale;
         let order = |k: usize| shape.size * libm::pow(shape.shrink, k as f64);
         let series = [level].into_iter().chain((0..COEFFICIENTS - 1).map(order));
@@ -317,12 +317,12 @@ impl Record {
     }
 
     /// Computes the coefficients under the prior of a shape.
-    pub(super) fn solve_shape(&self, products: &Products, shape: &Shape) -> Option<Solved> {
+    pub(super) fn solve_shape(&self, products: &Products, shape: &PriorSpreads) -> Option<Solved> {
         self.solve(products, &self.variances(shape))
     }
 
     /// Logarithm of the evidence of a bias that does not depend on the temperature.
-    pub(super) fn log_evidence_without(&self, products: &Products, shape: &Shape) -> Option<f64> {
+    pub(super) fn log_evidence_without(&self, products: &Products, shape: &PriorSpreads) -> Option<f64> {
         let mut variances = self.variances(shape);
         variances[1..COEFFICIENTS].fill(0.0);
         if self.two_directions {
@@ -332,7 +332,11 @@ impl Record {
     }
 
     /// Makes the model of a solution.
-    pub(super) fn model(&self, solved: &Solved, (noise, following, shape): (SlowNoise, Following, Shape)) -> Model {
+    pub(super) fn model(
+        &self,
+        solved: &Solved,
+        (noise, following, shape): (SlowNoise, LagAndPlay, PriorSpreads),
+    ) -> Model {
         let all = solved.coefficients.clone();
         let mut coefficients: [f64; COEFFICIENTS] = core::array::from_fn(|k| all[k]);
         coefficients[0] += self.centre;
@@ -361,7 +365,7 @@ impl Record {
     }
 
     /// Change of the bias that is still to come at the end of the last log, because of the lag.
-    pub(super) fn unsettled(&self, following: &Following, bias: impl Fn(f64) -> f64) -> f64 {
+    pub(super) fn unsettled(&self, following: &LagAndPlay, bias: impl Fn(f64) -> f64) -> f64 {
         let ends = self.logs.last().and_then(|log| log.at_end(following, self.was_on));
         ends.map_or(0.0, |(last_c, late_c)| bias(last_c) - bias(late_c))
     }

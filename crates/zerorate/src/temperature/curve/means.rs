@@ -2,7 +2,7 @@
 
 use super::thermometer::{Thermometer, line, smooth};
 use crate::temperature::Block;
-use crate::temperature::follow::Following;
+use crate::temperature::follow::LagAndPlay;
 use alloc::vec::Vec;
 
 /// Number of parts of a block, which show the temperature within it and the white noise.
@@ -327,13 +327,13 @@ impl LogMeans {
     /// The temperature that the bias follows, for each block, °C. `was_on` says whether the sensor was on before
     /// the log began, if the log does not say so.
     #[must_use]
-    pub fn followed_c(&self, following: &Following, was_on: bool) -> Vec<f64> {
+    pub fn followed_c(&self, following: &LagAndPlay, was_on: bool) -> Vec<f64> {
         self.followed(following, was_on, 1.0).0
     }
 
     /// The temperature that the bias follows, for each block, and the position of the bias in its play, from −1
     /// while the temperature falls to 1 while it rises.
-    pub(super) fn followed(&self, following: &Following, was_on: bool, play_c: f64) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn followed(&self, following: &LagAndPlay, was_on: bool, play_c: f64) -> (Vec<f64>, Vec<f64>) {
         let part_s = self.length_s / PARTS as f64;
         let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };
         let first_c = self.first_c(following, was_on);
@@ -356,7 +356,7 @@ impl LogMeans {
     }
 
     /// The temperature that the bias follows at the start of the log, °C.
-    fn first_c(&self, following: &Following, was_on: bool) -> f64 {
+    fn first_c(&self, following: &LagAndPlay, was_on: bool) -> f64 {
         let behind_c = if self.was_on(was_on) { self.start_c_per_s() * following.lag_s } else { 0.0 };
         self.parts_c.first().copied().unwrap_or(0.0) - behind_c
     }
@@ -383,7 +383,7 @@ impl LogMeans {
     }
 
     /// Returns the temperature at the end of the log, and the temperature that the bias follows there, °C.
-    pub(super) fn at_end(&self, following: &Following, was_on: bool) -> Option<(f64, f64)> {
+    pub(super) fn at_end(&self, following: &LagAndPlay, was_on: bool) -> Option<(f64, f64)> {
         let last_c = *self.parts_c.last()?;
         let part_s = self.length_s / PARTS as f64;
         let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };

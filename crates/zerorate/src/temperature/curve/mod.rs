@@ -20,7 +20,7 @@ mod tests;
 mod thermometer;
 mod warning;
 
-use super::follow::Following;
+use super::follow::LagAndPlay;
 use super::{TERMS, ThermalError, gls};
 use crate::noise::NoiseModel;
 use crate::temperature::sweeps;
@@ -49,7 +49,7 @@ pub struct LogCurve {
     coefficients: [f64; COEFFICIENTS],
     covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
     /// The lag and the play of the bias behind the thermometer, as the mean over all models.
-    pub following: Following,
+    pub following: LagAndPlay,
     /// Posterior probability that the bias lags.
     pub late_probability: f64,
     /// Whether the sensor was probably on before the logs began, for logs that do not say.
@@ -315,7 +315,7 @@ fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, spa
     let covariance = covariance(models, &coefficients);
     let geometric = |of: &dyn Fn(&Model) -> f64| libm::exp(mean(&|model| libm::log(of(model).max(f64::MIN_POSITIVE))));
     let following =
-        Following { lag_s: mean(&|model| model.following.lag_s), play_c: mean(&|model| model.following.play_c) };
+        LagAndPlay { lag_s: mean(&|model| model.following.lag_s), play_c: mean(&|model| model.following.play_c) };
     let curve = LogCurve {
         series: record.series,
         coefficients,

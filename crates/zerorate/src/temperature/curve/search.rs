@@ -1,10 +1,10 @@
 //! The search for the models that matter: strength of the noises, lag and play, and the shape of the series.
 
 use super::LogMeans;
-use super::evidence::{Columns, Model, Products, Record, Shape, SlowNoise, Solved};
+use super::evidence::{Columns, Model, PriorSpreads, Products, Record, SlowNoise, Solved};
 use super::lag::{LagLikelihood, LagPrior};
 use crate::temperature::filter::Filter;
-use crate::temperature::follow::Following;
+use crate::temperature::follow::LagAndPlay;
 use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -48,13 +48,13 @@ struct Refined {
     /// The noises that matter, the best first.
     places: Vec<Place>,
     /// The best way in which the bias follows the temperature.
-    following: Following,
+    following: LagAndPlay,
 }
 
 struct Search<'a> {
     record: &'a Record,
     lag: LagPrior<'a>,
-    shapes: Vec<Shape>,
+    shapes: Vec<PriorSpreads>,
     /// B and K at step 0 of the lattice.
     units: SlowNoise,
     filters: BTreeMap<Place, Vec<Filter>>,
@@ -95,12 +95,12 @@ pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     models
 }
 
-fn with_lag(lag_s: f64, other: &Following) -> Following {
-    Following { lag_s, ..*other }
+fn with_lag(lag_s: f64, other: &LagAndPlay) -> LagAndPlay {
+    LagAndPlay { lag_s, ..*other }
 }
 
-fn with_play(play_c: f64, other: &Following) -> Following {
-    Following { play_c, ..*other }
+fn with_play(play_c: f64, other: &LagAndPlay) -> LagAndPlay {
+    LagAndPlay { play_c, ..*other }
 }
 
 /// Gives each model its weight, and drops those that do not matter.
@@ -187,7 +187,7 @@ impl<'a> Search<'a> {
             lags = values(self.finer(place, &following, lags, with_lag));
             plays = values(self.finer(place, &following, plays, with_play));
             let each =
-                lags.iter().flat_map(|lag_s| plays.iter().map(|play_c| Following { lag_s: *lag_s, play_c: *play_c }));
+                lags.iter().flat_map(|lag_s| plays.iter().map(|play_c| LagAndPlay { lag_s: *lag_s, play_c: *play_c }));
             following = self.best_pair(&[place], &each.collect::<Vec<_>>())?.1;
             places = self.noises(place, &following);
             place = places[0];
@@ -197,21 +197,21 @@ impl<'a> Search<'a> {
 
     /// Searches coarsely for the best noise, lag and play. A wrong lag looks like a strong random walk, so each
     /// lag is tried under weak walks too.
-    fn coarse_best(&mut self, (lags, plays): &(Vec<f64>, Vec<f64>)) -> Option<(Place, Following)> {
+    fn coarse_best(&mut self, (lags, plays): &(Vec<f64>, Vec<f64>)) -> Option<(Place, LagAndPlay)> {
         let decades = |(first, last): (i32, i32)| (first..=last).step_by(PER_DECADE as usize);
-        let at_once = [Following::default()];
+        let at_once = [LagAndPlay::default()];
         let all: Vec<Place> = decades(B_STEPS).flat_map(|b| decades(K_STEPS).map(move |k| (b, k))).collect();
         let ((b, _), _) = self.best_pair(&all, &at_once)?;
         let walks: Vec<Place> = decades(K_STEPS).map(|k| (b, k)).collect();
-        let late: Vec<Following> = lags.iter().map(|lag_s| Following { lag_s: *lag_s, play_c: 0.0 }).collect();
+        let late: Vec<LagAndPlay> = lags.iter().map(|lag_s| LagAndPlay { lag_s: *lag_s, play_c: 0.0 }).collect();
         let (place, following) = self.best_pair(&walks, &late)?;
-        let with_plays: Vec<Following> = plays.iter().map(|play_c| with_play(*play_c, &following)).collect();
+        let with_plays: Vec<LagAndPlay> = plays.iter().map(|play_c| with_play(*play_c, &following)).collect();
         let (_, following) = self.best_pair(&[place], &with_plays)?;
         self.best_pair(&all, &[following])
     }
 
     /// The best of all pairs; `None` if none can be computed.
-    fn best_pair(&mut self, places: &[Place], followings: &[Following]) -> Option<(Place, Following)> {
+    fn best_pair(&mut self, places: &[Place], followings: &[LagAndPlay]) -> Option<(Place, LagAndPlay)> {
         let mut best = (f64::NEG_INFINITY, None);
         for pair in places.iter().flat_map(|place| followings.iter().map(move |following| (*place, *following))) {
             let score = self.score(pair.0, &pair.1);
@@ -222,7 +222,7 @@ impl<'a> Search<'a> {
         best.1
     }
 
-    fn products(&mut self, place: Place, following: &Following) -> Option<Products> {
+    fn products(&mut self, place: Place, following: &LagAndPlay) -> Option<Products> {
         let noise = self.noise(place);
         let record = self.record;
         let filters = self.filters.entry(place).or_insert_with(|| record.filters(&noise));
@@ -232,9 +232,9 @@ impl<'a> Search<'a> {
     }
 
     /// Log evidence over all shapes, with the factor of the other axes for the lag.
-    fn score(&mut self, place: Place, following: &Following) -> f64 {
+    fn score(&mut self, place: Place, following: &LagAndPlay) -> f64 {
         let Some(products) = self.products(place, following) else { return f64::NEG_INFINITY };
-        let score = |shape: &Shape| {
+        let score = |shape: &PriorSpreads| {
             let log_prior = self.record.log_prior(shape, following)?;
             Some(log_prior + self.record.solve_shape(&products, shape)?.log_evidence)
         };
@@ -247,9 +247,9 @@ impl<'a> Search<'a> {
     fn finer(
         &mut self,
         place: Place,
-        best: &Following,
+        best: &LagAndPlay,
         values: Vec<f64>,
-        with: impl Fn(f64, &Following) -> Following,
+        with: impl Fn(f64, &LagAndPlay) -> LagAndPlay,
     ) -> Vec<(f64, f64)> {
         let mut scored: Vec<(f64, f64)> =
             values.into_iter().map(|value| (value, self.score(place, &with(value, best)))).collect();
@@ -272,7 +272,7 @@ impl<'a> Search<'a> {
     }
 
     /// The noises that matter, the best first.
-    fn noises(&mut self, start: Place, following: &Following) -> Vec<Place> {
+    fn noises(&mut self, start: Place, following: &LagAndPlay) -> Vec<Place> {
         let mut scores: BTreeMap<Place, f64> = BTreeMap::new();
         let mut open = vec![start];
         let mut best = f64::NEG_INFINITY;
@@ -300,11 +300,11 @@ impl<'a> Search<'a> {
         place: Place,
         (lags, plays): (&[f64], &[f64]),
         shares: &[Vec<f64>; 2],
-    ) -> Vec<(Following, f64)> {
+    ) -> Vec<(LagAndPlay, f64)> {
         let mut all = Vec::new();
         for (lag_s, of_lag) in lags.iter().zip(&shares[0]) {
             for (play_c, of_play) in plays.iter().zip(&shares[1]) {
-                let following = Following { lag_s: *lag_s, play_c: *play_c };
+                let following = LagAndPlay { lag_s: *lag_s, play_c: *play_c };
                 all.push((following, of_lag + of_play, self.score(place, &following)));
             }
         }
@@ -314,10 +314,10 @@ impl<'a> Search<'a> {
     }
 
     /// The models of all shapes that matter.
-    fn models(&mut self, place: Place, following: &Following, log_prior: f64) -> Vec<Model> {
+    fn models(&mut self, place: Place, following: &LagAndPlay, log_prior: f64) -> Vec<Model> {
         let Some(products) = self.products(place, following) else { return Vec::new() };
         let noise = self.noise(place);
-        let solve = |shape: &Shape| {
+        let solve = |shape: &PriorSpreads| {
             let of_shape = self.record.log_prior(shape, following)?;
             let solved = self.record.solve_shape(&products, shape)?;
             Some((*shape, solved.log_evidence + of_shape, solved))
@@ -325,7 +325,7 @@ impl<'a> Search<'a> {
         let solved: Vec<_> = self.shapes.iter().filter_map(solve).collect();
         let best = solved.iter().map(|(_, score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
         let relevant = solved.iter().filter(|(_, score, _)| *score > best - NEGLIGIBLE);
-        let model = |(shape, score, solved): &(Shape, f64, Solved)| {
+        let model = |(shape, score, solved): &(PriorSpreads, f64, Solved)| {
             let mut model = self.record.model(solved, (noise, *following, *shape));
             model.log_score = score + log_prior + self.lag.log_factor(following.lag_s);
             model
@@ -339,8 +339,8 @@ impl<'a> Search<'a> {
         for place in
             (B_STEPS.0..=B_STEPS.1).step_by(4).flat_map(|b| (K_STEPS.0..=K_STEPS.1).step_by(2).map(move |k| (b, k)))
         {
-            let Some(products) = self.products(place, &Following::default()) else { continue };
-            let of = |shape: &Shape| self.record.log_evidence_without(&products, shape);
+            let Some(products) = self.products(place, &LagAndPlay::default()) else { continue };
+            let of = |shape: &PriorSpreads| self.record.log_evidence_without(&products, shape);
             best = self.shapes.first().and_then(of).map_or(best, |score| best.max(score));
         }
         best
