@@ -36,9 +36,7 @@ const K: f64 = 1e-4;
 /// Gauss–Markov processes that together approximate flicker: standard deviation, °/s, and correlation times, s.
 const FLICKER_DPS: f64 = 0.0006;
 const FLICKER_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
-const TEMP_NOISE_C: f64 = 0.02;
 const LSB_PER_DPS: f64 = 131.0;
-const LSB_PER_C: f64 = 340.0;
 
 /// A kind of log.
 struct Kind {
@@ -52,6 +50,13 @@ struct Kind {
     cools: bool,
     /// Longest time from switch-on to the start of the log, s, of which each log draws a share.
     begins_s: f64,
+    /// Noise of a reading of the thermometer, and its step, °C.
+    noise_c: f64,
+    step_c: f64,
+    /// Lag of the thermometer behind the sensor, s.
+    late_s: f64,
+    /// Change of the slope of the bias at 25 °C, °/s/°C.
+    kink_dps_per_c: f64,
 }
 
 const AT_ONCE: Kind = Kind {
@@ -62,9 +67,13 @@ const AT_ONCE: Kind = Kind {
     play_c: 0.0,
     cools: false,
     begins_s: 0.0,
+    noise_c: 0.02,
+    step_c: 1.0 / 340.0,
+    late_s: 0.0,
+    kink_dps_per_c: 0.0,
 };
 const DRAWN: Kind = Kind { name: "cubic, lag of 0 to 150 s", lag_s: 150.0, draws_lag: true, ..AT_ONCE };
-const KINDS: [Kind; 7] = [
+const KINDS: [Kind; 11] = [
     AT_ONCE,
     Kind { name: "order 5, no lag", is_hard: true, ..AT_ONCE },
     Kind { name: "cubic, lag of 60 s", lag_s: 60.0, ..AT_ONCE },
@@ -72,6 +81,10 @@ const KINDS: [Kind; 7] = [
     Kind { name: "the same with play of 0 to 2 °C, warming and cooling", play_c: 2.0, cools: true, ..DRAWN },
     Kind { name: "cubic, no lag, begins up to 400 s after switch-on", begins_s: 400.0, ..AT_ONCE },
     Kind { name: "cubic, lag of 0 to 150 s, begins up to 400 s after switch-on", begins_s: 400.0, ..DRAWN },
+    Kind { name: "cubic, no lag, thermometer with noise of 0.5 °C", noise_c: 0.5, ..AT_ONCE },
+    Kind { name: "cubic, no lag, thermometer with steps of 0.5 °C", step_c: 0.5, ..AT_ONCE },
+    Kind { name: "cubic, no lag, thermometer 20 s late", late_s: 20.0, ..AT_ONCE },
+    Kind { name: "cubic with a kink of 0.01 °/s/°C, no lag", kink_dps_per_c: 0.01, ..AT_ONCE },
 ];
 
 /// The rms errors of one axis without the mean error, and the ratios of the errors to the stated uncertainty.
@@ -133,9 +146,12 @@ struct Log {
     terms_dps: [[f64; 6]; AXES],
 }
 
-fn bias_dps(terms: &[f64; 6], temp_c: f64) -> f64 {
-    let d = (temp_c - 25.0) / 20.0;
-    terms.iter().rev().fold(0.0, |sum, term| sum * d + term)
+impl Kind {
+    fn bias_dps(&self, terms: &[f64; 6], temp_c: f64) -> f64 {
+        let d = (temp_c - 25.0) / 20.0;
+        let kink = self.kink_dps_per_c * (temp_c - 25.0).max(0.0);
+        terms.iter().rev().fold(0.0, |sum, term| sum * d + term) + kink
+    }
 }
 
 /// The temperature of the sensor, °C: 45 minutes of warming, then 45 minutes of cooling.
@@ -162,7 +178,8 @@ fn simulated(kind: &Kind, seed: u64) -> Log {
     let lag_s = kind.lag_s * if kind.draws_lag { share() } else { 1.0 };
     let play_c = kind.play_c * share();
     let decay = if lag_s > 0.0 { (-1.0 / RATE_HZ / lag_s).exp() } else { 0.0 };
-    let (mut late_c, mut held_c) = (course_c(0.0), course_c(0.0));
+    let (mut late_c, mut held_c, mut read_c) = (course_c(0.0), course_c(0.0), course_c(0.0));
+    let of_thermometer = if kind.late_s > 0.0 { (-1.0 / RATE_HZ / kind.late_s).exp() } else { 0.0 };
     let (mut walks, mut flickers) = ([0.0; AXES], [[0.0; FLICKER_S.len()]; AXES]);
     flickers.iter_mut().flatten().for_each(|state| *state = normal(FLICKER_DPS));
     let mut log = Log { temps_c: Vec::new(), rates_dps: Default::default(), terms_dps };
@@ -170,7 +187,8 @@ fn simulated(kind: &Kind, seed: u64) -> Log {
         let temp_c = course_c(k as f64 / RATE_HZ);
         late_c = temp_c + (late_c - temp_c) * decay;
         held_c = f64::clamp(held_c, late_c - play_c, late_c + play_c);
-        log.temps_c.push(((temp_c + normal(TEMP_NOISE_C)) * LSB_PER_C).round() / LSB_PER_C);
+        read_c = temp_c + (read_c - temp_c) * of_thermometer;
+        log.temps_c.push(((read_c + normal(kind.noise_c)) / kind.step_c).round() * kind.step_c);
         for axis in 0..AXES {
             walks[axis] += normal(K / RATE_HZ.sqrt());
             for (state, tau_s) in flickers[axis].iter_mut().zip(FLICKER_S) {
@@ -178,7 +196,7 @@ fn simulated(kind: &Kind, seed: u64) -> Log {
                 *state = kept * *state + normal(FLICKER_DPS * (1.0 - kept * kept).sqrt());
             }
             let noise = normal(N * (RATE_HZ / 2.0).sqrt()) + walks[axis] + flickers[axis].iter().sum::<f64>();
-            let rate = bias_dps(&log.terms_dps[axis], held_c) + noise;
+            let rate = kind.bias_dps(&log.terms_dps[axis], held_c) + noise;
             log.rates_dps[axis].push((rate * LSB_PER_DPS).round() / LSB_PER_DPS);
         }
     }
@@ -202,7 +220,7 @@ fn errors(kind: &Kind, seed: u64) -> anyhow::Result<Vec<AxisErrors>> {
     let curves = (0..AXES).map(curve).collect::<Result<Vec<LogCurve>, _>>().map_err(failed)?;
     let elapsed_s = start.elapsed().as_secs_f64() / AXES as f64;
     let of_axis = |(axis, curve): (usize, &LogCurve)| {
-        let truth = |temp_c: f64| bias_dps(&log.terms_dps[axis], temp_c);
+        let truth = |temp_c: f64| kind.bias_dps(&log.terms_dps[axis], temp_c);
         let points = points(&log.temps_c, &log.rates_dps[axis]);
         let error = |order: usize| {
             let terms = polynomial(&points, order)?;

@@ -167,6 +167,10 @@ impl Axes {
             warnings.push(LogWarning::UnitsTaken { path: path.display().to_string() });
         }
         let (mut axes, others) = Self::among(path, columns, options)?;
+        if options.listed().is_none() {
+            let others: Vec<&Column> = others.iter().collect();
+            ask_for_missing(path, &axes, &others, options)?;
+        }
         let mut left_out: Vec<String> = others.iter().map(|column| column.name.clone()).collect();
         let temperatures: Vec<Column> = others.into_iter().filter(is_temperature).collect();
         if axes.is_empty() {
@@ -234,6 +238,45 @@ fn is_temperature(column: &Column) -> bool {
         |word: &str| matches!(word, "t" | "temps" | "temperature" | "temperatures") || word.ends_with("temp");
     let is_named = || name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature");
     column.quantity.map_or_else(is_named, |quantity| quantity == Quantity::Temperature)
+}
+
+/// Asks for the columns of a kind about which the user states something, but of which no column is by its name. Asks
+/// also for the third axis of a sensor with two.
+fn ask_for_missing(
+    path: &Path,
+    axes: &[OfKind],
+    others: &[&Column],
+    options: &ImuOptions,
+) -> zerorate_logs::Result<()> {
+    let may_be = |column: &&&Column| {
+        Kind::is_axis(&column.name, true) && !Kind::is_of_others(&column.name) && !is_temperature(column)
+    };
+    let free: Vec<&&Column> = others.iter().filter(may_be).collect();
+    let path = path.display();
+    for kind in Kind::ALL {
+        let (name, option) = (kind.name(), options.log.names.of(kind.setting()));
+        let own: Vec<&str> =
+            axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column.name.as_str()).collect();
+        let KindOptions { unit, scale, codes, .. } = options.said(kind);
+        let fits = |column: &&&&Column| codes.is_none() || codes::are_whole(column);
+        let names: Vec<&str> = free.iter().filter(fits).map(|column| column.name.as_str()).collect();
+        let triad = triads(&names).first().map(|triad| triad.map(|at| names[at]).join(","));
+        match (&own[..], triad) {
+            ([], Some(triad)) if !axes.is_empty() && (unit.is_some() || scale.is_some() || codes.is_some()) => {
+                let why = format!("{path}: no column is an axis of an {name} by its name, but you state its unit");
+                return Err(LogError::Ask(format!("{why}; if {triad} are its axes, give {option} {triad}")));
+            }
+            ([one, other], _) if !names.is_empty() && are_one_sensor(&own) => {
+                let (found, rest) = (format!("{one},{other}"), names.join(", "));
+                return Err(LogError::Ask(format!(
+                    "{path}: {found} are two axes of an {name}; name its third of {rest} with {option}, or give \
+                     {option} {found}"
+                )));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Joins two questions, so that the user is asked for everything at once.

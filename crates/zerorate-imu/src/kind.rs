@@ -90,6 +90,15 @@ impl Kind {
         !(is_beside || others && is_doubtful())
     }
 
+    /// Whether a name states another quantity than those of an IMU, such as a temperature or a velocity.
+    pub(super) fn is_of_others(name: &str) -> bool {
+        let name = name.to_lowercase();
+        let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
+        let is_compensated = holds(&["tempcomp", "temp_comp", "compressed"]);
+        !is_compensated && holds(&["mag", "temp", "press", "baro", "quat", "orient"])
+            || holds(&["linear"]) && holds(&["vel", "twist"])
+    }
+
     /// The kind that the words of a name state: `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments
     /// `dtheta_x`.
     fn named(name: &str) -> Option<Self> {
@@ -97,31 +106,54 @@ impl Kind {
             return Self::of(quantity);
         }
         let name = name.to_lowercase();
+        // `gyRaw` is the y axis of a gyroscope, and `gyr` would say less
+        let name = name.strip_suffix("raw").map_or(&*name, |bare| bare.trim_end_matches(['_', ' ', '.']));
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         let short = |letters: &str| {
             // without the device in front of it, as in `imu0.gx`
             let parts = name.rsplit_once(['.', '/', '_']).filter(|(device, _)| device.len() > 1);
-            let own = parts.map_or(&*name, |(_, axis)| axis);
+            let own = parts.map_or(name, |(_, axis)| axis);
             let mut rest = own.chars().filter(|c| c.is_alphanumeric());
             let (first, second) = (rest.next(), rest.next());
-            let is_axis = second.is_some_and(|axis| "xyz123".contains(axis)) && rest.next().is_none();
+            let is_axis = second.is_some_and(|axis| "xyz0123".contains(axis)) && rest.next().is_none();
             is_axis && first.is_some_and(|first| letters.contains(first))
         };
         // `gyX` of SparkFun's loggers, `BodyRateX`
         let ends = |words: &[&str]| words.iter().any(|word| name.ends_with(word));
         match () {
-            () if holds(&["mag", "temp", "press", "baro", "quat", "orient"]) => None,
-            () if holds(&["gyr", "angular", "omega", "angvel", "anglvel", "rotationrate", "rotation_rate"])
-                || short("gw")
-                || ends(&["gyx", "gyy", "gyz", "ratex", "ratey", "ratez", "rate_x", "rate_y", "rate_z"]) =>
-            {
-                Some(Self::Gyroscope)
-            }
-            () if holds(&["acc", "linear"]) || short("af") => Some(Self::Accelerometer),
+            () if Self::is_of_others(name) => None,
+            () if holds(&GYROSCOPES) || short("gw") || ends(&RATES) => Some(Self::Gyroscope),
+            () if holds(&ACCELEROMETERS) || short("af") || ends(&["acx", "acy", "acz"]) => Some(Self::Accelerometer),
             () => None,
         }
     }
 }
+
+/// Words in the names of gyroscopes.
+const GYROSCOPES: [&str; 10] =
+    ["gyr", "giro", "angular", "omega", "angvel", "ang_vel", "anglvel", "rotationrate", "rotation_rate", "bodyrate"];
+
+/// Ends of the names of gyroscopes.
+const RATES: [&str; 15] = [
+    "gyx",
+    "gyy",
+    "gyz",
+    "ratex",
+    "ratey",
+    "ratez",
+    "rate_x",
+    "rate_y",
+    "rate_z",
+    "rollrate",
+    "pitchrate",
+    "yawrate",
+    "roll_rate",
+    "pitch_rate",
+    "yaw_rate",
+];
+
+/// Words in the names of accelerometers.
+const ACCELEROMETERS: [&str; 4] = ["acc", "acel", "linear", "specific_force"];
 
 #[cfg(test)]
 mod tests {
@@ -161,6 +193,15 @@ mod tests {
             ("fz", Some(Kind::Accelerometer)),
             ("gyX", Some(Kind::Gyroscope)),
             ("BodyRateX", Some(Kind::Gyroscope)),
+            ("gyRaw", Some(Kind::Gyroscope)),
+            ("ayRaw", Some(Kind::Accelerometer)),
+            ("gx_raw", Some(Kind::Gyroscope)),
+            ("AcX", Some(Kind::Accelerometer)),
+            ("w[0]", Some(Kind::Gyroscope)),
+            ("yaw_rate", Some(Kind::Gyroscope)),
+            ("gyro_x_tempcomp", Some(Kind::Gyroscope)),
+            ("linear_velocity_x", None),
+            ("twist.linear.x", None),
             ("mag_x", None),
             ("temp_acc", None),
             ("axle", None),

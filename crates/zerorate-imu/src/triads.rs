@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use zerorate_logs::Unit;
 
 /// Words that tell the axes apart in names. Letters have precedence over digits.
-const AXES: [[&str; 3]; 7] = [
+const AXES: [[&str; 3]; 11] = [
     ["x", "y", "z"],
     ["X", "Y", "Z"],
     ["0", "1", "2"],
@@ -12,6 +12,10 @@ const AXES: [[&str; 3]; 7] = [
     ["roll", "pitch", "yaw"],
     ["Roll", "Pitch", "Yaw"],
     ["forward", "right", "down"],
+    ["fwd", "right", "down"],
+    ["alpha", "beta", "gamma"],
+    ["Alpha", "Beta", "Gamma"],
+    ["p", "q", "r"],
 ];
 
 /// Groups names into triads, each in the order x, y, z or 0, 1, 2, in the order of their first names.

@@ -28,7 +28,7 @@ impl Quantity {
     /// The quantity that the name of a column states, and the size of the stated unit in the unit of results.
     pub fn of_column(name: &str) -> Option<(Self, f64)> {
         let unit = Unit::of_column(name).map(|unit| (unit.quantity(), unit.in_results()));
-        unit.or_else(|| is_celsius(name).then_some((Self::Temperature, 1.0)))
+        unit.or_else(|| part_of_unit(name)).or_else(|| is_celsius(name).then_some((Self::Temperature, 1.0)))
     }
 }
 
@@ -196,6 +196,14 @@ impl Unit {
             () => None,
         })
     }
+}
+
+/// The quantity and the size of a part of a unit: `gx (0.01 dps)`, `gz [0.1°/s]`. `gx (250 dps)` may be a range.
+fn part_of_unit(name: &str) -> Option<(Quantity, f64)> {
+    let inner = bracketed(name)?;
+    let end = inner.find(|c: char| !c.is_ascii_digit() && c != '.')?;
+    let (factor, unit) = (inner[..end].parse::<f64>().ok()?, inner[end..].parse::<Unit>().ok()?);
+    (0.0 < factor && factor < 1.0).then(|| (unit.quantity(), factor * unit.in_results()))
 }
 
 /// The unit of a rate of change, written as one: `rad/s`, `RadPerSec`, `mps2`.
@@ -449,6 +457,8 @@ mod tests {
         assert_eq!("mg".parse::<Unit>().unwrap().in_results(), 9.806_65e-3);
         assert_eq!("m/s^2".parse::<Unit>().unwrap().quantity(), Quantity::Acceleration);
         assert_eq!(Quantity::of_column("temp_c"), Some((Quantity::Temperature, 1.0)));
+        assert_eq!(Quantity::of_column("gx (0.1°/s)"), Some((Quantity::AngularRate, 0.1)));
+        assert_eq!(Quantity::of_column("gx [250 dps]"), None);
         assert_eq!("deg/h".parse::<Unit>().unwrap().in_results() * 3600.0, 1.0);
         assert_eq!(" Rad/s".parse::<Unit>().unwrap().in_results(), 1f64.to_degrees());
         assert!("furlong".parse::<Unit>().unwrap_err().contains("dps, mdps"));

@@ -8,7 +8,7 @@ use crate::raw_type::RawType;
 use crate::setting::{Names, Setting};
 use std::path::Path;
 use zerorate_input::table::OpenDescribed;
-use zerorate_input::{TimeUnit, Unit};
+use zerorate_input::{Quantity, TimeUnit, Unit};
 
 /// The wanted numbers of a log, and facts that the log does not state itself.
 #[derive(Clone, Debug, Default)]
@@ -86,12 +86,18 @@ impl ColumnOptions {
 
     /// Checks that `unit`, given by `setting`, is the unit that the name of the column states, if it states one.
     pub fn agrees(&self, path: &Path, column: &str, unit: Unit, setting: Setting) -> Result<()> {
-        let Some(stated) = Unit::of_column(column).filter(|stated| *stated != unit && !self.force_unit) else {
+        let differs = |(quantity, size): &(Quantity, f64)| {
+            *quantity != Quantity::Temperature && (*quantity, *size) != (unit.quantity(), unit.in_results())
+        };
+        let Some((quantity, size)) = Quantity::of_column(column).filter(|stated| differs(stated) && !self.force_unit)
+        else {
             return Ok(());
         };
-        let differs = match unit.quantity() == stated.quantity() {
+        let stated =
+            Unit::of_column(column).map_or_else(|| format!("{size} {}", quantity.unit()), |unit| unit.to_string());
+        let differs = match unit.quantity() == quantity {
             true => {
-                let factor = unit.in_results() / stated.in_results();
+                let factor = unit.in_results() / size;
                 format!(", {factor:.*} times as large", (2.0 - factor.log10().floor()).max(0.0) as usize)
             }
             false => String::new(),

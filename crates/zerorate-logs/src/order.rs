@@ -209,6 +209,12 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[RawColumn], interval: f64) -> R
     let is_coarse = shared as f64 > COARSE * rows.len() as f64 && (equal as f64) < 0.9 * shared as f64;
     let fine = if is_coarse { fine_interval(rows) } else { Some(interval) };
     let fine = fine.ok_or("its clock makes fewer than two whole steps, which tell no rate")?;
+    if is_coarse && let Some(times) = even_times(rows, fine) {
+        let wrong: Vec<usize> =
+            rows.windows(2).filter(|pair| pair[0].time == pair[1].time).map(|pair| pair[1].row).collect();
+        rows.iter_mut().zip(times).for_each(|(row, time)| row.time = time);
+        return Ok(said_of(&[], &wrong, true));
+    }
     let mut kept: Vec<TimedRow> = Vec::with_capacity(rows.len());
     let (mut dropped, mut wrong) = (Vec::new(), Vec::new());
     let mut start = 0;
@@ -253,6 +259,33 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
         format!("{} rows repeat a stamp ({why}); they count (the first: row {row})", wrong.len())
     });
     dropped.into_iter().chain(wrong).collect()
+}
+
+/// Largest share of the rows that do not fit an even clock of which a coarse one shows the steps.
+const UNEVEN: f64 = 0.002;
+
+/// Times of rows that are evenly spaced, where a coarse clock agrees: each stamp is the last step of the clock before
+/// the row. `None` if samples are lost, or come unevenly.
+fn even_times(rows: &[TimedRow], fine: f64) -> Option<Vec<f64>> {
+    let step = clock_step(rows);
+    let slack = fine / 2.0;
+    let (mut time, mut misfits) = (rows.first()?.time, 0);
+    let mut even = |(at, row): (usize, &TimedRow)| {
+        let next = if at == 0 { time } else { time + fine };
+        time = next.clamp(row.time - slack, row.time + step + slack);
+        misfits += usize::from(time != next);
+        time
+    };
+    let times: Vec<f64> = rows.iter().enumerate().map(&mut even).collect();
+    (misfits as f64 <= UNEVEN * rows.len() as f64 + 1.0).then_some(times)
+}
+
+/// The usual step of a coarse clock.
+fn clock_step(rows: &[TimedRow]) -> f64 {
+    let steps = rows.windows(2).map(|pair| pair[1].time - pair[0].time).filter(|step| *step > 0.0);
+    let mut steps: Vec<f64> = steps.collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or_default()
 }
 
 /// The interval of the samples under a clock of coarse steps: the total time of the steps of usual length over the
@@ -303,6 +336,17 @@ mod tests {
     fn rows_in_order_stay_unchanged() {
         let (times, values, said) = mended(&even(100)).unwrap();
         assert!(is_even(&times, 100) && values[99] == 49.5 && said.is_empty());
+    }
+
+    /// 100 Hz under the clock of Windows.
+    #[test]
+    fn rows_under_a_clock_of_15_6_ms_are_even() {
+        let rows: Vec<(f64, f64)> = (0..6000)
+            .map(|k| ((0.01 * f64::from(k) / 0.015_625).floor() * 0.015_625, 0.1 * f64::from(k % 7)))
+            .collect();
+        let (times, _, said) = mended(&rows).unwrap();
+        let off = times.windows(2).map(|pair| (pair[1] - pair[0] - 0.01).abs()).fold(0.0, f64::max);
+        assert!(times.len() == 6000 && off < 1e-4, "{off}: {said}");
     }
 
     #[test]

@@ -14,8 +14,13 @@ use zerorate_input::TimeUnit;
 /// Fewest rows that show that a column rises evenly.
 const FEWEST: usize = 10;
 
-/// The years 2000 to 2100 in days of Excel and of MATLAB.
-const DAYS: [std::ops::Range<f64>; 2] = [36_526.0..73_051.0, 730_486.0..767_011.0];
+/// Counts since an epoch in unusual units: the first times of the years 2000 to 2100, counts per second, and words.
+const EPOCHS: [(std::ops::Range<f64>, f64, &str); 4] = [
+    (36_526.0..73_051.0, 1.0 / 86_400.0, "days, as Excel does"),
+    (730_486.0..767_011.0, 1.0 / 86_400.0, "days, as MATLAB does"),
+    (1.25e17..1.6e17, 1e7, "steps of 100 ns, as Windows does"),
+    (6.3e17..6.63e17, 1e7, "steps of 100 ns, as .NET does"),
+];
 
 /// The error for a missing rate. It names the columns that may hold the time: by name among `columns`, and by the
 /// first rows in `sample`.
@@ -36,7 +41,7 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
     let remedy = unread(sample).map(|why| format!("{why}, or give {rate} in Hz"));
     let remedy =
         remedy.or_else(|| clocks(sample).map(|all| format!("give {rate} in Hz, or {time} with one of: {all}")));
-    let remedy = remedy.or_else(|| rising(sample).map(rises)).or_else(|| days(sample, rate));
+    let remedy = remedy.or_else(|| rising(sample).map(rises)).or_else(|| since_epoch(sample, rate));
     let remedy = remedy.or_else(|| steps(sample, rate));
     let remedy = remedy.unwrap_or_else(named);
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
@@ -67,17 +72,13 @@ fn clocks(sample: &[Sampled]) -> Option<String> {
     (all.len() > 1).then(|| all.join(", "))
 }
 
-/// A remedy with the rate that a column of dates in days implies, as Excel and MATLAB count days.
-fn days(sample: &[Sampled], rate: SettingName) -> Option<String> {
-    let dated = |column: &&Sampled| {
-        let first = column.cells.first().and_then(Cell::as_number);
-        first.is_some_and(|first| DAYS.iter().any(|days| days.contains(&first)))
-    };
-    sample.iter().filter(dated).find_map(|column| {
+/// A remedy with the rate of a column that counts since an epoch in an unusual unit.
+fn since_epoch(sample: &[Sampled], rate: SettingName) -> Option<String> {
+    sample.iter().find_map(|column| {
         let times = column.times().filter(|times| times.since_first().is_sorted_by(|one, next| one < next))?;
-        let rate_hz = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz / 86_400.0;
-        let name = &column.name;
-        Some(format!("give {rate} in Hz, which is {rate_hz:.3} if `{name}` counts days, as Excel and MATLAB do"))
+        let (_, per_s, words) = EPOCHS.iter().find(|(first, ..)| first.contains(&times.first()))?;
+        let rate_hz = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz * per_s;
+        Some(format!("give {rate} in Hz, which is {rate_hz:.3} if `{}` counts {words}", column.name))
     })
 }
 
@@ -116,6 +117,9 @@ fn rising(sample: &[Sampled]) -> Option<Rising<'_>> {
 impl<'a> Rising<'a> {
     fn of(column: &'a Sampled) -> Option<Self> {
         let times = column.times().filter(|_| !has_other_unit(&column.name))?;
+        if EPOCHS.iter().any(|(first, per_s, _)| *per_s > 1.0 && first.contains(&times.first())) {
+            return None;
+        }
         let rows = times.since_first();
         let counts_rows = rows.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
         if rows.len() < FEWEST || counts_rows || !rows.is_sorted_by(|one, next| one < next) {

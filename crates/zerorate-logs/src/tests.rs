@@ -433,6 +433,11 @@ fn the_question_for_the_rate_names_days_and_several_clocks() {
     let days = |at: u32| format!("{:.9},0.{}\n", 45_218.5 + f64::from(at) * 0.01 / 86_400.0, at % 7);
     let why = Folder::new().fails((0..300).map(days).collect::<String>(), "--column 1");
     assert!(why.contains("which is 100.0") && why.contains("if `0` counts days, as Excel"), "{why}");
+    // 100 ns since 1601 is neither µs nor ns
+    let text: String =
+        (0..40u64).map(|row| format!("{},{}\n", 133_500_000_000_000_000 + row * 100_000, row % 3)).collect();
+    let why = Folder::new().fails(&text, "--column 1");
+    assert!(why.contains("which is 100.0") && why.contains("counts steps of 100 ns, as Windows"), "{why}");
     let twice = |at: u32| format!("12:00:{0:02}.{1:02},12:00:{0:02}.{1:02},0.{2}\n", at / 100, at % 100, at % 7);
     let why = Folder::new().fails((0..300).map(twice).collect::<String>(), "");
     assert!(why.contains("--time-column with one of: `0`, `1`"), "{why}");

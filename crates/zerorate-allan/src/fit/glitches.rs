@@ -75,7 +75,10 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
         for _ in 0..LOOKS {
             let before = bad.len();
             let found = Windows { values: &values, there: &there, width }.beyond(limit);
-            found.into_iter().for_each(|i| bad.extend(i + width..i + 2 * width));
+            // the first and the last samples are in the middle of no window, and show in the window beside them
+            let begin = |i: usize| if i == 0 { 0 } else { i + width };
+            let end = |i: usize| if i + 3 * width == count { count } else { i + 2 * width };
+            found.into_iter().for_each(|i| bad.extend(begin(i)..end(i)));
             if bad.len() as f64 > MOST * count as f64 {
                 return None;
             }

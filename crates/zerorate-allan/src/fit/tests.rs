@@ -307,6 +307,19 @@ fn white_noise_with_one_gap_is_what_the_bins_expect() {
     }
 }
 
+/// A register that is read before its first conversion, or after its last.
+#[test]
+fn glitches_at_the_ends_are_cut() {
+    let noise = HOUR.noise(60_000, 43);
+    let whole = of(&noise);
+    for (at, size) in [(0, 30.0), (0, -3000.0), (59_999, 30.0), (59_999, 3000.0)] {
+        let mut rate = noise.clone();
+        rate[at] += size;
+        let fit = of(&rate);
+        assert!(fit.cleaned.glitches == 1 && near(fit.n.value, whole.n.value, 2e-3), "{at}: {:?}", fit.cleaned);
+    }
+}
+
 /// Glitches side by side, in one of a thousand samples. Each of them removes only its own sample.
 #[test]
 fn glitches_do_not_hide_each_other() {

@@ -12,7 +12,7 @@ use zerorate_imu::{Axes, ImuOptions, Kind};
 use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Series, Setting, TEMPERATURE_NAMES,
 };
-use zerorate_view::tempcal::{ImuColumns, Sensor, Sensors, number_of_imu, possible_c, topic_of, values};
+use zerorate_view::tempcal::{ImuColumns, Sensor, Sensors, foreign_unit, number_of_imu, possible_c, topic_of, values};
 
 /// Reads all sensors of all logs. Also returns the warnings about the logs.
 pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
@@ -207,6 +207,12 @@ const TEMP_CODE: &str = "temp_code";
 
 /// Checks that the numbers can be temperatures in °C. If a few cannot, they count as missing.
 fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<Column> {
+    let option = options.axes.log.names.of(Setting::TempColumn);
+    if let Some(unit) = foreign_unit(&column.name) {
+        let (path, name) = (log.display(), &column.name);
+        let why = format!("{path}: the temperature {name} is in {unit}, and must be in °C");
+        return Err(LogError::Ask(format!("{why}. Convert it, or name another column with {option}")).into());
+    }
     let (low, high) = match possible_c(values(column.clone(), log)?) {
         Ok(values) => {
             column.replace(Series::Numbers(values));
@@ -215,7 +221,6 @@ fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<C
         }
         Err(ends) => ends,
     };
-    let option = options.axes.log.names.of(Setting::TempColumn);
     if column.name == TEMP_CODE {
         let what = "this is a capture of one sensor; `zerorate recalibrate --method warmup` finds its bias";
         return Err(LogError::Ask(format!("{}: {what}", log.display())).into());

@@ -9,8 +9,9 @@ use zerorate_input::{Quantity, TimeUnit};
 const LINES: usize = 1000;
 const FEWEST: usize = 3;
 
-/// The arrow of the Arduino's monitor behind the time of a line, and the byte in front of which it begins.
-const ARROW: &str = " -> ";
+/// What serial monitors write behind the time of a line: Arduino, PlatformIO, and Tera Term, whose time is in brackets.
+const ARROWS: [&str; 3] = [" -> ", " > ", "] "];
+/// The byte in front of which an arrow, or a word in front of the values, begins.
 const ARROW_START: usize = 40;
 
 /// The marks in most lines of a text.
@@ -20,6 +21,8 @@ pub struct Marks {
     arrow: Option<Delimiter>,
     /// The labels of the values, in order, and the delimiter behind values: `gx:0.5,gy:0.25` or `gx=0.5 gy=0.25`.
     labels: Option<(Delimiter, Vec<String>)>,
+    /// A word in front of all values of a row: `Raw:` in `Raw:1,2,3`.
+    word: Option<String>,
     /// Whether rows stand in brackets: `(0.5, 0.25)`.
     brackets: bool,
 }
@@ -39,8 +42,10 @@ impl Marks {
             Some((delimiter, labels.iter().map(|label| label.name(rest)).collect()))
         }));
         let labels = labels.filter(|(_, count)| are_most(*count)).map(|(labels, _)| labels);
+        let word = most(rests.iter().filter_map(|rest| word(rest).map(str::to_owned)));
+        let word = word.filter(|(_, count)| labels.is_none() && are_most(*count)).map(|(word, _)| word);
         let brackets = are_most(lines.iter().filter(|line| are_in_brackets(line)).count());
-        Self { arrow: arrow.filter(|_| has_arrow), labels, brackets }
+        Self { arrow: arrow.filter(|_| has_arrow), labels, word, brackets }
     }
 
     /// The names of the cells according to the labels; `None` without labels.
@@ -56,7 +61,7 @@ impl Marks {
 
     /// Whether the text has any marks.
     pub fn are_there(&self) -> bool {
-        self.arrow.is_some() || self.labels.is_some() || self.brackets
+        self.arrow.is_some() || self.labels.is_some() || self.word.is_some() || self.brackets
     }
 
     /// Replaces the marks in whole lines by blanks. A line with other labels stays as it is, and is a broken line.
@@ -93,7 +98,13 @@ impl Marks {
                 *last = b' ';
             }
         }
+        if let Some(word) = self.word.as_ref().filter(|word| line[start..].starts_with(word.as_bytes())) {
+            line[start..start + word.len()].fill(b' ');
+        }
         if let Some((delimiter, arrow)) = found {
+            if line[0] == b'[' {
+                line[0] = b' ';
+            }
             line[arrow.clone()].fill(b' ');
             line[arrow.start] = delimiter.byte().unwrap_or(b' ');
         }
@@ -118,9 +129,20 @@ const CLOCK: &str = "clock";
 
 /// The place of the arrow behind a time of day.
 fn arrow(line: &str) -> Option<Range<usize>> {
-    let start = line.find(ARROW).filter(|start| *start < ARROW_START)?;
-    super::dates::nanoseconds(&line[..start], None)?;
-    Some(start..start + ARROW.len())
+    let of = |arrow: &&str| {
+        let start = line.find(arrow).filter(|start| *start < ARROW_START)?;
+        let time = if *arrow == "] " { line[..start].strip_prefix('[')? } else { &line[..start] };
+        super::dates::nanoseconds(time, None)?;
+        Some(start..start + arrow.len())
+    };
+    ARROWS.iter().find_map(of)
+}
+
+/// The word in front of all values of a row, with its colon.
+fn word(line: &str) -> Option<&str> {
+    let end = line.find(':').filter(|end| *end < ARROW_START)? + 1;
+    let is_word = line.starts_with(char::is_alphabetic) && !line[..end].contains([',', ';', '\t', '=']);
+    (is_word && is_value(line[end..].trim_start())).then(|| &line[..end])
 }
 
 /// The place of a label, and that of the unit behind its value, which may be empty.
@@ -209,6 +231,11 @@ mod tests {
             ("gx(°/s): 0.5\tgy(°/s): -.25", "gx(°/s) gy(°/s)", "0.5|-.25"),
             ("gx = 0.5; gy = -.25;", "gx gy", "0.5|-.25"),
             ("(0.5, -.25)", "", "0.5|-.25"),
+            ("15:23:45.000 > 0.5,-0.25", "", "15:23:45.000|0.5|-0.25"),
+            ("[15:23:45.000] 0.5,-0.25", "", "15:23:45.000|0.5|-0.25"),
+            ("[2024-01-01 12:00:00.010] 0.5,-0.25", "", "2024-01-01 12:00:00.010|0.5|-0.25"),
+            ("Raw:1,2,-3", "", "1|2|-3"),
+            ("Gyro(dps): 0.5, 2", "", "0.5|2"),
             ("at: 15:23:45, gx: 1", "at gx", "15:23:45|1"),
         ] {
             let names = Some(names).filter(|names| !names.is_empty());

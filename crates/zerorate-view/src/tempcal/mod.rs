@@ -11,7 +11,9 @@ pub use autopilot::{ardupilot, px4};
 pub use files::{UnitNames, calibration, csv};
 pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
-pub use sensor::{FittedAxis, ImuColumns, Sensor, Sensors, number_of_imu, possible_c, span_c, topic_of, values};
+pub use sensor::{
+    FittedAxis, ImuColumns, Sensor, Sensors, foreign_unit, number_of_imu, possible_c, span_c, topic_of, values,
+};
 use serde::Serialize;
 pub use words::{refusal_text, table, warnings_of_axes};
 use zerorate::temperature::curve::{CurveRefusal, LogCurve, LogMeans};
@@ -180,7 +182,7 @@ impl AxisCurve {
             u_slope_per_c: curve.u_slope_at(reference_c),
             curve: curve.even_temps_c(POINTS).into_iter().map(point).collect(),
             cubic: CubicReport { about_c: reference_c, terms: cubic.terms, left: cubic.left },
-            lag_s: curve.following.lag_s,
+            lag_s: curve.lag_s(),
             play_c: curve.following.play_c,
             u_if_on_before: curve.u_if_on_before,
             hysteresis: curve.hysteresis,

@@ -153,6 +153,18 @@ pub fn possible_c(mut temps_c: Vec<f64>) -> std::result::Result<Vec<f64>, (f64, 
     Ok(temps_c)
 }
 
+/// The unit that the name of a temperature states, if it is not °C: `temp_F`, `T [K]`.
+#[must_use]
+pub fn foreign_unit(name: &str) -> Option<&'static str> {
+    let name = name.to_lowercase();
+    let last = name.split(|c: char| !c.is_alphanumeric()).rfind(|word| !word.is_empty()).unwrap_or_default();
+    match () {
+        () if name.contains("fahrenheit") || name.contains("°f") || ["f", "degf"].contains(&last) => Some("°F"),
+        () if name.contains("kelvin") || last == "k" => Some("K"),
+        () => None,
+    }
+}
+
 /// Lowest and highest of the finite temperatures; `None` if there are none.
 #[must_use]
 pub fn span_c(temps_c: &[f64]) -> Option<(f64, f64)> {
@@ -296,5 +308,16 @@ mod tests {
         let off = means.blocks().iter().map(|block| (block.temp_c - block.start_s - block.length_s / 2.0 - 5.0).abs());
         let most = off.fold(0.0, f64::max);
         assert!(most < 0.15, "{most}");
+    }
+
+    #[test]
+    fn a_name_states_another_unit_than_celsius() {
+        for name in ["temp_F", "temp [°F]", "temp_degF", "imu_temp_fahrenheit", "T(F)"] {
+            assert_eq!(foreign_unit(name), Some("°F"), "{name}");
+        }
+        assert_eq!(foreign_unit("temp [K]"), Some("K"));
+        for name in ["temp", "temp_c", "temperature", "T", "temp_degC", "imu.temp_front"] {
+            assert_eq!(foreign_unit(name), None, "{name}");
+        }
     }
 }

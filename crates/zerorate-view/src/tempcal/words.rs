@@ -67,7 +67,11 @@ fn row(text: &mut String, axis: &AxisCurve) {
         Kind::Accelerometer => String::new(),
     };
     let (before, after) = (number(axis.before), number(axis.after));
-    let lag = if axis.lag_s < LEAST_LAG_S { "no lag".to_owned() } else { format!("lag {:.0} s", axis.lag_s) };
+    let lag = match axis.lag_s {
+        lag_s if lag_s.abs() < LEAST_LAG_S => "no lag".to_owned(),
+        lag_s if lag_s < 0.0 => format!("the thermometer lags {:.0} s", -lag_s),
+        lag_s => format!("lag {lag_s:.0} s"),
+    };
     let on = axis
         .u_if_on_before
         .map_or_else(String::new, |u| format!("; bias ±{} {unit} if it was on before the log", half(u)));

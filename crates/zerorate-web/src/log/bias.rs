@@ -9,7 +9,8 @@ use zerorate_input::Input;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 use zerorate_view::tempcal::{
     AxisCurve, FittedAxis, ImuColumns, Points, Sensor, Sensors, TempcalPage, UnitNames, ardupilot, calibration, csv,
-    over_temperature, possible_c, px4, refusal_text, span_c, table, tempcal_page, topic_of, values, warnings_of_axes,
+    foreign_unit, over_temperature, possible_c, px4, refusal_text, span_c, table, tempcal_page, topic_of, values,
+    warnings_of_axes,
 };
 
 /// The name of the part in a calibration, since the page does not ask for it.
@@ -35,6 +36,10 @@ impl Bias {
         temperature: &Column,
         options: &ColumnOptions,
     ) -> zerorate_logs::Result<Option<Self>> {
+        if let Some(unit) = foreign_unit(&temperature.name) {
+            let why = format!("{} is in {unit}, and a curve takes °C; convert it", temperature.name);
+            return Ok(Some(Self::Elsewhere(why)));
+        }
         let (temps_hz, temps_start_s) = (temperature.rate_hz, temperature.start_s);
         let Ok(temps_c) = possible_c(values(temperature.clone(), path)?) else { return Ok(None) };
         if span_c(&temps_c).is_none_or(|(low_c, high_c)| high_c - low_c < LEAST_SPAN_C) {

@@ -78,7 +78,7 @@ fn axis(name: &str, curve: &LogCurve, warnings: &[String], t3_c: f64) -> Calibra
             order: cubic.terms.len() - 1,
             order_weights: [0.0, 0.0, 0.0, 1.0],
             covariance: cubic.covariance,
-            lag_s: curve.following.lag_s,
+            lag_s: curve.lag_s().max(0.0),
             play_c: curve.following.play_c,
             steps: curve.steps.iter().map(|step| [step.at_s, step.size]).collect(),
             sources: None,

@@ -76,8 +76,9 @@ fn strongest(record: &Record, model: &Model) -> Option<Disturbance> {
             let shapes: Vec<Vec<f64>> = some.iter().flat_map(|at| shapes(*at, left.len())).collect();
             let gains: Vec<f64> = filter.whiten_all(&shapes).iter().map(gain).collect();
             for (at, pair) in some.iter().zip(gains.chunks_exact(2)) {
-                // a step at the very beginning is the level
-                let is_inner = *at >= NEAR_END && at + NEAR_END < left.len();
+                // a step at the very beginning is the level, and codes without noise step by themselves
+                let is_rounded = record.logs[log].rounding() > 0.0;
+                let is_inner = *at >= NEAR_END && at + NEAR_END < left.len() && !is_rounded;
                 let (glitch, step) = (pair[0], if is_inner { pair[1] } else { 0.0 });
                 let found = Disturbance { gain: step.max(glitch), log, at: *at, is_step: step > glitch };
                 if found.gain > best.map_or(GAIN, |best| best.gain) {

@@ -1,5 +1,6 @@
 //! One model of the logs: its coefficients, and how well it explains the means.
 
+use super::means::slope_per_c;
 use super::series::Series;
 use super::{COEFFICIENTS, CurveStep, LogMeans, has_two_directions};
 use crate::temperature::filter::Filter;
@@ -26,6 +27,11 @@ pub(super) struct Record {
     was_on: bool,
     /// Logarithm of the prior probability of `was_on`.
     log_start: f64,
+    /// Whether no lag is tried, because the best one would be longer than any that boards have.
+    pub(super) without_lag: bool,
+    /// Share of the temperature span in which the direction of the temperature turns the bias from one branch to the
+    /// other.
+    pub(super) turns: f64,
 }
 
 /// The log of a step, and the time in it at which the level changes, s.
@@ -90,7 +96,7 @@ const SHRINKS: [f64; 2] = [0.15, 0.35];
 /// Offsets by the direction of the temperature that are tried, as ratios of the scale.
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
 /// Offsets of the logs that are tried, as ratios of the scale.
-const STARTS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
+const STARTS: [f64; 9] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1, 0.3, 1.0];
 /// Prior probability that a sensor that lags begins out of balance.
 const UNSETTLED: f64 = 0.02;
 /// Prior probability that the sensor was on before the log began, if nothing says so.
@@ -103,8 +109,8 @@ const USUAL_LAG_S: f64 = 80.0;
 const BEHIND: f64 = 0.3;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
-/// Share of the temperature span over which an offset by direction changes sign after a turn of the temperature.
-const TURNS: f64 = 0.05;
+/// Shares of the span within which the direction of the temperature may turn the bias, the usual one first.
+pub(super) const TURNS: [f64; 5] = [0.05, 0.02, 0.1, 0.2, 0.3];
 /// Least white noise of a mean, as a ratio of the scale.
 const LEAST_WHITE: f64 = 1e-6;
 
@@ -128,6 +134,8 @@ impl Record {
             slope_per_c,
             was_on: false,
             log_start: 0.0,
+            without_lag: false,
+            turns: TURNS[0],
         }
     }
 
@@ -155,6 +163,11 @@ impl Record {
         let mut logs = self.logs.clone();
         logs[index].keep(is_kept);
         Self { logs, steps: self.steps.clone(), ..*self }
+    }
+
+    /// The same record with another width of the turn between both directions.
+    pub(super) fn turning_within(&self, turns: f64) -> Self {
+        Self { logs: self.logs.clone(), steps: self.steps.clone(), turns, ..*self }
     }
 
     /// One-sided density of the white noise: the mean over the logs.
@@ -189,7 +202,7 @@ impl Record {
     pub(super) fn columns(&self, index: usize, following: &LagAndPlay) -> Columns {
         let log = &self.logs[index];
         let (low_c, high_c) = self.series.span_c();
-        let (followed_c, places) = log.followed(following, self.was_on, TURNS * (high_c - low_c));
+        let (followed_c, places) = log.followed(following, self.was_on, self.turns * (high_c - low_c));
         let means = log.blocks().iter().map(|block| block.rate_dps - self.centre).collect();
         let values: Vec<[f64; COEFFICIENTS]> = followed_c.iter().map(|temp_c| self.series.followed(*temp_c)).collect();
         let of_order = |k: usize| values.iter().map(|values| values[k]).collect();
@@ -369,16 +382,6 @@ impl Record {
         let ends = self.logs.last().and_then(|log| log.at_end(following, self.was_on));
         ends.map_or(0.0, |(last_c, late_c)| bias(last_c) - bias(late_c))
     }
-}
-
-/// Slope of a line through means.
-fn slope_per_c<'a>(blocks: impl Iterator<Item = &'a Block> + Clone) -> f64 {
-    let count = blocks.clone().count().max(1) as f64;
-    let mean = |of: fn(&Block) -> f64| blocks.clone().map(of).sum::<f64>() / count;
-    let (temp_c, value) = (mean(|block| block.temp_c), mean(|block| block.rate_dps));
-    let products = blocks.map(|block| (block.temp_c - temp_c, block.rate_dps - value));
-    let (square, product) = products.fold((0.0, 0.0), |(square, product), (t, v)| (square + t * t, product + t * v));
-    if square > 0.0 { product / square } else { 0.0 }
 }
 
 /// Least pivot of the information matrix.

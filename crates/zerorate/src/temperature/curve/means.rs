@@ -1,8 +1,8 @@
 //! Means over short blocks of a log, from its samples one by one.
 
-use super::thermometer::{Thermometer, line, smooth};
-use crate::temperature::Block;
+use super::thermometer::{Thermometer, line, smooth, without_failures};
 use crate::temperature::follow::LagAndPlay;
+use crate::temperature::{Block, gls};
 use alloc::vec::Vec;
 
 /// Number of parts of a block, which show the temperature within it and the white noise.
@@ -153,6 +153,7 @@ impl MeansBuilder {
         let length_s = PARTS as f64 * part_s;
         let last_c: Vec<f64> = self.parts.iter().map(|part| part.last_c.unwrap_or(f64::NAN)).collect();
         let means_c: Vec<f64> = self.parts.iter().map(|part| part.temp_c.unwrap_or(f64::NAN)).collect();
+        let (last_c, means_c) = (without_failures(last_c), without_failures(means_c));
         let (parts_c, thermometer) = smooth(&last_c, &means_c, part_s);
         let whole: Vec<(usize, &[Part])> = self.parts.chunks_exact(PARTS).enumerate().collect();
         let least = LEAST_SAMPLES * (PARTS * self.per_part) as f64;
@@ -252,6 +253,32 @@ fn spans(blocks: impl Iterator<Item = usize>, length_s: f64) -> Vec<(f64, f64)> 
     spans
 }
 
+/// Slope of a line through means.
+pub(super) fn slope_per_c<'a>(blocks: impl Iterator<Item = &'a Block> + Clone) -> f64 {
+    let count = blocks.clone().count().max(1) as f64;
+    let mean = |of: fn(&Block) -> f64| blocks.clone().map(of).sum::<f64>() / count;
+    let (temp_c, value) = (mean(|block| block.temp_c), mean(|block| block.rate_dps));
+    let products = blocks.map(|block| (block.temp_c - temp_c, block.rate_dps - value));
+    let (square, product) = products.fold((0.0, 0.0), |(square, product), (t, v)| (square + t * t, product + t * v));
+    if square > 0.0 { product / square } else { 0.0 }
+}
+
+/// Value and slope of a parabola through `reach` values to either side of each value, and at the ends through as many.
+fn local_parabolas(values: &[f64], reach: usize) -> Vec<[f64; 2]> {
+    let width = (2 * reach + 1).min(values.len());
+    let smoothed = |at: usize| {
+        let from = at.saturating_sub(reach).min(values.len() - width);
+        let powers = |k: usize| (0..width).map(|j| libm::pow((from + j) as f64 - at as f64, k as f64)).collect();
+        let columns: Vec<Vec<f64>> = (0..PARABOLA).map(powers).collect();
+        let fit = gls::Fit::new(&columns, &values[from..from + width]);
+        fit.map_or([values[at], 0.0], |fit| [fit.coefficients[0], fit.coefficients[1]])
+    };
+    (0..values.len()).map(smoothed).collect()
+}
+
+/// Number of coefficients of a parabola.
+const PARABOLA: usize = 3;
+
 /// Returns the temperatures with gaps filled by linear interpolation.
 fn filled(mut temps_c: Vec<f64>) -> Vec<f64> {
     let known: Vec<usize> = (0..temps_c.len()).filter(|k| !temps_c[*k].is_nan()).collect();
@@ -298,6 +325,43 @@ impl LogMeans {
     /// Density of the white noise, including the noise of the temperature for this slope of the bias.
     pub(super) fn white(&self, slope_per_c: f64) -> f64 {
         libm::hypot(self.white, slope_per_c * self.temps_white)
+    }
+
+    /// The same means with the temperature smoothed by a local parabola over `reach` blocks to either side, and of a
+    /// thermometer that lags the sensor by `late_s`. A lag averages the noise of a thermometer, so that one would be
+    /// found where there is none.
+    #[must_use]
+    pub(super) fn smoothed(&self, reach: usize, late_s: f64) -> Self {
+        let parabolas = local_parabolas(&self.block_temps_c(), reach);
+        let temps_c: Vec<f64> =
+            parabolas.into_iter().map(|[temp_c, per_block]| temp_c + per_block / self.length_s * late_s).collect();
+        let thermometer =
+            Thermometer { smoothed_s: (2 * reach + 1) as f64 * self.length_s, late_s, ..self.thermometer };
+        let last = temps_c.len() - 1;
+        let at = |part: usize| {
+            let place = (part as f64 + 0.5) / PARTS as f64 - 0.5;
+            let from = (libm::floor(place.max(0.0)) as usize).min(last.saturating_sub(1));
+            let to = (from + 1).min(last);
+            temps_c[from] + (temps_c[to] - temps_c[from]) * (place - from as f64)
+        };
+        let parts_c: Vec<f64> = (0..self.parts_c.len()).map(at).collect();
+        let mut blocks = self.blocks.clone();
+        blocks.iter_mut().zip(&self.indices).for_each(|(block, k)| block.temp_c = temps_c[*k]);
+        Self { blocks, parts_c, temps_white: 0.0, thermometer, ..self.clone() }
+    }
+
+    /// Mean temperature of each block, without gaps, °C.
+    fn block_temps_c(&self) -> Vec<f64> {
+        self.parts_c.chunks(PARTS).map(|parts_c| parts_c.iter().sum::<f64>() / parts_c.len() as f64).collect()
+    }
+
+    /// Ratio of the noise that the thermometer brings into a mean to the white noise of the mean.
+    pub(super) fn noise_by_temperature(&self) -> f64 {
+        let temps_c = self.block_temps_c();
+        let squares = temps_c.windows(3).map(|three| three[0] - 2.0 * three[1] + three[2]).map(|d| d * d);
+        let noise_c = libm::sqrt(squares.sum::<f64>() / 6.0 / temps_c.len().max(1) as f64);
+        let of_mean = self.white / libm::sqrt(2.0 * self.length_s);
+        (slope_per_c(self.blocks.iter()) * noise_c).abs() / of_mean.max(f64::MIN_POSITIVE)
     }
 
     /// Standard uncertainty by rounding to codes.

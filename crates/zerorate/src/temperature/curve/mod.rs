@@ -8,6 +8,7 @@
 //! all of them (`search.rs`). Half of the prior probability is on a bias without lag. Steps and outliers are found
 //! in the whitened record and removed (`disturbances.rs`).
 
+mod conditions;
 mod disturbances;
 mod evidence;
 mod lag;
@@ -50,6 +51,10 @@ pub struct LogCurve {
     covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
     /// The lag and the play of the bias behind the thermometer, as the mean over all models.
     pub following: LagAndPlay,
+    /// Lag of the thermometer behind the sensor, s, which is taken out of its readings.
+    pub thermometer_late_s: f64,
+    /// The longest lag that was tried, s, if a lag near it would fit best; no lag was taken then.
+    pub long_lag_s: Option<f64>,
     /// Posterior probability that the bias lags.
     pub late_probability: f64,
     /// Whether the sensor was probably on before the logs began, for logs that do not say.
@@ -154,6 +159,12 @@ impl LogCurve {
         libm::sqrt(variance + hysteresis * hysteresis / 3.0 + 2.0 * self.rounding * self.rounding)
     }
 
+    /// Lag of the bias behind the readings of the thermometer, s; negative if the thermometer lags.
+    #[must_use]
+    pub fn lag_s(&self) -> f64 {
+        self.following.lag_s - self.thermometer_late_s
+    }
+
     /// Slope of the bias at a temperature, per °C.
     #[must_use]
     pub fn slope_at(&self, temp_c: f64) -> f64 {
@@ -233,10 +244,7 @@ impl AxisRecord {
         if blocks < FEWEST {
             return Err(ThermalError::TooFew { blocks, needed: FEWEST });
         }
-        let likelier = |one: &(Record, Model), other: &(Record, Model)| one.1.log_score.total_cmp(&other.1.log_score);
-        let starts = Record::new(logs).starts().into_iter();
-        let each = starts.filter_map(|record| search::best(&record).map(|best| (record, best)));
-        let (mut record, first) = each.max_by(likelier).ok_or(ThermalError::Degenerate)?;
+        let (mut record, first) = conditions::best(&logs).ok_or(ThermalError::Degenerate)?;
         let (glitches, best) = disturbances::take_out(&mut record, first);
         let lag = search::lag_likelihood(&record, &best);
         Ok(Self { record, glitches, lag })
@@ -321,6 +329,8 @@ fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, spa
         coefficients,
         covariance,
         following,
+        long_lag_s: record.without_lag.then(|| search::longest_lag_s(&record.logs)),
+        thermometer_late_s: record.logs.first().map_or(0.0, |log| log.thermometer().late_s),
         late_probability: mean(&|model| f64::from(u8::from(model.following.lag_s > 0.0))),
         hysteresis: None,
         spread_of_starts: (record.logs.len() > 1).then(|| mean(&|model| model.spread_of_starts)),

@@ -70,6 +70,13 @@ pub(super) fn best(record: &Record) -> Option<Model> {
     models.into_iter().max_by(|one, other| one.log_score.total_cmp(&other.log_score))
 }
 
+/// Returns the logarithm of the evidence of a record under the noise of a model, with its lag and play or without.
+pub(super) fn log_evidence_like(record: &Record, model: &Model) -> f64 {
+    let mut search = Search::new(record, &[]);
+    let place = search.place(&model.noise);
+    search.score(place, &model.following).max(search.score(place, &LagAndPlay::default()))
+}
+
 /// Returns the likelihood of the lag under the noise and the play of the best model.
 pub(super) fn lag_likelihood(record: &Record, best: &Model) -> LagLikelihood {
     let mut search = Search::new(record, &[]);
@@ -135,8 +142,13 @@ fn spread((least, most): (f64, f64)) -> Vec<f64> {
 
 /// The shortest and the longest lag.
 fn lag_ends_s(record: &Record) -> (f64, f64) {
-    let length_s = record.logs.iter().map(LogMeans::length_of_log_s).fold(0.0, f64::max);
-    (SHORTEST_LAG_S, (length_s * LONGEST_LAG.1).clamp(2.0 * SHORTEST_LAG_S, LONGEST_LAG.0))
+    (SHORTEST_LAG_S, longest_lag_s(&record.logs))
+}
+
+/// The longest lag that is tried, s.
+pub(super) fn longest_lag_s(logs: &[LogMeans]) -> f64 {
+    let length_s = logs.iter().map(LogMeans::length_of_log_s).fold(0.0, f64::max);
+    (length_s * LONGEST_LAG.1).clamp(2.0 * SHORTEST_LAG_S, LONGEST_LAG.0)
 }
 
 fn values(scored: Vec<(f64, f64)>) -> Vec<f64> {
@@ -175,7 +187,8 @@ impl<'a> Search<'a> {
     /// Returns the lags and plays with which the search begins.
     fn coarse(&self) -> (Vec<f64>, Vec<f64>) {
         let plays = if self.record.two_directions { spread(self.ends_c()) } else { vec![0.0] };
-        (spread(lag_ends_s(self.record)), plays)
+        let lags = if self.record.without_lag { vec![0.0] } else { spread(lag_ends_s(self.record)) };
+        (lags, plays)
     }
 
     /// Refines lags and plays, and finds the noises that matter.

@@ -146,6 +146,67 @@ fn the_other_axes_tell_the_lag_of_a_flat_axis() {
     assert!((alone.following.lag_s - 60.0).abs() > 15.0, "{:?}", alone.following);
 }
 
+/// The mean lag, the largest error, and its largest ratio to the uncertainty, with another thermometer.
+fn with_thermometer(of: &Simulated, thermometer: impl Fn(usize, f64, &mut Normal) -> f64) -> (LogCurve, f64, f64) {
+    let mut random = Normal(77);
+    let mut samples = of.samples();
+    samples.iter_mut().enumerate().for_each(|(k, (_, temp_c))| *temp_c = thermometer(k, *temp_c, &mut random));
+    let found = curve(vec![means(&samples)]);
+    let (most, ratio) = error(&found, |c| of.bias(c));
+    (found, most, ratio)
+}
+
+/// A lag averages the noise of the thermometer, and was found where there is none: the curve was off by 0.03 °/s.
+#[test]
+fn noise_of_the_thermometer_is_not_a_lag() {
+    let (found, most, ratio) = with_thermometer(&WARMING, |_, temp_c, random| temp_c + 0.5 * random.next());
+    assert!(found.lag_s() < 3.0 && most < 0.005 && ratio < 4.0, "{} {most} {ratio}", found.lag_s());
+}
+
+#[test]
+fn failed_readings_of_the_temperature_are_left_out() {
+    let failing = |k: usize, temp_c: f64, _: &mut Normal| if k % 900 < 12 { 0.0 } else { temp_c };
+    let (found, most, ratio) = with_thermometer(&WARMING, failing);
+    assert!(found.lag_s() < 3.0 && most < 0.002 && ratio < 3.5, "{} {most} {ratio}", found.lag_s());
+}
+
+#[test]
+fn a_thermometer_that_lags_the_sensor_is_found() {
+    let late_c = std::cell::Cell::new(f64::NAN);
+    let late = |_: usize, temp_c: f64, _: &mut Normal| {
+        let before_c = if late_c.get().is_nan() { temp_c } else { late_c.get() };
+        late_c.set(temp_c + (before_c - temp_c) * libm::exp(-1.0 / RATE_HZ / 20.0));
+        late_c.get()
+    };
+    let (found, most, ratio) = with_thermometer(&WARMING, late);
+    assert!((found.lag_s() + 20.0).abs() < 5.0 && most < 0.004 && ratio < 4.0, "{} {most} {ratio}", found.lag_s());
+}
+
+/// A kink that no series of order 6 holds looks like a lag of a sixth of the log. Such a lag was off by 0.4 °/s.
+#[test]
+fn a_lag_at_the_longest_that_is_tried_is_not_taken() {
+    let mut samples = WARMING.samples();
+    samples.iter_mut().for_each(|(rate, temp_c)| *rate += 0.02 * (*temp_c - 25.0).abs());
+    let found = curve(vec![means(&samples)]);
+    let (most, _) = error(&found, |c| WARMING.bias(c) + 0.02 * (c - 25.0).abs());
+    assert!(found.long_lag_s.is_none_or(|_| found.lag_s() == 0.0) && most < 0.05, "{:?} {most}", found.following);
+}
+
+/// An offset by direction that turns within a fifth of the span.
+#[test]
+fn a_slow_turn_of_the_direction_is_found() {
+    let both = Simulated { cools: true, ..WARMING };
+    let mut samples = both.samples();
+    let mut turned_c: f64 = 5.0;
+    samples.iter_mut().for_each(|(rate, temp_c)| {
+        turned_c = turned_c.clamp(*temp_c - 8.0, *temp_c + 8.0);
+        *rate += 0.02 * (*temp_c - turned_c) / 8.0;
+    });
+    let found = curve(vec![means(&samples)]);
+    let hysteresis = found.hysteresis.unwrap_or(0.0);
+    assert!((hysteresis - 0.02).abs() < 0.004, "{hysteresis}");
+}
+
 #[test]
 fn both_directions_show_a_hysteresis() {
     let with_play = Simulated { cools: true, play_c: 1.0, ..WARMING };

@@ -10,6 +10,10 @@ pub struct Thermometer {
     pub coarse_step_c: Option<f64>,
     /// Total time in which the thermometer stuck, s.
     pub stuck_s: f64,
+    /// Time over which the readings were smoothed, s, because they are noisy; 0 if they were not.
+    pub smoothed_s: f64,
+    /// Lag of the thermometer behind the sensor, s.
+    pub late_s: f64,
 }
 
 /// A run of equal readings.
@@ -44,6 +48,22 @@ const GAP: (f64, f64) = (60.0, 4.0);
 /// Largest relative difference of run lengths if the thermometer is read at fixed times.
 const EVEN: f64 = 0.15;
 
+/// Number of readings to either side that tell a failed reading.
+const BESIDE: usize = 10;
+/// Distance from the median of the readings beside it from which a reading has failed, °C.
+const FAILED_C: f64 = 2.0;
+
+/// Returns the readings with NaN in place of those that are far from the readings beside them, such as 0 °C where the
+/// transfer failed.
+pub(super) fn without_failures(readings_c: Vec<f64>) -> Vec<f64> {
+    let has_failed = |at: usize| {
+        let beside = &readings_c[at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(readings_c.len())];
+        let there: Vec<f64> = beside.iter().copied().filter(|temp_c| !temp_c.is_nan()).collect();
+        (readings_c[at] - median(there)).abs() > FAILED_C
+    };
+    (0..readings_c.len()).map(|at| if has_failed(at) { f64::NAN } else { readings_c[at] }).collect()
+}
+
 /// Returns the temperatures of parts without the steps of a coarse thermometer, NaN where they are not known.
 /// `last_c` are the last readings of the parts, and `means_c` their means.
 pub(super) fn smooth(last_c: &[f64], means_c: &[f64], step_s: f64) -> (Vec<f64>, Thermometer) {
@@ -64,7 +84,7 @@ pub(super) fn smooth(last_c: &[f64], means_c: &[f64], step_s: f64) -> (Vec<f64>,
     stuck.iter().for_each(|run| smoothed[run.start..run.end].fill(f64::NAN));
     let coarse_step_c = (is_coarse && !is_held).then(|| least_step_c(&runs));
     let stuck_s = stuck.iter().map(Run::length).sum::<usize>() as f64 * step_s;
-    (smoothed, Thermometer { coarse_step_c, stuck_s })
+    (smoothed, Thermometer { coarse_step_c, stuck_s, ..Thermometer::default() })
 }
 
 /// Interpolates between readings that are not too far apart.

@@ -18,6 +18,12 @@ pub enum CurveWarning {
     CoarseThermometer { step_c: f64 },
     /// The thermometer stuck for this time, s, which was left out.
     StuckThermometer { stuck_s: f64 },
+    /// The noise of the thermometer was averaged over this time, s.
+    NoisyThermometer { smoothed_s: f64 },
+    /// The thermometer lags the sensor by this time, s.
+    LateThermometer { late_s: f64 },
+    /// The best lag would be about the longest that is tried, s, and none was taken.
+    LongLag { longest_s: f64 },
     /// The sensor moved: first and last time, s, and number of times. The times were left out.
     Moved { from_s: f64, to_s: f64, times: usize },
     /// The logs have one direction of the temperature, so the hysteresis is not known.
@@ -40,6 +46,18 @@ rows!(match CurveWarning {
     Self::StuckThermometer { stuck_s } => Row {
         code: "temperature-stuck",
         text: format_args!("the thermometer stood still for {stuck_s:.0} s, which is left out"),
+    },
+    Self::NoisyThermometer { smoothed_s } => Row {
+        code: "temperature-noisy",
+        text: format_args!("the thermometer is noisy and was averaged over {smoothed_s:.0} s; warm slowly"),
+    },
+    Self::LateThermometer { late_s } => Row {
+        code: "temperature-late",
+        text: format_args!("the thermometer lags the sensor by some {late_s:.0} s; use one nearer to it"),
+    },
+    Self::LongLag { longest_s } => Row {
+        code: "lag-doubtful",
+        text: format_args!("only a lag of about {longest_s:.0} s would fit, and none was taken; see the residuals"),
     },
     Self::Moved { from_s, to_s, times } => Row {
         code: "motion",
@@ -89,6 +107,8 @@ impl LogCurve {
         let (u, left, unsettled) = (self.u_at(middle_c), self.cubic(middle_c).left, self.unsettled.abs());
         let thermometers = || logs.iter().map(LogMeans::thermometer);
         let stuck_s: f64 = thermometers().map(|of| of.stuck_s).sum();
+        let smoothed_s = thermometers().map(|of| of.smoothed_s).fold(0.0, f64::max);
+        let late_s = self.thermometer_late_s;
         let coarse = thermometers().filter_map(|of| of.coarse_step_c).reduce(f64::max);
         let moving: Vec<(f64, f64)> = logs.iter().flat_map(|log| log.moving_s().to_vec()).collect();
         let ends = moving.first().zip(moving.last());
@@ -97,6 +117,9 @@ impl LogCurve {
             (self.log_odds < NO_EVIDENCE).then_some(CurveWarning::Unrelated),
             coarse.map(|step_c| CurveWarning::CoarseThermometer { step_c }),
             (stuck_s > 0.0).then_some(CurveWarning::StuckThermometer { stuck_s }),
+            (smoothed_s > 0.0 && late_s == 0.0).then_some(CurveWarning::NoisyThermometer { smoothed_s }),
+            (late_s > 0.0).then_some(CurveWarning::LateThermometer { late_s }),
+            self.long_lag_s.map(|longest_s| CurveWarning::LongLag { longest_s }),
             ends.map(|(first, last)| CurveWarning::Moved { from_s: first.0, to_s: last.1, times: moving.len() }),
             (jumps > 0).then_some(CurveWarning::Jumped { jumps, largest, unit }),
             (unsettled > UNSETTLED * u).then_some(CurveWarning::StillFollowing { unsettled, unit }),
