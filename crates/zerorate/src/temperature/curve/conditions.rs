@@ -16,6 +16,8 @@ const LATE_S: [f64; 4] = [5.0, 10.0, 20.0, 40.0];
 const FROM_LATE: f64 = 6.0;
 /// Gain of the log evidence that an unusual turn needs.
 const FROM_TURNS: f64 = 3.0;
+/// Distance of the log evidence from the best one, under the same noise, from which a record is not searched.
+const FAR: f64 = 20.0;
 /// Share of the longest lag that is tried from which a lag stands for something else.
 const LONG_LAG: f64 = 0.8;
 
@@ -27,17 +29,14 @@ type Explained = (Record, Model);
 pub(super) fn best(logs: &[LogMeans]) -> Option<Explained> {
     let mut best = best_of(smoothings(logs).into_iter().flat_map(|logs| Record::new(logs).starts()))?;
     if best.0.two_directions {
-        let turns = TURNS.iter().map(|turns| best.0.turning_within(*turns));
-        let scored = turns.map(|record| (search::log_evidence_like(&record, &best.1), record));
-        let likeliest = scored.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, record)| record);
-        let unusual = likeliest.filter(|record| record.turns != best.0.turns);
-        best = better(best_of(unusual.into_iter()), best, FROM_TURNS);
+        let turns = TURNS[1..].iter().map(|turns| best.0.turning_within(*turns)).collect();
+        best = better(turns, best, FROM_TURNS);
     }
     // a thermometer that lags, and a bias that does, smooth alike
     if best.1.following.lag_s > 0.0 {
         let turns = best.0.turns;
         let late = late_thermometers(logs, &best.0).into_iter().flat_map(|logs| Record::new(logs).starts());
-        best = better(best_of(late.map(|record| record.turning_within(turns))), best, FROM_LATE);
+        best = better(late.map(|record| record.turning_within(turns)).collect(), best, FROM_LATE);
     }
     let (mut record, model) = best;
     if model.following.lag_s <= LONG_LAG * search::longest_lag_s(&record.logs) {
@@ -52,10 +51,14 @@ fn best_of(records: impl Iterator<Item = Record>) -> Option<Explained> {
     explained.max_by(|one, other| one.1.log_score.total_cmp(&other.1.log_score))
 }
 
-/// The other record, if it gains more than this over the usual one.
-fn better(other: Option<Explained>, usual: Explained, gain: f64) -> Explained {
+/// The likeliest of other records, if it gains more than this over the usual one. A record that is far worse under the
+/// noise of the usual one is not searched, because a search takes long.
+fn better(others: Vec<Record>, usual: Explained, gain: f64) -> Explained {
     let score = usual.1.log_score;
-    other.filter(|(_, model)| model.log_score > score + gain).unwrap_or(usual)
+    let scored = others.into_iter().map(|record| (search::log_evidence_like(&record, &usual.1), record));
+    let likeliest = scored.max_by(|one, other| one.0.total_cmp(&other.0));
+    let worth = likeliest.filter(|(evidence, _)| *evidence > score - FAR).map(|(_, record)| record);
+    best_of(worth.into_iter()).filter(|(_, model)| model.log_score > score + gain).unwrap_or(usual)
 }
 
 /// The logs as they are and, if the thermometer is noisy, with its temperature smoothed.
