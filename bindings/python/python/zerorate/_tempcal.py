@@ -102,7 +102,7 @@ class BiasAxis:
     cubic: BiasCubic = field(repr=False)
     """The polynomial of order 3."""
     lag_s: float
-    """Time constant with which the bias follows the thermometer, s."""
+    """Time constant with which the bias follows the thermometer, s; negative if the thermometer lags."""
     play_c: float
     """Half width of the play between bias and thermometer, °C."""
     u_if_on_before: float | None

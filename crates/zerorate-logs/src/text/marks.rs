@@ -9,7 +9,8 @@ use zerorate_input::{Quantity, TimeUnit};
 const LINES: usize = 1000;
 const FEWEST: usize = 3;
 
-/// What serial monitors write behind the time of a line: Arduino, PlatformIO, and Tera Term, whose time is in brackets.
+/// What serial monitors write behind the time of a line: Arduino's, PlatformIO's, and Tera Term's, which puts the time
+/// in brackets.
 const ARROWS: [&str; 3] = [" -> ", " > ", "] "];
 /// The byte in front of which an arrow, or a word in front of the values, begins.
 const ARROW_START: usize = 40;

@@ -74,7 +74,7 @@ pub struct AxisCurve {
     pub curve: Vec<CurvePoint>,
     /// The cubic polynomial for flight controllers and calibration files.
     pub cubic: CubicReport,
-    /// Time constant with which the bias lags behind the thermometer, s.
+    /// Time constant with which the bias lags behind the thermometer, s; negative if the thermometer lags.
     pub lag_s: f64,
     /// Half width of the backlash between bias and thermometer, °C.
     pub play_c: f64,
