@@ -209,11 +209,8 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[RawColumn], interval: f64) -> R
     let is_coarse = shared as f64 > COARSE * rows.len() as f64 && (equal as f64) < 0.9 * shared as f64;
     let fine = if is_coarse { fine_interval(rows) } else { Some(interval) };
     let fine = fine.ok_or("its clock makes fewer than two whole steps, which tell no rate")?;
-    if is_coarse && let Some(times) = even_times(rows, fine) {
-        let wrong: Vec<usize> =
-            rows.windows(2).filter(|pair| pair[0].time == pair[1].time).map(|pair| pair[1].row).collect();
-        rows.iter_mut().zip(times).for_each(|(row, time)| row.time = time);
-        return Ok(said_of(&[], &wrong, true));
+    if let Some(said) = is_coarse.then(|| spread_evenly(rows, fine)).flatten() {
+        return Ok(said);
     }
     let mut kept: Vec<TimedRow> = Vec::with_capacity(rows.len());
     let (mut dropped, mut wrong) = (Vec::new(), Vec::new());
@@ -263,6 +260,15 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
 
 /// Largest share of the rows that do not fit an even clock of which a coarse one shows the steps.
 const UNEVEN: f64 = 0.002;
+
+/// Gives rows under a coarse clock even times, if its stamps agree with them. Returns the text about it.
+fn spread_evenly(rows: &mut [TimedRow], fine: f64) -> Option<Vec<String>> {
+    let times = even_times(rows, fine)?;
+    let wrong: Vec<usize> =
+        rows.windows(2).filter(|pair| pair[0].time == pair[1].time).map(|pair| pair[1].row).collect();
+    rows.iter_mut().zip(times).for_each(|(row, time)| row.time = time);
+    Some(said_of(&[], &wrong, true))
+}
 
 /// Times of rows that are evenly spaced, where a coarse clock agrees: each stamp is the last step of the clock before
 /// the row. `None` if samples are lost, or come unevenly.
