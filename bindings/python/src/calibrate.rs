@@ -65,7 +65,7 @@ impl CalibrateOptions {
     }
 }
 
-/// Watches the procedure for Python.
+/// Passes progress and warnings of the procedure on to Python.
 struct Caller(Reporter);
 
 impl Watch for Caller {

@@ -121,8 +121,8 @@ pub struct Spec {
     pub sway_hz: f64,
     /// Peak of [`Motion::Bump`], in °/s.
     pub bump_dps: f64,
-    /// Probability that a bit flips on its way, in either direction. Zero with [`Fault::BitErrors`] means 10⁻⁶. A
-    /// value above zero acts without that fault, too.
+    /// Probability that a bit flips on its way, in either direction. With [`Fault::BitErrors`], zero means 10⁻⁶.
+    /// Without a fault, a value above zero turns bit errors on. Other faults ignore it.
     pub bit_error_rate: f64,
     /// The fault. It begins at [`Spec::fault_at_s`].
     pub fault: Fault,

@@ -65,7 +65,7 @@ pub enum ReadError<E> {
 pub enum InitError<E> {
     /// The bus refused a transfer. Registers before this one have been written.
     Bus(BusError<E>),
-    /// All registers were written, but do not read back.
+    /// All registers were written, but reading them back failed, or one differs from what was written.
     Verify(VerifyError<E>),
 }
 

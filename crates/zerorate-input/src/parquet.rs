@@ -80,7 +80,7 @@ pub struct ParquetReader {
     /// The decoder, until the first batch is requested and decoding starts.
     decode: Option<Decode>,
     batches: Option<Batches>,
-    /// The checks of the batches that follow.
+    /// The digests of the batches that are still to come, in order; `None` if the file has none.
     checks: Option<IntoIter<String>>,
     stated: Stated,
 }

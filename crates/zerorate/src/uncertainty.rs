@@ -11,9 +11,9 @@ pub struct Uncertainty {
     pub u_t1_c: f64,
     /// Uncertainty of T2 by noise alone, °C.
     pub u_t2_c: f64,
-    /// Uncertainty of PBC as minus the slow bias at T3 at the end of step 8, °/s.
+    /// Uncertainty of PBC, °/s. PBC is minus the slowly varying bias, at T3 and at the end of step 8.
     pub u_pbc_dps: f64,
-    /// Uncertainty of BTC as minus the slope of the bias at T3, °/s/°C.
+    /// Uncertainty of BTC, °/s/°C. BTC is minus the slope of the bias at T3.
     pub u_btc_dps_per_c: f64,
     /// The part of the uncertainty of BTC that allows for curvature and hysteresis, °/s/°C. It is zero under
     /// [`Plan::assume_linear`](crate::Plan::assume_linear).

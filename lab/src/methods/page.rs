@@ -41,7 +41,8 @@ pub struct Results {
 }
 
 impl Results {
-    /// The bound for a linear bias with the rate random walk M-04, °/h.
+    /// The smallest error, °/h, that any method can reach for a bias that is known to be linear, with the rate random
+    /// walk M-04.
     fn bound_dph(&self) -> Result<f64> {
         let index = WALKS.iter().position(|factor| *factor == 1.0).context("no row for M-04")?;
         self.bounds_dph.get(index).copied().context("a bound is missing")

@@ -4,7 +4,7 @@ use super::field::Field;
 use super::field::Meaning::{Alarm, Bit, Channel, Choice, FilterWord, Level, Number};
 use crate::codes::Width;
 
-/// The meaning of RDY of a channel, clear and set.
+/// What the RDY bit of a channel means when it is 0, and when it is 1.
 const WAITING: [&str; 2] = ["nothing waits to be read", "a reading waits"];
 
 /// `bits` with the bits of `mask` set or cleared.

@@ -168,7 +168,8 @@ impl Windows<'_> {
         })
     }
 
-    /// The windows that stand out of their class by more than `limit`, and out of the windows beside them.
+    /// The windows whose difference is above `limit` standard deviations of their class, or above a gap in the sizes
+    /// if the noise has a heavy tail, and is the largest within two widths to either side.
     fn beyond(&self, limit: f64) -> Vec<usize> {
         let scales = self.scales();
         let reach = 2 * self.width;

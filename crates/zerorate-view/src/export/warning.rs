@@ -10,7 +10,8 @@ use zerorate_allan::rows;
 pub enum ExportWarning {
     /// The calibration does not state its temperature range. T3 ± `assumed_c` is assumed.
     NoValidity { temp_min_c: f64, temp_max_c: f64, assumed_c: f64 },
-    /// The table ends before the calibrated range. `axis` is the name of the axis if there are several.
+    /// The table stops at `span_c` from T3, inside the calibrated range, and is wrong by up to `wrong_dps` beyond.
+    /// `axis` is the name of the axis if there are several.
     TableShort { axis: Option<String>, span_c: f64, temp_min_c: f64, temp_max_c: f64, wrong_dps: f64 },
 }
 

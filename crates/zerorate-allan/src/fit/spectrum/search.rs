@@ -10,7 +10,7 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use realfft::FftError;
 
-/// A line is examined if its power is above this many times its frequency times the noise density there.
+/// A line at frequency f is examined if its power exceeds `LOUD` · f · S(f), where S is the noise density.
 const LOUD: f64 = 2.0;
 /// A line is a sine if one sine has this share of its power.
 const MOST_OF_IT: f64 = 0.9;

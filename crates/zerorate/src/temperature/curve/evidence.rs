@@ -75,7 +75,8 @@ pub(super) struct Model {
     pub(super) following: LagAndPlay,
     pub(super) was_on: bool,
     pub(super) shape: PriorSpreads,
-    /// All coefficients: those of the series, then direction, starts and steps.
+    /// All coefficients: those of the series, then the offset by the direction of the temperature, the offset of each
+    /// log, and the size of each step.
     pub(super) all: Vec<f64>,
     pub(super) coefficients: [f64; COEFFICIENTS],
     pub(super) covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],

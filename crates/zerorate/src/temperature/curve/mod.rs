@@ -39,7 +39,7 @@ pub const COEFFICIENTS: usize = 7;
 /// Smallest temperature span that gives a curve, °C.
 pub const LEAST_SPAN_C: f64 = 5.0;
 
-/// Largest share of blocks with motion that may be left out.
+/// Largest share of the blocks of a log that are left out because the sensor moves. Above it there is no curve.
 pub const MOST_MOTION: f64 = 0.3;
 
 /// The bias of one axis over temperature. All values are in the unit of the samples.
