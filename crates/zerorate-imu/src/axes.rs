@@ -263,14 +263,14 @@ fn ask_for_missing(
         let triad = triads(&names).first().map(|triad| triad.map(|at| names[at]).join(","));
         match (&own[..], triad) {
             ([], Some(triad)) if !axes.is_empty() && (unit.is_some() || scale.is_some() || codes.is_some()) => {
-                let why = format!("{path}: no column is an axis of an {name} by its name, but you state its unit");
-                return Err(LogError::Ask(format!("{why}; if {triad} are its axes, give {option} {triad}")));
+                let why = format!("{path}: no column is an axis of the {name} by its name, but you state its unit");
+                return Err(LogError::Ask(format!("{why}; if {triad} are its axes, give {option} '{triad}'")));
             }
             ([one, other], _) if !names.is_empty() && are_one_sensor(&own) => {
                 let (found, rest) = (format!("{one},{other}"), names.join(", "));
                 return Err(LogError::Ask(format!(
-                    "{path}: {found} are two axes of an {name}; name its third of {rest} with {option}, or give \
-                     {option} {found}"
+                    "{path}: {found} are two axes of the {name}; name its third of {rest} with {option}, or give \
+                     {option} '{found}'"
                 )));
             }
             _ => {}

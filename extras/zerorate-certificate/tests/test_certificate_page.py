@@ -74,7 +74,7 @@ def test_everything_that_the_laboratory_states_is_on_the_page(measured: Path, la
         assert day in page
 
 
-def test_what_cannot_be_claimed_is_said(measured: Path, lab: Lab) -> None:
+def test_limits_of_the_claims_are_stated(measured: Path, lab: Lab) -> None:
     page = certificate_html(measured, lab)
     assert "Metrological traceability is not claimed" in page
     assert "not the certificate of an accredited calibration" in page

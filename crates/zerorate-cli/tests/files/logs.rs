@@ -141,7 +141,7 @@ fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
     let mixed = fs::read_to_string(bench.path("imu.csv")).expect("the log");
     bench.write("mixed.csv", mixed.replacen("gyro_z_dps", "x", 1).replacen("az [m/s^2]", "gyro_z [rad/s]", 1));
     let asked = bench.zerorate("imu mixed.csv").fails(2);
-    assert!(asked.contains("ax [m/s^2],ay [m/s^2] are two axes of an accelerometer"), "{asked}");
+    assert!(asked.contains("ax [m/s^2],ay [m/s^2] are two axes of the accelerometer"), "{asked}");
     let mixed = bench.zerorate("imu mixed.csv --column 1,2,4,5,6").ended_with(0).stderr;
     assert!(mixed.contains("implausible: mixed.csv: gyro_z [rad/s] is 562 °/s in the mean"), "{mixed}");
     let marked = said("marked.csv", &|log| {

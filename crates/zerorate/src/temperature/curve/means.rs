@@ -337,7 +337,7 @@ impl LogMeans {
             parabolas.into_iter().map(|[temp_c, per_block]| temp_c + per_block / self.length_s * late_s).collect();
         let thermometer =
             Thermometer { smoothed_s: (2 * reach + 1) as f64 * self.length_s, late_s, ..self.thermometer };
-        let last = temps_c.len() - 1;
+        let last = temps_c.len().saturating_sub(1);
         let at = |part: usize| {
             let place = (part as f64 + 0.5) / PARTS as f64 - 0.5;
             let from = (libm::floor(place.max(0.0)) as usize).min(last.saturating_sub(1));
