@@ -24,7 +24,6 @@ impl Data {
     }
 }
 
-/// The converter.
 pub(crate) struct Adc {
     mclk_hz: f64,
     data: [Data; 2],
@@ -251,7 +250,7 @@ impl Adc {
     }
 }
 
-/// Converts a 24-bit code to 16 bits: to nearest, ties away from the middle, never past the end (F-43).
+/// Converts a 24-bit code to 16 bits: rounded to nearest, ties away from 2¹⁵, limited to 0 … FFFFh (F-43).
 pub(crate) fn to_16_bits(code24: u32) -> u16 {
     let distance = i64::from(code24) - i64::from(facts::ZERO_CODE);
     let rounded = (distance.abs() + 128) >> 8;

@@ -231,8 +231,8 @@ impl fmt::Display for SpecError {
 impl core::error::Error for SpecError {}
 
 impl Spec {
-    /// Reads comma-separated `key=value` items. The seed draws the unit first, wherever it stands. An empty text gives
-    /// the default unit.
+    /// Reads comma-separated `key=value` items. `seed` draws the unit before the other keys apply, wherever it stands.
+    /// An empty text gives the default unit.
     pub fn parse_keys(text: &str) -> Result<Self, SpecError> {
         let items = items(text)?;
         let seed = items.iter().find(|(key, _)| matches!(key.kind, Kind::Seed));

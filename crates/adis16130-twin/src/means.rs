@@ -1,4 +1,4 @@
-//! A unit that gives averages only: hundreds of hours in the time that converter and bus take for one.
+//! Averages of a unit without its converter and bus: hundreds of simulated hours take as long as one hour with them.
 
 use crate::gyro::slow::Slow;
 use crate::normal::{Layers, Normal, Process};
@@ -11,9 +11,9 @@ const TICK_PS: u64 = 100_000_000_000;
 
 /// Averages of both channels over blocks that follow each other, from the moment of switching on.
 ///
-/// White noise of the rate has the variance N²/(2T) in a mean over T (F-02), and so has the temperature noise (M-05).
-/// The resonance, the steps of the codes and the effects of a bus are left out. [`Spec`] defines the unit. Its noise
-/// is another realisation than in [`Twin`](crate::Twin), since the tick is another.
+/// White noise of one-sided density N (per √Hz) has the variance N²/(2T) in a mean over T, for the rate (F-02) and
+/// the temperature (M-05). The resonance, the quantisation and the effects of a bus are left out. [`Spec`] defines
+/// the unit. Its noise is another realisation than in [`Twin`](crate::Twin), since the tick is longer.
 ///
 /// ```
 /// use adis16130_twin::{Means, Spec};
@@ -96,8 +96,8 @@ impl Means {
         self.slow.set_powered(powered, self.now_ps);
     }
 
-    /// Takes the air around the part to a temperature, in °C, in a straight line over `over_s` seconds (from within
-    /// 0.2 s on), as [`Twin::set_ambient`](crate::Twin::set_ambient) does.
+    /// Moves the air around the part to a temperature, in °C, linearly within `over_s` seconds, as
+    /// [`Twin::set_ambient`](crate::Twin::set_ambient) does. The change begins within 0.2 s.
     pub fn set_ambient(&mut self, temp_c: f64, over_s: f64) {
         self.slow.set_ambient(temp_c, over_s, self.now_ps);
     }
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use crate::facts;
 
-    /// F-02 and M-05: the scatter of a mean when nothing else moves.
+    /// White noise alone gives the means a standard deviation of N/√(2T) (F-02, M-05).
     #[test]
     fn means_have_the_noise_of_the_facts() {
         let quiet = Spec {

@@ -66,7 +66,7 @@ impl Normal {
         self.random.sample()
     }
 
-    /// Draws a number if the layer's rectangle does not settle it, which happens in one of about 80 draws.
+    /// Finishes a draw that falls outside the inner rectangle of its layer, as one draw in 67 does.
     #[cold]
     #[inline(never)]
     fn outside(&mut self, layer: usize, x: f64) -> f64 {

@@ -20,7 +20,7 @@ pub enum Profile {
 pub enum RdyOutput {
     /// High during the scaling time, low from the update until the data is read: new data at the falling edge.
     Level,
-    /// Low during the scaling time only, as the note says ("pulses low for 26 µs"): new data at the rising edge.
+    /// Low during the scaling time only, as AN-1042 says ("pulses low for 26 µs"): new data at the rising edge.
     Pulse,
     /// [`RdyOutput::Level`] behind an inverting level shifter: new data at the rising edge.
     Inverted,

@@ -80,7 +80,7 @@ impl Twin {
     }
 
     /// Like [`Twin::next_falling_edge`], for the rising or the falling edge of the line, whose shape [`Spec::rdy`]
-    /// sets. One of the two announces new data. The other comes where the scaling time begins (F-32), 26 µs before.
+    /// sets. One of the two announces new data. The other comes where the scaling time begins (F-32), 27 µs before.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
@@ -147,9 +147,8 @@ impl Twin {
         self.part.borrow_mut().replug();
     }
 
-    /// Takes the air around the part to a temperature, in °C, in a straight line over `over_s` seconds (from
-    /// within 8 ms on). It stays there, and the wander goes on. [`Spec::profile`] has no effect after this call,
-    /// as if a chamber set the air.
+    /// Moves the air around the part to a temperature, in °C, linearly within `over_s` seconds. The change begins
+    /// within 8 ms. The air then stays there, apart from the wander. [`Spec::profile`] has no effect after this call.
     pub fn set_ambient(&self, temp_c: f64, over_s: f64) {
         self.part.borrow_mut().set_ambient(temp_c, over_s);
     }

@@ -48,7 +48,7 @@ impl White {
             last_ps: 0,
             normal: Normal::with_layers(spec.seed, Process::Rate, layers),
         };
-        white.advance(); // an endless step: the stationary law
+        white.advance(); // an infinite step draws from the stationary distribution
         white
     }
 
@@ -93,7 +93,7 @@ impl Step {
 /// The mechanical resonance as a pure tone (F-07, M-08), sampled at any instant.
 pub(crate) struct Resonance {
     peak_dps: f64,
-    /// Turns per picosecond in units of 2⁻⁶⁴: the wrapping product with the time is the phase, exactly.
+    /// Frequency in 2⁻⁶⁴ turns per ps. The wrapping product with the time in ps is the phase, without rounding.
     turns_per_ps: u64,
 }
 
@@ -126,7 +126,8 @@ fn sine(phase: u64) -> f64 {
 /// Highest corner frequency of the flicker's parts, in Hz.
 const FLICKER_TOP_HZ: f64 = 10.0;
 
-/// Flicker with one-sided density S(f) = B²/(π·f) between `flicker_hz` and 10 Hz, flat below and steeper above.
+/// Flicker with one-sided density S(f) = B²/(π·f) between `flicker_hz` and 10 Hz. S is flat below, and falls as 1/f²
+/// above.
 ///
 /// It is a sum of Ornstein-Uhlenbeck processes. The band is cut into cells of equal ratio r ≤ 2. Each cell has one
 /// process, whose corner is at the cell's geometric centre and whose variance is (B²/π)·ln r. They start from their
@@ -225,7 +226,7 @@ mod tests {
         let spec = Spec::typical();
         let mut white = White::new(&spec, &Rc::new(Layers::new()));
         let n = 400_000u32;
-        // Steps of one pair and of a second: the variance does not depend on the step.
+        // the variance is the same with steps of one pair of conversions, and of 1 s
         for h_ps in [175_666_666u64, 1_000_000_000_000] {
             let start = white.last_ps;
             let sum: f64 = (1..=u64::from(n))

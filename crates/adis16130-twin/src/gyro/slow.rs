@@ -8,7 +8,7 @@ use crate::normal::Layers;
 use crate::spec::Spec;
 use alloc::rc::Rc;
 
-/// The tick of the slow processes in a whole part, in ps. Between two ticks everything is a straight line.
+/// The tick of the slow processes of a [`Twin`](crate::Twin), in ps. Between two ticks they are interpolated linearly.
 pub(crate) const TICK_PS: u64 = 4_000_000_000;
 
 /// The slow quantities at one instant.

@@ -122,7 +122,7 @@ impl Ambient {
         }
         match self.profile {
             Profile::Constant => self.start_c,
-            // The range of F-08. A start outside it does not move.
+            // The ramp stops at the range of F-08. A start beyond that end stays constant.
             Profile::Ramp if self.ramp_c_per_s > 0.0 => {
                 (self.start_c + self.ramp_c_per_s * t_s).min(self.start_c.max(85.0))
             }

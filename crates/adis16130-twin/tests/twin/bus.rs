@@ -3,7 +3,7 @@
 use adis16130_twin::{Spec, Twin, TwinEdge, TwinSpi};
 use embedded_hal::spi::SpiDevice;
 
-/// F-30.
+/// The initialisation of F-30.
 pub const INIT: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
 const TIMEOUT_NS: u64 = 10_000_000;
 
@@ -18,13 +18,13 @@ pub struct Host {
 }
 
 impl Host {
-    /// A part as it comes up.
+    /// A twin that was just switched on.
     pub fn new(spec: Spec) -> Self {
         let twin = Twin::new(spec);
         Self { spi: twin.spi(), twin }
     }
 
-    /// A part after F-30.
+    /// A twin that was initialised by F-30.
     pub fn started(spec: Spec) -> Self {
         let mut host = Self::new(spec);
         host.send(&INIT);
@@ -48,7 +48,7 @@ impl Host {
         })
     }
 
-    /// F-23.
+    /// Resets the part by 32 ones in a row (F-23).
     pub fn spi_reset(&mut self) {
         self.spi.write(&[0x00, 0xFF, 0xFF, 0xFF, 0xFF]).unwrap();
     }
@@ -82,12 +82,12 @@ impl Host {
     }
 }
 
-/// F-40.
+/// The rate of a code, in °/s (F-40).
 pub fn dps(code24: u32) -> f64 {
     (f64::from(code24) - 8_388_608.0) / 23_488.0
 }
 
-/// F-41.
+/// The temperature of a code, in °C (F-41).
 pub fn celsius(code24: u32) -> f64 {
     (f64::from(code24) - 8_388_608.0) / 14_093.0 + 25.0
 }

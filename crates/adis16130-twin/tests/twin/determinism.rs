@@ -20,8 +20,8 @@ fn fingerprint(spec: Spec, pairs: usize) -> u64 {
 
 #[test]
 fn golden_values() {
-    // 20 000 pairs: enough to pass through every branch of the normal numbers. Changing one of these changes what a
-    // seed means to everybody who noted one down.
+    // 20 000 pairs reach every branch of the generator of normal numbers. If a hash changes, a seed that somebody has
+    // noted down no longer gives the same unit.
     assert_eq!(fingerprint(Spec::from_seed(1), 20_000), 15_501_864_708_920_826_613);
     assert_eq!(fingerprint(Spec::from_seed(7), 20_000), 14_867_660_471_008_830_135);
 }

@@ -8,7 +8,7 @@ fn with(fault: Fault) -> Spec {
     Spec { fault, fault_at_s: Some(0.01), rotation_dps: 10.0, ..quiet() }
 }
 
-/// Started, checked to be well, and past the fault.
+/// A host whose twin gave a correct rate at first, and whose fault (at 10 ms) has set in.
 fn broken(fault: Fault) -> Host {
     let mut host = Host::started(with(fault));
     assert_eq!(host.pair().1, 8_623_488, "well before the fault");
@@ -23,11 +23,11 @@ fn bit_errors_come_at_their_rate() {
     let mut wrong = 0;
     let reads = 20_000;
     for _ in 0..reads {
-        // A flip in the command can leave the link out of step: begin anew.
+        // A flipped bit in the command can leave the link out of step, so each read begins with a reset.
         wrong += u32::from(host.byte(0x02) != 0x24);
         host.spi_reset();
     }
-    // 8 bits there and 8 back matter, and the reset's four bytes may spoil a few more.
+    // A flip in the 8 bits of the command or the 8 of the answer spoils the read. Flips in a reset spoil a few more.
     let expected = f64::from(reads) * 16.0 * rate;
     assert!((f64::from(wrong) / expected - 1.0).abs() < 0.25, "{wrong} of {expected}");
 }
@@ -62,7 +62,7 @@ fn supply_step_shifts_the_bias() {
     host.twin.advance_ns(59_000_000_000);
     assert!(dps(host.pair().1).abs() < 1e-4);
     host.twin.advance_ns(2_000_000_000);
-    host.pair(); // the latched edge: both registers are fresh anyway
+    host.pair(); // takes the latched edge
     assert!((dps(host.pair().1) - 0.02).abs() < 1e-4);
     assert!((host.twin.truth().pbc_dps(25.0) + 0.02).abs() < 1e-9);
 }

@@ -2,13 +2,13 @@
 
 use adis16130_twin::{Fault, KEYS, Motion, Profile, RdyOutput, Roa, Spec, SpecError};
 
-/// The contract's list.
+/// All keys, in the order of the documentation.
 const NAMES: &str = "seed bias_dps tempco_dps_per_c curvature hysteresis lag_s ambient_c profile warmup_c warmup_s \
      mclk_hz rdy roa supply_step_mv noise flicker_hz rotation_dps motion sway_dps sway_hz bit_error_rate fault \
      fault_at_s";
 
 #[test]
-fn keys_are_the_contracts() {
+fn keys_are_those_of_the_documentation() {
     let names: Vec<&str> = KEYS.iter().map(|key| key.name).collect();
     assert_eq!(names, NAMES.split_whitespace().collect::<Vec<_>>());
 }

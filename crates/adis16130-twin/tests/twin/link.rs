@@ -1,4 +1,4 @@
-//! §2: framing, reset by ones, time on the wire; §4: what the data registers carry.
+//! Section 2 of `docs/facts.md` (framing, reset by ones, time on the wire) and section 4 (codes and status).
 
 use crate::bus::{Host, INIT, celsius, dps, quiet};
 use adis16130_twin::Spec;
@@ -62,7 +62,7 @@ fn ones_count_only_in_a_row_and_in_one_frame() {
     host.send(&[0xFF; 8]); // CS rises in between
     host.spi.write(&[0xFF, 0xFF, 0xFF, 0xFE, 0xFF, 0xFF, 0xFF]).unwrap();
     assert_eq!(host.byte(0x38), 0x22);
-    host.spi.write(&[0xF1, 0xFF, 0xFF, 0xFF, 0xFE]).unwrap(); // 1 + 24 + 7 in a row
+    host.spi.write(&[0xF1, 0xFF, 0xFF, 0xFF, 0xFE]).unwrap(); // 1 + 24 + 7 ones in a row
     assert_eq!(host.byte(0x38), 0x00);
 }
 

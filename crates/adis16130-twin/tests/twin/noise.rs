@@ -29,7 +29,7 @@ fn density(values: &[f64], low: f64, high: f64) -> f64 {
     2.0 * sum / (power * PAIR_HZ * (bin_count * segment_count) as f64)
 }
 
-/// |Σ x·e^(−2πifn)|², f in cycles per sample.
+/// Power of a spectral line, |Σ x·e^(−2πifn)|², f in cycles per sample.
 fn line_power(values: &[f64], f: f64) -> f64 {
     let (mut re, mut im) = (0.0, 0.0);
     for (n, x) in values.iter().enumerate() {
@@ -98,7 +98,7 @@ fn allan_variance(values: &[f64], m: usize) -> f64 {
 
 #[test]
 fn flicker_floor_is_m04() {
-    // 50 Hz of the flicker itself, from the truth of an idle part.
+    // the flicker alone, sampled at 50 Hz from the truth of an idle twin
     let mut variances = [0.0; 4];
     let averages = [50, 250, 1000, 2500];
     let seeds = 6;
@@ -142,7 +142,7 @@ fn flicker_is_stationary_and_its_variance_is_its_band() {
 fn random_walk_grows_as_the_root_of_time() {
     let walks = |seconds: u64| {
         let squares = (0..300).map(|seed| {
-            // No flicker band: faster.
+            // 10 Hz leaves no flicker band, which makes the twin faster
             let twin = Twin::new(Spec { seed, flicker_hz: 10.0, ..Spec::typical() });
             assert_eq!(twin.truth().random_walk_dps, 0.0);
             twin.advance_ns(seconds * 500_000_000);

@@ -19,7 +19,7 @@ fn run<F: Future>(future: F) -> F::Output {
 }
 
 #[test]
-fn f32_new_data_is_at_the_edge_that_the_line_makes_of_it() {
+fn f32_each_shape_of_rdy_announces_new_data_at_its_own_edge() {
     for (rdy, rising) in [(RdyOutput::Level, false), (RdyOutput::Pulse, true), (RdyOutput::Inverted, true)] {
         let host = Host::started(Spec { rdy, ..quiet() });
         let data = host.twin.next_edge(rising, 1_000_000).expect("new data");
@@ -33,7 +33,7 @@ fn f32_new_data_is_at_the_edge_that_the_line_makes_of_it() {
 }
 
 #[test]
-fn a_pulse_lasts_as_long_as_the_note_says() {
+fn a_pulse_lasts_for_the_scaling_time() {
     let host = Host::started(Spec { rdy: RdyOutput::Pulse, ..quiet() });
     let mut rdy = host.twin.rdy();
     run(rdy.wait_for_falling_edge()).unwrap();

@@ -47,7 +47,7 @@ fn reading_on_every_nth_edge_gives_f_conv_over_n_plus_1() {
 
 #[test]
 fn reading_one_of_two_gives_an_edge_per_pair_with_rdyfn() {
-    // Rate is read, temperature stays unread: all are unread again after each rate conversion.
+    // The temperature stays unread, so all channels are unread again after each rate conversion.
     let mut host = Host::started(quiet());
     near(
         edges_per_second(&mut host, |host| {
@@ -124,7 +124,7 @@ fn unread_data_is_overwritten_and_counted() {
     assert_eq!((lost.rate.lost_new, lost.temp.lost_new), (0, 0));
 }
 
-/// A rotation that grows, so that every sample is another code.
+/// A slow oscillation, so that successive samples have different codes.
 fn swaying() -> Spec {
     Spec { motion: Motion::Sway, sway_dps: 100.0, sway_hz: 1.0, ..quiet() }
 }
