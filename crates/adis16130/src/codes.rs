@@ -102,7 +102,7 @@ impl RateCode {
         self.0.signed() as f32 / RATE_LSB_PER_DPS as f32
     }
 
-    /// Angular rate in µ°/s, rounded to nearest, ties away from zero (F-40). At most ±357 144 415.
+    /// Angular rate in µ°/s, rounded to nearest, ties away from zero (F-40). From −357 144 414 to +357 144 372.
     pub const fn to_udps(self) -> i32 {
         self.0.scaled(1_000_000, RATE_LSB_PER_DPS) as i32
     }
@@ -155,7 +155,7 @@ impl TempCode {
         (self.0.signed() + offset) as f32 / TEMP_LSB_PER_C as f32
     }
 
-    /// Temperature in m°C, rounded to nearest, ties away from 25 °C (F-41). From −570 231 to +620 231.
+    /// Temperature in m°C, rounded to nearest, ties away from 25 °C (F-41). From −570 232 to +620 232.
     pub const fn to_millicelsius(self) -> i32 {
         self.0.scaled(1_000, TEMP_LSB_PER_C) as i32 + TEMP_AT_ZERO_CODE_C * 1_000
     }

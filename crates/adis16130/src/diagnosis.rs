@@ -139,7 +139,7 @@ pub(crate) const fn is_doubtful_reading(answer: u32, width: Width) -> bool {
     is_at_rail(answer, width) || answer == RESET_DATA || answer >> 8 == RESET_DATA
 }
 
-/// Whether a rate is in the outermost 1/64 of its scale, beyond ±351 °/s, where it may be about to wrap or have
+/// Whether a rate is in the outermost 1/64 of its scale, beyond ±351.6 °/s, where it may be about to wrap or have
 /// wrapped.
 pub(crate) const fn is_near_rail(rate: RateCode) -> bool {
     rate.code24().abs_diff(ZERO_CODE) > ZERO_CODE - ZERO_CODE / 64

@@ -202,10 +202,9 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     /// [`ReadError::OutOfRange`] also where CLAMP = 0 has wrapped its code (F-35). For loops that read when
     /// they like; [`sample`](Self::sample) is for every edge.
     ///
-    /// If a conversion ends between the two reads, both are read once more. This may happen again, as on a host that
-    /// takes longer than a conversion for six bytes. Then the rate lies between two readings in range, or it is
-    /// reported out of range. A code so close to the end of the scale that it may have wrapped is out of range then,
-    /// too.
+    /// If a conversion ends between the two reads, both are read once more. A conversion may end between them again,
+    /// as on a host that takes longer than a conversion for six bytes. Then the rate is out of range if one of the two
+    /// statuses says so, or if its code is within 1/64 of the end of the scale, where it may have wrapped.
     pub async fn read_rate_in_range(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
         let mut rate = self.read_rate().await?;
         let mut status = self.rate_status().await?;

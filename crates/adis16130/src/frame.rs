@@ -6,12 +6,12 @@ use crate::registers::{Address, Readable, Writable};
 /// The software reset: one CS-low frame with 32 ones in a row, in either framing (F-23).
 pub const RESET_FRAME: [u8; 5] = [0x00, 0xFF, 0xFF, 0xFF, 0xFF];
 
-/// The framing of the bytes of a command by CS. The part accepts both ways; the note prescribes the default (F-22).
+/// The framing of the bytes of a command by CS. The part accepts both ways; AN-1042 prescribes the default (F-22).
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Framing {
-    /// CS rises between all 8-bit words, as the note prescribes: each byte is its own `SpiDevice` transaction.
+    /// CS rises between all 8-bit words, as AN-1042 prescribes: each byte is its own `SpiDevice` transaction.
     #[default]
     PerByte,
     /// CS stays low for the whole command, as Linux does: one full-duplex transfer per command. Faster on every host.

@@ -237,7 +237,7 @@ pub struct Sampler {
 /// The rules that follow from the values of [`SamplerConfig`] and [`Config`], computed once.
 #[derive(Clone, Debug)]
 struct Rules {
-    /// As in [`SamplerConfig`]; 0 if the temperature is not converted.
+    /// [`SamplerConfig::every_temp`], or 0 if the temperature is not converted.
     every_temp: u16,
     divider: u16,
     read_status: bool,

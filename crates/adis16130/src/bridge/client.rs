@@ -84,7 +84,7 @@ impl<'a> Pending<'a> {
 
 impl Client {
     /// Looks for the answer in the received bytes, and returns the next step. `take` returns `None` for an answer
-    /// that does not fit. Samples before the answer are dropped, because requests end sampling, or begin it.
+    /// that does not fit. Samples before the answer are dropped.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,

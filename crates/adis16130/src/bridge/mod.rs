@@ -3,7 +3,7 @@
 //! ([`Client`]).
 //!
 //! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers. While the
-//! bridge samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: a loss on the way
+//! bridge samples, it sends every sample by itself, as fast as they come. No sample is sent twice: a loss on the way
 //! shows in the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
 //!
 //! A firmware hands bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It sends the
@@ -132,8 +132,8 @@ pub enum Command<'a> {
         /// Whether the pins are to be active.
         on: bool,
     },
-    /// State that a counter divides RDY before the bridge, from the next [`Command::Start`] on.
-    /// [`Command::Configure`] takes it back. Ends sampling. Answered by [`Answer::Configured`].
+    /// Tell the bridge that a counter in the RDY line lets every n-th edge through, from the next
+    /// [`Command::Start`] to the next [`Command::Configure`]. Ends sampling. Answered by [`Answer::Configured`].
     Divided {
         /// The setting of [`SamplerConfig::divided`](crate::SamplerConfig::divided).
         edges: u16,

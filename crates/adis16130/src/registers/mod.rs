@@ -103,7 +103,7 @@ macro_rules! registers {
         )*}
 
         impl Address {
-            /// The name in the tables of the note.
+            /// The name in the tables of AN-1042.
             pub const fn name(self) -> &'static str {
                 match self {$(Self::$register => $name,)*}
             }
@@ -181,7 +181,7 @@ registers! {
     Revision = 0x02 "REVISION" ReadOnly {
         Revision, Byte, Revision::new(0x24), Revision::FIELDS, |raw, _| Revision::new(raw as u8)
     };
-    /// Which channels hold unread data.
+    /// The channels that hold unread data.
     AdcStatus = 0x04 "ADC STATUS" ReadOnly {
         AdcStatus, Byte, AdcStatus::new(0), AdcStatus::FIELDS, |raw, _| AdcStatus::new(raw as u8)
     };

@@ -4,7 +4,7 @@ use super::field::Field;
 use super::field::Meaning::{Alarm, Bit, Channel, Choice, FilterWord, Level, Number};
 use crate::codes::Width;
 
-/// What the RDY bit of a channel means when it is 0, and when it is 1.
+/// The texts for a clear and for a set RDY bit of a channel.
 const WAITING: [&str; 2] = ["nothing waits to be read", "a reading waits"];
 
 /// `bits` with the bits of `mask` set or cleared.
@@ -193,7 +193,7 @@ byte_value! {
     /// Channel setup, RATECS 28h and TEMPCS 2Ah.
     ChannelSetup {
         0x10 "STATOPT" Bit(["the status describes the channel alone", "the status is extended"]),
-            /// STATOPT (b4).
+            /// STATOPT (b4): the channel status is extended.
             statopt,
             /// Sets STATOPT.
             with_statopt;
@@ -314,12 +314,12 @@ byte_value! {
             /// Sets CLKDIS.
             with_clkdis;
         0x08 "DUMP" Bit(["readings come alone", "readings come with their status"]),
-            /// DUMP (b3).
+            /// DUMP (b3): each reading comes with its status.
             dump,
             /// Sets DUMP. The driver does not read in dump mode.
             with_dump;
         0x04 "CONTRD" Bit(["each reading is asked for", "readings come without being asked for"]),
-            /// CONTRD (b2).
+            /// CONTRD (b2): readings come without a command.
             contrd,
             /// Sets CONTRD. The driver does not read in continuous-read mode.
             with_contrd;

@@ -157,7 +157,7 @@ pub(super) struct EdgeKind {
 const DOUBTS: u8 = 8;
 
 /// A change is accepted at once if the mean absolute error is below T/48. With normal jitter of that size the other
-/// grid point, T/4 away, is nearer by chance only beyond ten standard deviations.
+/// grid point, T/2 away, is nearer by chance only from 9.6 standard deviations on.
 const SURE: i64 = 48;
 
 impl EdgeKind {

@@ -20,13 +20,13 @@ struct Bench {
 }
 
 impl Bench {
-    /// A clock that is slow by this many millionths.
+    /// A timeline whose edges come from a clock that is slow by this many millionths.
     fn new(ppm: f64) -> Self {
         let timeline = Timeline::new(EdgeGrid::new((527, 527), 6_000_000, Pattern::Steady));
         Self { timeline, seq: 0, t_ns: 1e9, period_ns: PERIOD_NS * (1.0 + ppm * 1e-6) }
     }
 
-    /// A bench whose loop has run so long that nothing is left of its start, held in this gear from then on.
+    /// A timeline whose loop has run so long that nothing is left of its start, held in this gear from then on.
     fn in_gear(gear: u32) -> Self {
         let mut bench = Self::new(0.0);
         (0..5_000).for_each(|_| bench.step(0.0));
@@ -65,7 +65,7 @@ fn alpha(gear: u32) -> f64 {
     0.5_f64.powi(gear as i32)
 }
 
-/// Normal with mean 0 and sd 1, as a sum of twelve from a small generator (PCG).
+/// A standard normal number, as the sum of twelve uniform ones from a linear congruential generator.
 fn normal(state: &mut u64) -> f64 {
     let mut uniform = || {
         *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -79,8 +79,8 @@ fn assert_near(measured: f64, claimed: f64, tolerance: f64, what: &str) {
     assert!((ratio - 1.0).abs() < tolerance, "{what}: {measured:e} instead of {claimed:e}");
 }
 
-/// Amplitude of the error where edges wander by 1 as a sine of so many rad per edge, from its correlation over whole
-/// turns.
+/// Amplitude of the loop's error per amplitude of a sinusoidal wander of the edges, of `omega` rad per edge. It comes
+/// from the correlation with the wander over whole turns.
 fn error_of_wander(gear: u32, omega: f64) -> f64 {
     const WANDER_NS: f64 = 30_000.0;
     let mut bench = Bench::in_gear(gear);
@@ -185,7 +185,7 @@ fn the_noise_of_the_period_is_as_claimed() {
                 }
             }
         }
-        // 480 000 edges are 120 time constants of gear 10, so this figure is itself good to some 8 %
+        // 480 000 edges are 120 time constants of gear 10, so the noise measured there is good to some 8 %
         let tolerance = 0.05 + 4.0 * alpha(gear).sqrt();
         assert_near((sum / f64::from(count)).sqrt(), JITTER_NS * claimed, tolerance, &std::format!("gear {gear}"));
     }
@@ -253,7 +253,7 @@ fn edges_that_lie_anywhere_are_found_out_and_the_nominal_period_holds() {
     }
     assert!(matches!(bench.timeline.grip, Grip::Held(_)), "{:?}", bench.timeline.grip);
     assert_near(bench.timeline.period_ns(), PERIOD_NS, 1e-9, "held");
-    // 17 checks, and one to learn
+    // the nominal period holds for 17 checks, and one more check confirms what was learned
     (0..19 * 256).for_each(|_| bench.step(0.0));
     assert_eq!(bench.timeline.grip, Grip::Firm);
     assert!(bench.timeline.gear > FIRST_GEAR);
