@@ -147,7 +147,7 @@ fn every_damaged_bit_is_found() {
             .chain(sound)
             .filter_map(|byte| decoder.push::<Message<'_>>(*byte).map(|message| message.is_ok()))
             .collect();
-        // a bit can make or take away an end; the next frame is whole again, unless it was joined to this one
+        // a flipped bit can make or remove the zero at the end of a frame, so the next frame may be joined to this one
         assert!(seen.starts_with(&[false]), "bit {bit}: {seen:?}");
         assert_eq!(seen.last(), Some(&true), "bit {bit}: {seen:?}");
     }
@@ -164,7 +164,7 @@ fn rubbish_is_damaged_and_silence_is_not() {
 }
 
 #[test]
-fn a_host_sees_through_to_the_part() {
+fn a_transfer_reaches_the_part() {
     let (part, mut station) = station();
     part.borrow_mut().set(0x28, 0x40);
     let hello = Answer::Hello { protocol: 2, firmware: "test 1", sclk_hz: 1_000_000 };
@@ -184,7 +184,7 @@ fn a_host_sees_through_to_the_part() {
 }
 
 #[test]
-fn it_samples_between_start_and_stop() {
+fn a_bridge_samples_between_start_and_stop() {
     let (part, mut station) = station();
     assert_eq!(now(station.edge(Edge { t_ns: 5, seq: 1 })), None);
     let edge = Answer::LastEdge { t_ns: 5, seq: 1 };
@@ -198,7 +198,7 @@ fn it_samples_between_start_and_stop() {
     part.borrow_mut().set(0x20, 0x08);
     part.borrow_mut().set(0x08, 0x80_8809);
     part.borrow_mut().set(0x0A, 0x80_1EA6);
-    // an edge every 175 667 ns (F-31), and one that nobody saw before the last
+    // an edge every 175 667 ns (F-31); the one before the last is missing
     for (number, pairs) in [0, 1, 3].into_iter().enumerate() {
         let t_ns = 1_000_000 + 175_667 * u64::from(pairs);
         let seq = 2 + pairs;
@@ -275,7 +275,7 @@ fn the_self_test_pin_is_released_with_the_host() {
 }
 
 #[test]
-fn it_says_when_the_part_is_gone() {
+fn a_bridge_reports_that_the_part_is_gone() {
     let (part, mut station) = station();
     assert_eq!(refusal(&mut station, START), None);
     part.borrow_mut().line = Line::High;
@@ -300,7 +300,7 @@ fn sampling_goes_on_after_a_temperature_out_of_range() {
 }
 
 #[test]
-fn it_goes_on_after_a_failed_transfer_and_counts_it() {
+fn sampling_goes_on_after_a_failed_transfer_which_is_counted() {
     for failing in 0..3 {
         let (part, mut station) = station();
         assert_eq!(refusal(&mut station, START), None);

@@ -4,7 +4,7 @@ use adis16130::{
     RATE_LSB_PER_DPS, RateCode, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE, round_to_16_bits,
 };
 
-/// F-42, all nine rows: code, °/s in µ°/s rounded to nearest.
+/// The nine rates of F-42: code, µ°/s rounded to nearest, °/s.
 const RATES: [(u32, i32, f32); 9] = [
     (14_260_608, 250_000_000, 250.0),
     (8_623_488, 10_000_000, 10.0),
@@ -17,7 +17,7 @@ const RATES: [(u32, i32, f32); 9] = [
     (2_516_608, -250_000_000, -250.0),
 ];
 
-/// F-42: code, m°C, °C.
+/// The temperatures of F-42: code, m°C, °C.
 const TEMPS: [(u32, i32, f32); 6] = [
     (9_516_048, 105_000, 105.0),
     (9_234_188, 85_000, 85.0),

@@ -24,7 +24,7 @@ impl Channel {
         }
     }
 
-    /// Reads from `now` on for this long.
+    /// Returns the update that a read from `now` on for `takes` ns gets.
     fn read(&mut self, now: f64, takes: f64) -> u64 {
         self.busy_until = now + takes;
         self.unread = false;

@@ -58,7 +58,7 @@ fn verify_tells_stuck_lines_and_a_brown_out_apart() {
 }
 
 #[test]
-fn diagnose_tells_them_apart_too() {
+fn diagnose_tells_stuck_lines_and_a_brown_out_apart() {
     let (part, mut gyro) = initialised();
     assert_eq!(gyro.diagnose(), Ok(None));
     part.borrow_mut().line = Line::High;
@@ -116,7 +116,7 @@ fn a_status_of_another_channel_is_a_fault() {
 #[test]
 fn a_bus_error_names_the_register() {
     let (part, mut gyro) = initialised();
-    gyro.read_temp().unwrap_err(); // there is none, which takes a look at the part
+    gyro.read_temp().unwrap_err(); // there is no temperature, so the driver also reads MODE and TEMP STATUS
     part.borrow_mut().fails_after = Some(7);
     let error = BusError::Transfer { register: Address::TempData, error: WireFault };
     assert_eq!(gyro.read_temp(), Err(ReadError::Bus(error)));

@@ -1,5 +1,5 @@
-//! Async calls on the twin that are dropped, at any wait and anywhere in a transfer: the next reading is the truth or
-//! an error.
+//! Async calls on the twin are dropped at any wait and anywhere in a transfer. The next reading is correct or an
+//! error.
 
 use std::cell::Cell;
 use std::convert::Infallible;
@@ -73,7 +73,7 @@ struct Bench {
 
 impl Bench {
     fn new(config: Config) -> Self {
-        // far from where shifted codes lie, and warm: −3 °/s
+        // −3 °/s and a warm part are far from the values that bytes out of step give
         let twin = Twin::new(Spec { bias_dps: -3.0, ..Spec::from_seed(5) });
         let steps = Steps(Rc::new(Cell::new(usize::MAX)));
         let bus = Bus { spi: twin.spi(), steps: steps.clone() };
@@ -122,7 +122,7 @@ impl Bench {
         }
     }
 
-    /// Each reading without a recovery is true or an error. A recovery brings a reading.
+    /// Asserts that each reading before a recovery is correct or an error, and that a reading follows a recovery.
     fn assert_honest(&mut self, what: &str) {
         for _ in 0..3 {
             let edge = self.wait();

@@ -1,4 +1,4 @@
-//! The umbrella error takes each operation's.
+//! The error of each operation converts to [`Error`].
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
@@ -15,7 +15,7 @@ use crate::part::{Delay, Line, Part, Pin, PinRefusal, Wire, WireFault};
 type Any<SPI, RDY, PIN> =
     Error<<SPI as spi::ErrorType>::Error, <RDY as digital::ErrorType>::Error, <PIN as digital::ErrorType>::Error>;
 
-/// Everything that a program does, with one error.
+/// A function that does every operation and returns one type of error.
 fn all<SPI: SpiDevice, RDY: InputPin, PIN: OutputPin>(
     gyro: &mut Adis16130<SPI, RDY>,
     pin: &mut PIN,
@@ -46,7 +46,7 @@ fn outcome(
 }
 
 #[test]
-fn each_operation_widens_to_it() {
+fn the_error_of_each_operation_converts_to_error() {
     // the registers take F-30, but the data registers have their old values: nothing converts in this part
     assert!(matches!(outcome(Line::Low, 0, None), Err(Error::Init(_))));
     assert!(matches!(outcome(Line::Good, u32::MAX, None), Err(Error::Wait(WaitError::TimedOut { timeout_us: 100 }))));
@@ -68,7 +68,7 @@ fn each_operation_widens_to_it() {
 }
 
 #[test]
-fn an_error_around_another_says_what_that_one_says() {
+fn an_outer_error_has_the_text_of_the_inner_one() {
     let bus = || BusError::Transfer { register: Address::Mode, error: () };
     let around: [Error<(), (), ()>; 7] = [
         Error::Bus(bus()),

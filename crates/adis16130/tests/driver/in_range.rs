@@ -11,8 +11,7 @@ use crate::part::{Part, Pin, Wire};
 
 type Reading = Result<(f32, f32), ReadError<Infallible>>;
 
-/// A part that turns at this rate. At the fastest `sclk_hz` six bytes take a hundredth of a conversion, at the slowest
-/// ten.
+/// A twin that rotates at a constant rate, and its driver.
 struct Turning {
     twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,
@@ -27,7 +26,7 @@ impl Turning {
         Self { twin, gyro }
     }
 
-    /// When both channels have converted, and at any time after.
+    /// Readings at many phases of the conversions, once both channels have converted.
     fn readings(&mut self, count: usize) -> impl Iterator<Item = Reading> {
         self.twin.advance_ns(400_000);
         (0..count).map(move |n| {

@@ -1,5 +1,5 @@
-//! The sampler where edges announce rates and temperatures, and it must find out which. The machine in `tests/machine`
-//! and mutants of the sampler found these.
+//! Cases in which the sampler must find out which edges announce rates and which announce temperatures. The random
+//! tests in `tests/machine` and mutants of the sampler found these cases.
 
 use adis16130::{Channels, Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
@@ -11,8 +11,8 @@ struct Bench {
 }
 
 impl Bench {
-    /// With F-30's conversion of the rate, and one of the temperature that takes this many cycles. The clock is fast
-    /// by so many millionths.
+    /// A part whose rate conversion takes 527 cycles (F-30), its temperature conversion `temp_cycles`. The clock is
+    /// fast by `ppm` millionths.
     fn new(sampling: SamplerConfig, config: Config, temp_cycles: u32, ppm: f64) -> Self {
         let period_ns = f64::from(527 + temp_cycles) / 6e6 * 1e9 / (1.0 + ppm * 1e-6);
         Self { sampler: Sampler::new(sampling, &config, MCLK_HZ), period_ns, seq: 0 }
@@ -31,7 +31,7 @@ impl Bench {
         self.sampler.taken(&due)
     }
 
-    /// An edge without one.
+    /// An edge without a new rate.
     fn stale(&mut self, periods: f64) {
         let edge = self.edge(periods, 0);
         self.sampler.edge(edge).expect("due");
@@ -41,7 +41,7 @@ impl Bench {
 
 #[test]
 fn a_change_of_the_kind_leaves_the_period_alone() {
-    // The temperature takes 0.628 of the period, so a change looks nearly like a gap of one.
+    // The temperature takes 0.628 of the period, so a gap in which the kind changes looks nearly like a regular one.
     let config = Config::new().with_temp_conversion(ConversionTime::new(0x85));
     let mut bench = Bench::new(SamplerConfig::new(), config, 889, 0.0);
     let temps = (1..5).map(|k| (f64::from(k) + 0.154, 0));
@@ -55,7 +55,7 @@ fn a_change_of_the_kind_leaves_the_period_alone() {
 
 #[test]
 fn a_clock_that_is_fast_hides_no_change_of_the_kind() {
-    // 0.815 of the period: the edges of the rate lie close behind those of the temperature.
+    // The temperature takes 0.815 of the period, so a rate edge lies close behind each temperature edge.
     let config = Config::new().with_temp_conversion(ConversionTime::new(33));
     let mut bench = Bench::new(SamplerConfig::new(), config, 2_319, 11_531.0);
     let temps = (1..8).map(|k| (f64::from(k), 0));
@@ -71,7 +71,7 @@ fn without_rdyfn_the_first_loss_counts() {
     assert_eq!(bench.lost(1.0, 0), 0);
     bench.stale(1.5);
     assert_eq!(bench.lost(2.0, 0), 0);
-    [2.5, 3.0, 3.5].into_iter().for_each(|periods| bench.stale(periods)); // the part dropped one at 3.0 (F-33)
+    [2.5, 3.0, 3.5].into_iter().for_each(|periods| bench.stale(periods)); // the part dropped a rate at 3.0 (F-33)
     assert_eq!(bench.lost(4.0, 0), 1);
 }
 

@@ -27,7 +27,7 @@ fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     })
 }
 
-/// The value of the register: a code of 24 bits in the width of the configuration.
+/// Sets both data registers, as a conversion does, from codes of 24 bits.
 fn convert(part: &Rc<RefCell<Part>>, config: Config, rate: u32, temp: u32) {
     let drop = 24 - config.width().bits();
     let mut part = part.borrow_mut();
@@ -50,7 +50,7 @@ fn assert_no_reading(gyro: &mut Gyro, mode: Mode) {
 }
 
 #[test]
-fn a_part_that_was_never_initialised_has_none() {
+fn a_part_that_was_never_initialised_has_no_reading() {
     for (_part, mut gyro, _) in benches() {
         assert_no_reading(&mut gyro, Mode::new(0));
         let text = gyro.read_rate().unwrap_err().to_string();
@@ -80,7 +80,7 @@ fn a_reading_needs_a_conversion() {
 }
 
 #[test]
-fn a_reading_of_that_code_is_one() {
+fn a_conversion_to_the_reset_code_is_a_reading() {
     for (part, mut gyro, config) in benches() {
         gyro.restart().unwrap();
         convert(&part, config, 0x80_0000, 0x80_0000);
@@ -173,7 +173,7 @@ fn edges_before_the_first_conversion_give_no_sample() {
 
 #[test]
 fn a_part_that_runs_otherwise_than_written_is_a_fault() {
-    // a host that has started anew and does not initialise the part, which still converts to 24 bits
+    // the host has started anew and does not initialise the part, which still converts to 24 bits
     let part = Part::new();
     let config = Config::new().with_framing(Framing::Command);
     Adis16130::new(Wire(part.clone()), Pin::default(), config).init().unwrap();

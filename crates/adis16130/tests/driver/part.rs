@@ -23,17 +23,17 @@ pub const TABLE: [(u8, usize, u32, bool, bool); 13] = [
     (0x38, 1, 0x00, true, true),
 ];
 
-/// F-30, as the note prints it.
+/// The bytes of F-30, as AN-1042 prints them.
 pub const F30: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
 
-/// How the line spoils the bits.
+/// A fault of the SDO line.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Line {
     #[default]
     Good,
     High,
     Low,
-    /// These bits of the answer to a read of this register are flipped.
+    /// `Flip(register, bits)` flips these bits of the answer to a read of the register.
     Flip(u8, u8),
 }
 
@@ -47,9 +47,9 @@ pub struct Part {
     pub deaf_at: Option<u8>,
     /// The bus fails once this many transfers have gone through.
     pub fails_after: Option<usize>,
-    /// It works again after one failure.
+    /// The bus works again after one failure.
     pub fails_once: bool,
-    /// A read of the rate loads it from here. The next one is ready at once.
+    /// The rates that reads of RATEDATA return in turn, each ready at once.
     pub rates: VecDeque<u32>,
     /// A read of a data register wipes RDY of its channel status, as docs/facts.md says. Otherwise a status stays as
     /// it was set.
@@ -117,7 +117,7 @@ impl Part {
 
     fn start(&mut self, com: u8) {
         if com == 0xFF {
-            return; // of a reset that cut a command short
+            return; // part of a reset that cut a command short
         }
         assert_eq!(com & 0x80, 0, "b7 of COM is 0 (F-24)");
         self.feed(com);
@@ -183,7 +183,7 @@ impl Part {
         self.get(address)
     }
 
-    /// F-34, bit by bit.
+    /// Feeds the checksum bit by bit (F-34).
     fn feed(&mut self, byte: u8) {
         for n in (0..8).rev() {
             let fed_back = self.checksum >> 15 != 0;
@@ -260,7 +260,7 @@ pub struct PinState {
     pub refuses: Option<bool>,
 }
 
-/// The pin refuses.
+/// The error of a pin that cannot be set.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct PinRefusal;
 

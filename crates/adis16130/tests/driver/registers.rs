@@ -29,7 +29,7 @@ fn row<R: Readable>() -> (u8, usize, usize) {
 }
 
 #[test]
-fn every_register_is_where_part_md_has_it() {
+fn every_register_has_the_address_and_size_of_the_facts() {
     let rows = [
         row::<Iop>(),
         row::<Revision>(),
@@ -53,7 +53,7 @@ fn every_register_is_where_part_md_has_it() {
 }
 
 #[test]
-fn every_register_states_the_access_of_part_md() {
+fn every_register_states_the_access_of_the_facts() {
     for (address, bytes, _, readable, writable) in TABLE {
         let register = ALL.into_iter().find(|register| *register as u8 == address).unwrap();
         let expected = match (readable, writable) {
@@ -85,7 +85,7 @@ fn a_field_is_taken_out_of_its_register() {
 }
 
 #[test]
-fn every_writable_register_resets_to_the_value_of_part_md() {
+fn every_writable_register_resets_to_the_value_of_the_facts() {
     fn check<R: Writable>() {
         let (address, _, reset, _, writable) = TABLE.into_iter().find(|row| row.0 == R::ADDRESS as u8).unwrap();
         assert!(writable, "{address:02X}h");
@@ -101,7 +101,7 @@ fn every_writable_register_resets_to_the_value_of_part_md() {
 }
 
 #[test]
-fn the_others_reset_to_the_value_of_part_md() {
+fn every_read_only_register_resets_to_the_value_of_the_facts() {
     use adis16130::registers::Register;
     assert_eq!(Revision::RESET.bits(), 0x24);
     assert_eq!(AdcStatus::RESET.bits(), 0x00);

@@ -1,4 +1,4 @@
-//! `sample`: the order of reads, stale edges, faults, and the fate of a loss.
+//! `Adis16130::sample`: the order of reads, stale edges, faults, and the count of losses.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
@@ -42,7 +42,7 @@ fn reads_status_then_rate_then_temperature() {
     let mut bench = Bench::new(SamplerConfig::new());
     let sample = bench.edge(1, 0x08).unwrap().unwrap();
     let (status, rate, temp) = (vec![0x60, 0], vec![0x48, 0, 0, 0], vec![0x4A, 0, 0, 0]);
-    let look = [vec![0x62, 0], vec![0x78, 0], vec![0x62, 0]]; // whether there is a temperature
+    let look = [vec![0x62, 0], vec![0x78, 0], vec![0x62, 0]]; // the driver checks whether there is a temperature
     let first_frames = [vec![status.clone(), rate.clone()], look.to_vec(), vec![temp.clone()]].concat();
     assert_eq!(bench.part.borrow().frames, first_frames);
     bench.part.borrow_mut().frames.clear();

@@ -2,10 +2,10 @@
 
 use adis16130::{Channels, Config, Due, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
-/// Rate and temperature, 527 cycles each, at 6.000 MHz: 175.67 µs.
+/// Time of a conversion of rate and of temperature, 527 cycles each at 6.000 MHz, in ns: 175.67 µs (F-31).
 const PAIR_NS: f64 = 2.0 * 527.0 / 6e6 * 1e9;
 
-/// A small generator (PCG), so that the tests need no crate and repeat.
+/// A linear congruential generator, so that the tests need no crate and repeat.
 pub struct Random(pub u64);
 
 impl Random {
@@ -15,7 +15,7 @@ impl Random {
         (self.0 >> 33) as f64 / 2_f64.powi(31)
     }
 
-    /// Normal with mean 0 and sd 1, as a sum of twelve.
+    /// Normal with mean 0 and standard deviation 1, as a sum of twelve uniform numbers.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
@@ -120,7 +120,7 @@ fn learns_the_true_period_within_the_tolerance_of_the_clock() {
         assert_eq!(lost.iter().sum::<u32>(), 0, "{ppm} ppm");
         let error = sampler.rate_period_ns() / (PAIR_NS * scale) - 1.0;
         assert!(error.abs() < 2e-7, "{ppm} ppm: {error:e}");
-        // So well that a gap of half a second is counted to the sample.
+        // The period is known so well that a gap of half a second is counted exactly.
         assert_eq!(take(&mut sampler, at(5_999.0 * scale + 3_000.0 * scale, 5_999 + 5_999)), Some(2_999));
     }
 }
@@ -130,7 +130,7 @@ fn learns_the_period_once_the_edges_can_be_believed_again() {
     let mut random = Random(3);
     let scale = 1.012;
     let mut last: f64 = 0.0;
-    // late by up to a period, and at least 0.6 of one apart
+    // edges late by up to a period, and at least 0.6 periods apart
     let disturbed = ramp(3_000).map(|k| {
         last = (last + 0.6).max(k * scale + random.uniform());
         last
@@ -188,8 +188,8 @@ fn a_change_between_rate_and_temperature_edges_is_counted_by_what_it_costs() {
     // F-33). At the first change the sampler tells the two kinds apart, and then reports the losses.
     let times = [0.0, 1.0, 2.0, 3.5, 4.5, 5.5, 7.0, 8.0, 9.5, 10.5];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 1, 0, 0, 1, 0]);
-    // The same, starting from rate edges: after a sample without temperature the next rate comes half a period later,
-    // and nothing is lost. Then one way back.
+    // From rate edges on: after a sample without temperature the next rate comes half a period later, and nothing is
+    // lost. The last change goes back to rate edges, and costs a rate.
     let times = [0.0, 1.0, 2.0, 3.5, 4.0, 5.0, 6.5, 7.5, 9.0, 10.0];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 0, 0, 0, 1, 0]);
 }
@@ -319,7 +319,7 @@ impl DividedRdy {
         Edge { t_ns: 1_000_000_000 + (self.conversions * self.conversion_ns) as u64, seq: self.seq }
     }
 
-    /// Takes this many edges: the readings, and the losses.
+    /// Takes this many edges. Returns the numbers of readings and of losses.
     fn take(&mut self, edges: u32) -> (u32, u32) {
         let (mut readings, mut lost) = (0, 0);
         for _ in 0..edges {
@@ -463,7 +463,7 @@ fn an_edge_without_a_sample_breaks_the_silence() {
 fn readings_that_fail_again_and_again_get_rare() {
     let mut sampler = sampler(SamplerConfig::new());
     losses(&mut sampler, ramp(100));
-    // nothing is read, so an edge comes with each conversion: two seconds, then all is well again
+    // nothing is read for two seconds, so an edge comes with each conversion
     let conversions_a_s = (2e9 / PAIR_NS) as u32;
     let mut due = |from: u32| {
         let edges = from..from + conversions_a_s;

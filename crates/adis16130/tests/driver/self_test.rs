@@ -8,7 +8,7 @@ use crate::part::{Delay, Part, Pin, PinRefusal, Wire};
 /// One sample per batch, so that the scatter of the batches equals the scatter of the samples.
 const PLAN: SelfTestPlan = SelfTestPlan::new(16).with_settle_us(1_000);
 
-/// The rate alternates by ±0.1 °/s around 0, and around 1 °/s with the self-test.
+/// 0.1 °/s in codes. The rate alternates by this around 0, and around 1 °/s with the self-test.
 const SPREAD: u32 = 2_349;
 
 fn gyro(levels: usize) -> Adis16130<Wire, Pin> {
@@ -29,7 +29,7 @@ fn reports_the_shift_and_its_uncertainty() {
     let result = gyro(2).self_test(&mut pin, &mut delay, PLAN).unwrap();
     assert!((result.shift_dps - 1.0).abs() < 1e-6, "{result:?}");
     assert_eq!(result.n, 16);
-    // Per level: sample variance 0.1²·16/15, of the mean a sixteenth of it; the shift has two levels.
+    // The sample variance of a level is 0.1²·16/15, and that of its mean 0.1²/15. The shift is a difference of two.
     let u: f32 = 0.1 * (2.0_f32 / 15.0).sqrt();
     assert!((result.u_dps - u).abs() < 1e-5, "{result:?} instead of {u}");
     assert_eq!(pin.0.borrow().levels, [false, true, false]);
@@ -39,7 +39,7 @@ fn reports_the_shift_and_its_uncertainty() {
 #[test]
 fn an_error_with_the_pin_active_releases_it() {
     let mut pin = Pin::default();
-    // The rate dries up with the self-test active: a stale status, four times.
+    // With the self-test active the status shows no new rate, four times.
     let result = gyro(1).self_test(&mut pin, &mut Delay::default(), PLAN);
     assert!(matches!(result, Err(SelfTestError::Wait(_))), "{result:?}");
     assert_eq!(pin.0.borrow().levels, [false, true, false]);

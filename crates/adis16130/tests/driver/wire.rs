@@ -99,7 +99,7 @@ fn reads_in_both_framings_and_widths() {
         gyro.init().unwrap();
         part.borrow_mut().set(0x08, 0x1234);
         part.borrow_mut().set(0x0A, 0x5678);
-        gyro.read_both().unwrap(); // the first looks whether there is a reading
+        gyro.read_both().unwrap(); // the first call also checks that there is a reading
         part.borrow_mut().frames.clear();
         let (rate, temp) = gyro.read_both().unwrap();
         assert_eq!((rate.code(), temp.code(), rate.width(), temp.width()), (0x1234, 0x5678, width, width));

@@ -11,7 +11,7 @@ use crate::gyro::{Form, Gyro, call, on};
 use crate::judge::{Judge, Verdict};
 use crate::step::{Plan, ReadCall, Start, Step, WritableRegister};
 
-/// Longer than two conversions of the slowest kind.
+/// The longest wait for an edge: longer than two of the slowest conversions.
 const EDGE_WITHIN_NS: u64 = 20_000_000;
 
 pub struct Bench {
@@ -21,7 +21,7 @@ pub struct Bench {
     gyro: Gyro,
     sampling: SamplerConfig,
     sampler: Sampler,
-    /// What the host adds to the twin's time and number of an edge.
+    /// Offsets of the host's clock (ns) and of its count of edges from the twin's.
     clock: (u64, u32),
     newest: Option<Edge>,
     judge: Judge,
@@ -35,7 +35,7 @@ impl Bench {
             mclk_hz,
             sclk_hz: plan.sclk_hz,
             bit_error_rate: plan.bit_error_rate,
-            fault_at_s: Some(1e6), // not by themselves
+            fault_at_s: Some(1e6), // after the end of the test: only the steps set faults
             rdy: plan.rdy,
             ..Spec::from_seed(plan.seed)
         });
@@ -164,7 +164,7 @@ impl Bench {
         Ok(())
     }
 
-    /// Forgets the edges from before. A sampler that has seen too much is made anew.
+    /// Discards old edges, and tells the sampler of a restart. A sampler that was misled is replaced.
     fn tell_sampler(&mut self) {
         self.next_edge_within(0);
         self.newest = None;

@@ -1,4 +1,4 @@
-//! The twin's bus, in which something happens in the middle of a call.
+//! The twin's bus, on which a failure or a fault can happen in the middle of a call.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -6,7 +6,7 @@ use std::rc::Rc;
 use adis16130_twin::{Fault, Twin, TwinSpi};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 
-/// What happens on the bus once.
+/// A failure or fault that happens once.
 #[derive(Copy, Clone, Debug)]
 pub enum Trouble {
     /// The bus fails, or never answers an async call, which is then dropped.
@@ -15,7 +15,8 @@ pub enum Trouble {
     Fault(Fault),
 }
 
-/// The trouble that waits, with the bytes until then, and the one that has struck. Bus and bench share it.
+/// The trouble that is to come, with the number of bytes until then, and the trouble that has happened. The bus and
+/// the test share it.
 #[derive(Clone, Default)]
 pub struct Ahead(Rc<RefCell<Troubles>>);
 
@@ -34,12 +35,12 @@ impl Ahead {
         self.0.borrow_mut().ahead = None;
     }
 
-    /// The trouble that has struck since the last call.
+    /// The trouble that has happened since the last call.
     pub fn take_struck(&self) -> Option<Trouble> {
         self.0.borrow_mut().struck.take()
     }
 
-    /// The trouble of a transfer of this many bytes, and the bytes before it.
+    /// The trouble that happens in a transfer of `length` bytes, with the number of bytes before it.
     fn strike(&self, length: usize) -> Option<(usize, Trouble)> {
         let Troubles { ahead, struck } = &mut *self.0.borrow_mut();
         let (bytes, trouble) = (*ahead)?;
@@ -60,7 +61,7 @@ pub struct Bus {
     ahead: Ahead,
 }
 
-/// The bus failed.
+/// The error of a bus that failed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Cut;
 
@@ -79,8 +80,7 @@ impl Bus {
         Self { spi: twin.spi(), twin: twin.clone(), ahead: ahead.clone() }
     }
 
-    /// Carries out one operation, as far as it goes. The frame of a reset stays whole: only the trouble before it
-    /// counts.
+    /// Carries out one operation up to its trouble. The frame of a reset is sent whole or not at all.
     fn carry_out(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
         let [operation] = operations else { panic!("one operation per transaction: {operations:?}") };
         let (length, splits) = match operation {

@@ -1,4 +1,4 @@
-//! The driver in either form, behind one set of calls.
+//! The blocking or the async driver, behind one set of calls.
 
 use adis16130::blocking;
 use adis16130_twin::{Twin, TwinRdy};
@@ -42,7 +42,7 @@ macro_rules! call {
     };
 }
 
-/// Uses the driver in a way that needs no bus, and is the same in both forms.
+/// Uses the driver without its bus, by code that is the same for the blocking and the async driver.
 macro_rules! on {
     ($gyro:expr, $it:ident => $use:expr) => {
         match $gyro {
@@ -55,7 +55,8 @@ macro_rules! on {
 
 pub(crate) use {call, on};
 
-/// What the future gives at once. The twin's time passes by the call itself, so one that waits, waits for ever.
+/// The output of a future that is ready at once. Simulated time passes within a call, so a future that is not ready
+/// never will be.
 #[cfg(feature = "async")]
 pub fn polled<F: Future>(future: F) -> Option<F::Output> {
     use std::task::{Context, Poll, Waker};

@@ -1,4 +1,4 @@
-//! What the driver gave, beside the twin's truth.
+//! Compares the results of the driver with the twin's truth.
 
 use adis16130::{Channels, Config, ConversionTime, MIN_SCLK_HZ, RateCode, Sample, SamplerConfig, TempCode, Width};
 use adis16130_twin::{Conversion, Fault, Reading, Twin};
@@ -6,7 +6,7 @@ use adis16130_twin::{Conversion, Fault, Reading, Twin};
 use crate::bus::Trouble;
 use crate::ledger::{Ledger, SampleRecord};
 
-/// The rule that was broken.
+/// The error names the rule that was broken.
 pub type Verdict = Result<(), String>;
 
 pub struct Judge {
@@ -14,10 +14,10 @@ pub struct Judge {
     mclk_hz: f64,
     period_ns: f64,
     sampling: SamplerConfig,
-    /// The bus is fast enough (F-33).
+    /// The SPI clock is at least [`MIN_SCLK_HZ`] (F-33).
     is_fast: bool,
-    /// `lost` counts samples, and neither conversion is so short that its edges cannot be told from the other's before
-    /// the clock is learned.
+    /// `lost` counts samples, the bus is fast, and each conversion takes at least a quarter of the period. The edges
+    /// of a shorter one cannot be told from those of the other channel before the period is learned.
     counts: bool,
     /// The sampler finds out which edges announce rates.
     knows_edges: bool,
@@ -25,20 +25,20 @@ pub struct Judge {
     /// Numbers of the rate and of the temperature that the last sample had.
     handed: (u64, u64),
     fault: Fault,
-    /// Bits were flipped, or bytes of the host's own were sent. Part and driver may disagree until a restart.
+    /// Bits were flipped, or bytes were sent past the driver. Part and driver may disagree until a restart.
     spoiled: bool,
-    /// Conversions stopped or began anew, or an edge was none, and the sampler does not know. `lost` may be anything
-    /// until a restart.
+    /// Conversions stopped or began anew, or an edge was false, and the sampler does not know. `lost` may have any
+    /// value until a restart.
     uncounted: bool,
-    /// The line has lost edges, or a reading beside the sampler's has.
+    /// The line lost edges, or a reading outside the sampler took their data.
     edges_missing: bool,
-    /// The sampler was given edges while nothing was counted.
+    /// The sampler was given edges while [`uncounted`](Self::uncounted), so a restart does not put it right.
     bewildered: bool,
     /// A call was cut short, so nothing may be sent until a reset.
     interrupted: bool,
-    /// A fault set in during this call. A reading that it spoils in its middle cannot be told.
+    /// A fault set in during this call. The driver cannot detect it if it spoils a reading in its middle.
     struck: bool,
-    /// When a call began that may send nothing.
+    /// The start of a call that may send nothing, in ns of the twin's time.
     silent_from_ns: Option<u64>,
 }
 
@@ -67,9 +67,9 @@ impl Judge {
         judge
     }
 
-    // ---- what happens ----
+    // ---- events ----
 
-    /// A new sampler for another configuration.
+    /// Notes a new sampler for another configuration.
     pub fn configure(&mut self, config: &Config, sampling: SamplerConfig) {
         let (rate, temp) = cycles(config);
         self.period_ns = (rate + temp) * 1e9 / self.mclk_hz;
@@ -86,13 +86,13 @@ impl Judge {
         self.uncounted = true;
     }
 
-    /// The sampler was misled.
+    /// Notes that the sampler was misled, so that a new one is needed.
     pub fn bewilder(&mut self) {
         self.uncounted = true;
         self.bewildered = true;
     }
 
-    /// A call beside the sampler's may have taken a reading, with the edges that would have followed.
+    /// Notes that a call outside the sampler may have taken a reading, and the edges that would have followed.
     pub fn read_beside(&mut self) {
         self.edges_missing = true;
         self.ledger.read_beside();
@@ -113,13 +113,13 @@ impl Judge {
         }
     }
 
-    /// Another driver has the bus, and knows nothing.
+    /// Notes that another driver has the bus, without a record of the part.
     pub fn released(&mut self) {
         self.interrupted = false;
         self.spoil();
     }
 
-    /// The part was restarted, and the sampler is told. `false` = it has lost its way, and a new one is needed.
+    /// Notes that the part was restarted. `false` if the sampler was misled before, so that a new one is needed.
     pub fn restarted(&mut self) -> bool {
         let is_fit = !std::mem::take(&mut self.bewildered);
         if !is_fit {
@@ -184,7 +184,7 @@ impl Judge {
         Ok(())
     }
 
-    /// `learned_ns` is the sampler's period before the edge.
+    /// Checks the sample of an edge. `learned_ns` is the sampler's period before the edge.
     pub fn sample(&mut self, sample: Option<Sample>, edge_ns: u64, learned_ns: f64) -> Verdict {
         self.ledger.period(self.period_ns, learned_ns);
         self.bewildered |= self.uncounted;
@@ -209,7 +209,8 @@ impl Judge {
         self.ledger.enter(SampleRecord { lost: sample.lost, edge_ns, conversion }, self.period_ns)
     }
 
-    /// Without the status the driver must believe the edges, so none may be missing, and the bus must be fast enough.
+    /// Checks that a sample is not an old conversion. Without the status the driver relies on the edges: then none may
+    /// be missing, and the bus must be fast enough.
     fn is_new(&mut self, conversion: Conversion) -> Verdict {
         let before = std::mem::replace(&mut self.handed.0, conversion.number);
         let unbelievable = !self.sampling.read_status && (self.uncounted || self.edges_missing || !self.is_fast);
@@ -224,7 +225,7 @@ impl Judge {
     }
 }
 
-/// Whether a code is what a conversion gave.
+/// The conversion that a code comes from. An error if the part did not give this code.
 fn measured(what: &str, read: Option<Reading>, code: u32, width: Width) -> Result<Conversion, String> {
     let read = read.ok_or_else(|| format!("a {what} came without being read"))?;
     let expected = if width == Width::Bits16 { in_16_bits(read.code) } else { read.code };
@@ -234,7 +235,7 @@ fn measured(what: &str, read: Option<Reading>, code: u32, width: Width) -> Resul
     read.conversion.ok_or_else(|| format!("a {what} was never measured"))
 }
 
-/// F-43: rounded to nearest, ties away from the middle; the end of the scale stays.
+/// The 16-bit code of a 24-bit code: rounded to nearest, ties away from 2¹⁵, limited to 65 535 (F-43).
 fn in_16_bits(code24: u32) -> u32 {
     let middle = (f64::from(code24) - f64::from(1 << 23)) / 256.0;
     (32_768.0 + middle.round()).min(65_535.0) as u32

@@ -1,29 +1,29 @@
-//! The rule of `lost`: the conversions that the twin made, less the samples that were sample out.
+//! Checks `lost`: the sum must be the conversions that the twin made, less the samples that were handed out.
 //!
 //! The documentation of `Sampler` promises that each reported loss is real, and that each loss is reported within five
 //! samples. A host that reads late gets a newer conversion than its edge announced, so these five are samples that
 //! were read at once. The driver cannot know more than this:
 //!
-//! * A gap that is longer than the learned period carries is counted by the clock, to within one at either end.
-//! * A restart stops the conversions. What it cost is counted by the clock, to within one after such a gap.
-//! * Before the period is learned, a gap over which the clock moves an edge past its margin is one sample.
-//! * A reading beside the sampler's changes the kind of the edges, which is one sample.
-//! * With RDYFN = 0, or with conversions of two lengths, a wrong guess at the kind of the first edge is one sample.
+//! * A gap that is too long for the learned period is counted by the clock, to within one at either end.
+//! * A restart stops the conversions. The loss is counted by the clock, to within three.
+//! * Before the period is learned, a gap over which the clock moves an edge past its margin costs one sample.
+//! * A reading outside the sampler changes the kind of the edges (rate or temperature), which costs one sample.
+//! * With RDYFN = 0, or with conversions of two lengths, a wrong guess at the kind of the first edge costs one sample.
 //! * A first sample that was read late counts from its edge, or from its reading. An edge whose data is gone looks as
 //!   if it had been late, so what is missing between the first two samples need not be reported.
 //!
-//! From then on the sum of all losses stays within two of what it was.
+//! Once all losses are reported, the sum of reported less true losses stays within two of its value then.
 
 use adis16130_twin::Conversion;
 
-/// Samples after which a loss must have been reported.
+/// Number of samples after which a loss must have been reported.
 const REPORTED_WITHIN: u32 = 5;
 
-/// A gap of this many periods is counted exactly, from the first edge on: 4/α periods in gear 1. From conversion to
-/// conversion that may be one less.
+/// A gap of this many periods is counted exactly from the first edge on: 4/α = 8 periods between edges in gear 1, and
+/// one less between conversions.
 const REACH_AT_FIRST: f64 = 8.0 - 1.0;
 
-/// The same once this many samples have been taken without a gap: 4/α periods in gear 5.
+/// The limit after [`SAMPLES_TO_LEARN`] samples without a longer gap: 4/α = 128 periods in gear 5, less one.
 const REACH: f64 = 128.0 - 1.0;
 const SAMPLES_TO_LEARN: u32 = 300;
 
@@ -36,7 +36,7 @@ const LAG: f64 = 4.0;
 /// The true period over the nominal one, or its inverse, with the master clock off by 6 %.
 const MOST_CLOCK: f64 = 1.0 / 0.94;
 
-/// Of the sums, in samples.
+/// Rounding error of the sums, in samples.
 const ROUNDING: f64 = 1e-6;
 
 /// A sample of the driver beside the truth.
@@ -55,7 +55,7 @@ pub struct Ledger {
     last: Option<SampleRecord>,
     /// Reported less true losses.
     balance: f64,
-    /// What the balance may be once all losses have been reported. Before, it may be lower.
+    /// Bounds of the balance once all losses have been reported. Before, it may be lower.
     lowest: f64,
     highest: f64,
     /// Samples in a row that were read at once, with nothing lost.
@@ -70,20 +70,19 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Begins with a sampler. `knows_edges` = it finds out which edges announce
-    /// rates.
+    /// Begins with a sampler. `knows_edges` says whether it finds out which edges announce rates.
     pub fn new(knows_edges: bool) -> Self {
         let mut ledger = Self::default();
         ledger.doubt(if knows_edges { 0.0 } else { 1.0 });
         ledger
     }
 
-    /// The part was initialised anew, and the sampler knows.
+    /// Notes that the part was initialised anew, and that the sampler was told.
     pub fn restarted(&mut self) {
         self.restarted = true;
     }
 
-    /// Another call has read, or may have.
+    /// Notes that a call outside the sampler may have read.
     pub fn read_beside(&mut self) {
         self.read_beside = true;
     }
@@ -119,7 +118,7 @@ impl Ledger {
         0.0
     }
 
-    /// Samples missing between two.
+    /// Number of conversions lost between two samples.
     fn missing(&mut self, last: &SampleRecord, sample: &SampleRecord, restarted: bool, period_ns: f64) -> f64 {
         let periods = (sample.conversion.t_ns - last.conversion.t_ns) as f64 / period_ns;
         let reach = if self.learned > SAMPLES_TO_LEARN { REACH } else { REACH_AT_FIRST };

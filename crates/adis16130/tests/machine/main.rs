@@ -1,8 +1,8 @@
-//! The driver as a state machine: any order of calls, faults and time, judged by the twin.
+//! Random sequences of calls, faults and waits on the driver, judged by the twin.
 //!
-//! No step panics. A sample never has a conversion that a sample before had, and no reading is one that was never
-//! measured. `lost` is exact by the rule in `ledger.rs`. Behind a call cut short nothing is sent until a reset. A part
-//! that was mended starts.
+//! No step panics. No two samples have the same conversion, and no reading has a code that was never measured. `lost`
+//! is exact as `ledger.rs` states. After a call that was cut short nothing is sent until a reset. The part starts
+//! again once its faults are removed.
 //!
 //! `DRIVER_STEPS` is the number of steps, `DRIVER_SEED` the seed they are drawn from.
 
@@ -35,7 +35,7 @@ fn any_order_of_calls_faults_and_time() {
     println!("{} steps in {} runs, seed {seed}", steps.get(), round * u64::from(CASES));
 }
 
-/// Runs drawn from one seed, of up to 200 steps each.
+/// Number of runs from one seed, of up to 200 steps each.
 const CASES: u32 = 20;
 
 fn runner(seed: u64, round: u64) -> TestRunner {

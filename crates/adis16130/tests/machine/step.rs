@@ -1,4 +1,4 @@
-//! The steps of the machine, and how they are drawn. Shrinking leaves steps out, and makes numbers small.
+//! The steps of a run, and how they are drawn. Shrinking a failed run leaves steps out, and makes numbers small.
 
 use std::fmt;
 
@@ -31,13 +31,13 @@ pub enum Step {
     },
     Read(ReadCall),
     Start(Start),
-    /// Mends everything and initialises the part, as a host does after an error.
+    /// Removes all faults and initialises the part, as a host does after an error.
     Recover,
-    /// Another configuration, with a sampler for it.
+    /// Sets another configuration, and makes a sampler for it.
     Configure(Config, SamplerConfig),
     SelfTest,
     Write(WritableRegister, u8),
-    /// Bytes of the host's own.
+    /// Sends these bytes past the driver.
     Raw(Vec<u8>),
     /// The driver gives the bus back, and another one takes it.
     Release,
@@ -45,7 +45,7 @@ pub enum Step {
     Power(bool),
     Replug,
     Sync(bool),
-    /// Happens after so many bytes of the next call.
+    /// Makes this trouble happen after this many bytes.
     Ahead(u8, Trouble),
 }
 
@@ -71,7 +71,7 @@ pub enum ReadCall {
 #[derive(Copy, Clone, Debug)]
 pub enum Start {
     Restart,
-    /// The sampler does not learn of it.
+    /// A restart that the sampler is not told of.
     RestartInSecret,
     Reset,
     Init,
@@ -88,7 +88,7 @@ pub enum WritableRegister {
     TempCs,
 }
 
-/// A unit, its wires, and what happens.
+/// A unit, its wires, and the steps of the run.
 #[derive(Clone)]
 pub struct Plan {
     pub form: Form,
@@ -100,13 +100,13 @@ pub struct Plan {
     pub rdy: RdyOutput,
     pub config: Config,
     pub sampling: SamplerConfig,
-    /// What the host's clock and its count of edges begin with.
+    /// First value of the host's clock, in ns; `seq` is that of its count of edges.
     pub t_ns: u64,
     pub seq: u32,
     pub steps: Vec<Step>,
 }
 
-/// A step a line, since a failure prints all of them.
+/// Prints one step per line, since a failure prints all steps.
 impl fmt::Debug for Plan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { form, seed, rotation_dps, clock_ppm, sclk_hz, bit_error_rate, rdy, .. } = self;
@@ -202,7 +202,7 @@ fn step() -> impl Strategy<Value = Step> {
     prop_oneof![60 => samples, 12 => time, 14 => calls, 1 => strange, 4 => faults, 4 => Just(Step::Recover)]
 }
 
-/// At once, late by less than a conversion, by several periods, or by milliseconds.
+/// The host is prompt, or late by less than a conversion, by several periods, or by milliseconds.
 fn late_ns() -> impl Strategy<Value = u32> {
     prop_oneof![10 => Just(0), 4 => 0..90_000_u32, 4 => 0..2_000_000_u32, 1 => 0..50_000_000_u32]
 }
