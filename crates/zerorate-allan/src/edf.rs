@@ -293,14 +293,14 @@ mod tests {
 
     /// NIST SP 1065 section 5.4.2: b T/τ − c.
     #[test]
-    fn total() {
+    fn totdev_has_the_published_degrees_of_freedom() {
         assert_eq!(edf(Stat::Totdev, 0, 10, 1001), 150.0);
         assert!((edf(Stat::Totdev, -1, 10, 1001) - 116.78).abs() < 1e-9);
         assert!((edf(Stat::Totdev, -2, 10, 1001) - 92.64).abs() < 1e-9);
     }
 
     #[test]
-    fn at_the_ends() {
+    fn absurd_lengths_give_at_least_one_degree_of_freedom_or_none() {
         for stat in Stat::ALL {
             for alpha in -9..9 {
                 assert_eq!(edf(stat, alpha, 0, 100), 0.0);

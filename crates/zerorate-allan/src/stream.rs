@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn is_the_allan_deviation_of_the_record() {
+    fn a_stream_has_the_allan_deviation_of_the_record() {
         let codes = codes(1000);
         let stream = stream(&codes, 0);
         for octave in 0..9 {

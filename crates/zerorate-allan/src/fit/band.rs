@@ -1,9 +1,9 @@
 //! The frequency up to which the model describes the noise. Above it the sensor's filter shapes the noise.
 //!
-//! N is the density at frequency 0 of noise that a filter shapes above some frequency. Fitted to the lowest part of
-//! the spectrum, N is right but uncertain. Each step up makes N more certain, until a shape of few terms no longer
-//! follows the filter. A step is fair if it agrees with all lower ones, and the most certain fair step is taken
-//! (Lepski 1991). The lowest step may be off by chance, so the longest chain of steps that agree counts.
+//! N² is the density at frequency 0 of noise that a filter shapes above some frequency. Fitted to the lowest part of
+//! the spectrum, N is right but uncertain. Each higher end makes N more certain, until a shape of few terms no longer
+//! follows the filter. An end is fair if its N agrees with those of all lower ends, and the highest fair end is taken
+//! (Lepski 1991). The lowest end may be off by chance, so the longest chain of ends that agree counts.
 
 use super::MOST_ERROR;
 use super::density::Table;
@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 /// `FEWEST_COEFFICIENTS` coefficients.
 const STEPS_DOWN: u32 = 14;
 const FEWEST_COEFFICIENTS: f64 = 1500.0;
-/// Least share of white noise in the power of the plateau bin. With less, the plateau is not seen.
+/// Least share of white noise in the power of the [`plateau`] bin. With less, the plateau is not seen.
 const PLATEAU: f64 = 0.7;
 /// Standard deviations by which two upper ends may differ in ln N. At 3 a record without a filter loses half an octave
 /// in 3 of 100 cases, at 3.5 in none.

@@ -112,7 +112,7 @@ pub(super) fn shape_angle(f_hz: f64, rate_hz: f64, top_hz: f64) -> f64 {
     2.0 * libm::asin(if f_hz < top_hz { ratio.min(1.0) } else { 1.0 })
 }
 
-/// cos jθ − 1.
+/// cos jθ − 1 for j = 1, 2 …, by which the coefficients of the band shape are multiplied.
 fn cosines(angle: f64) -> [f64; MOST_COSINES] {
     core::array::from_fn(|j| libm::cos((j + 1) as f64 * angle) - 1.0)
 }

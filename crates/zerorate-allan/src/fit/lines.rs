@@ -117,7 +117,7 @@ fn level(x: &[f64], y: &[f64], mask: &[bool], j: usize) -> f64 {
     median(part.into_iter().map(|i| y[i] - slope * (x[i] - x[j])).collect())
 }
 
-/// The median.
+/// The median; 0 without values.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     match values.len() {

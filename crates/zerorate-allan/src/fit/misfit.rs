@@ -31,7 +31,8 @@ pub(super) struct OffCurve {
 }
 
 impl OffCurve {
-    /// Compares the curve with the model: the likelihood leaves out lines, and its error covers the fast noise only.
+    /// Compares the curve with the model. `None` if they agree. The likelihood does not check this: it leaves out
+    /// lines, and its model error covers the fast noise only.
     pub(super) fn of(measured: &[Deviation], curves: &Curves<'_>, model: &Model) -> Option<Self> {
         let tail = OFF_BY_CHANCE / measured.len().max(1) as f64 / 2.0;
         let ratio = |found: &Deviation| found.dev / libm::sqrt(model.measured_variance(found.m));

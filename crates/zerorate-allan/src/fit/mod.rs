@@ -265,7 +265,7 @@ const TWO_SIDED_95: f64 = 1.959963984540054;
 pub const FEWEST_SAMPLES: u64 = 256;
 /// Largest number of steps that are removed. More steps belong to the noise itself.
 const MOST_STEPS: usize = 3;
-/// Largest score that is not a step. 1 of 200 hours without a step has a larger score.
+/// Largest score that is not a step, in standard deviations. 1 of 200 one-hour records without a step exceeds it.
 const STEP_LIMIT: f64 = 5.0;
 
 /// The reasons why a record has no model.

@@ -1,4 +1,4 @@
-//! Detects a period in the slow noise, from heating, air conditioning or a bench that is switched. Its few
+//! Detects a period in the slow noise, from heating, air conditioning or equipment that is switched. Its few
 //! coefficients look like a random walk.
 
 use super::density::LOW;

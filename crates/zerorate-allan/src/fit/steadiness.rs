@@ -1,4 +1,4 @@
-//! Steadiness: whether the record is the same from one part to the next.
+//! Compares the noise in the parts of a record.
 
 use super::curve::{BLOCKS, Curves};
 use super::model::Model;

@@ -50,7 +50,7 @@ impl Truth {
     }
 }
 
-/// The noise for which the project's goals are stated, in an hour: 0.56 °/√h, a floor of 6.25 °/h, 2e-4 °/s/√s.
+/// Noise of a one-hour record like an ADIS16130's: N = 0.56 °/√h, a floor of 6.25 °/h (0.664·B), K = 2e-4 °/s/√s.
 const HOUR: Truth = Truth { n: 0.56 / 60.0, b: 6.25 / 3600.0 / 0.664, k: 2e-4, q: 0.0, sigma: 0.0, tau_s: 1.0 };
 
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
@@ -61,7 +61,7 @@ fn uniform(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// The Box–Muller method.
+/// Standard normal numbers, by the Box–Muller method.
 fn normal(seed: u64) -> impl FnMut() -> f64 {
     let mut uniform = uniform(seed);
     move || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (2.0 * PI * uniform()).cos()
@@ -108,9 +108,9 @@ fn white_noise_has_the_interval_of_a_variance() {
     assert!(codes(&fit).contains(&"not-identified"));
 }
 
-/// An absent coefficient has an upper limit, which is never zero or next to it: it goes into files.
+/// Files for filters hold the upper limit of an absent coefficient, so it must not be near zero.
 #[test]
-fn an_upper_limit_is_none_of_zero() {
+fn the_upper_limit_of_an_absent_coefficient_is_above_zero() {
     for seed in 90..102 {
         let rate = Truth { n: 0.01, ..Truth::default() }.noise(30_000, seed);
         let fit = of(&rate);
@@ -146,7 +146,7 @@ fn a_slow_process_that_flicker_explains_is_flicker() {
 }
 
 #[test]
-fn quantisation_has_its_letter_and_a_low_pass_has_a_shape() {
+fn quantisation_gives_q_and_a_low_pass_gives_a_shape() {
     let fit = of(&Truth { q: 2e-4, ..HOUR }.noise(180_000, 4));
     let q = fit.q.unwrap();
     assert!(near(q.value, 2e-4, 0.03) && near(fit.n.value, HOUR.n, 0.02), "{fit:?}");
@@ -161,7 +161,8 @@ fn quantisation_has_its_letter_and_a_low_pass_has_a_shape() {
     let fit = of(&filtered);
     assert!(matches!(fit.terms[..], [Term::BandShape { .. }]) && fit.q.is_none(), "{:?}", fit.terms);
     assert!(near(fit.n.value, 0.01, 0.01), "{:?}", fit.n);
-    // A longer memory, 3 samples, beside flicker: with cosines alone N was 4 % too small and B 20 % too large.
+    // White noise behind a low-pass of 3 samples, beside flicker. With cosines alone, without a pole, N was 4 % too
+    // small and B 20 % too large.
     let (white, flicker) = (Truth { n: HOUR.n, ..Truth::default() }, Truth { n: 0.0, ..HOUR });
     let keep = (-1.0f64 / 3.0).exp();
     let mut before = 0.0;
@@ -179,7 +180,7 @@ fn quantisation_has_its_letter_and_a_low_pass_has_a_shape() {
     assert!(near(fit.n.value, HOUR.n, 0.01) && near(fit.b.value, HOUR.b, 0.25), "{:?} {:?}", fit.n, fit.b);
 }
 
-/// A sum with such a number loses the digits of the other samples. N was 1e97 and more.
+/// A sum with a huge number loses the digits of the other samples, which once gave an N of 1e97.
 #[test]
 fn one_absurd_sample_changes_nothing() {
     let clean = Truth { n: 1e-4, ..Truth::default() }.noise(4_000, 6);
@@ -209,7 +210,7 @@ fn one_impossible_sample_changes_nothing() {
 }
 
 #[test]
-fn a_step_is_taken_out_and_said() {
+fn a_step_is_removed_and_reported() {
     let mut rate = HOUR.noise(360_000, 7);
     rate[200_000..].iter_mut().for_each(|rate| *rate += 0.05);
     let fit = of(&rate);
@@ -232,7 +233,7 @@ fn steps_do_not_depend_on_the_unit() {
     assert_eq!([1e-12, 1.0, 1e12].map(steps), [(0, 0); 3]);
 }
 
-/// 40 % lost one by one: averages over the rest have more white noise, by which N was 27 % too large.
+/// 40 % of the samples are lost one by one. Averages over the rest have more white noise, which made N 27 % too large.
 #[test]
 fn losses_leave_n() {
     let mut rate = HOUR.noise(200_000, 8);
@@ -285,7 +286,7 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
         }
     }
     assert!(near(ratios / freedom, 1.0, 0.05), "{}", ratios / freedom);
-    // bins of tapered segments once counted up to 1.7 times, and B was surer than it is
+    // bins of tapered segments once counted up to 1.7 times, which made the interval of B too narrow
     assert!(freedom <= coefficients, "{freedom} degrees of freedom in {coefficients} coefficients");
 }
 
@@ -307,7 +308,7 @@ fn white_noise_with_one_gap_is_what_the_bins_expect() {
     }
 }
 
-/// A register that is read before its first conversion, or after its last.
+/// The first or the last sample may come from a register without a conversion.
 #[test]
 fn glitches_at_the_ends_are_cut() {
     let noise = HOUR.noise(60_000, 43);
@@ -320,7 +321,7 @@ fn glitches_at_the_ends_are_cut() {
     }
 }
 
-/// Glitches side by side, in one of a thousand samples. Each of them removes only its own sample.
+/// Glitches in one of a thousand samples, some of them adjacent. Each removes only its own sample.
 #[test]
 fn glitches_do_not_hide_each_other() {
     let mut rate = HOUR.noise(200_000, 43);

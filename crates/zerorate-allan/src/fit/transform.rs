@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn is_its_definition() {
+    fn the_cosine_transform_is_its_definition() {
         for n in [2, 4, 10, 60, 96] {
             let x = samples(n);
             let found = cosine_transform(&x).unwrap();

@@ -167,11 +167,11 @@ fn gaps_are_left_out() {
         let one = deviations(&input, 1.0, Stat::Oadev, &[1])[0].unwrap();
         assert_eq!(one.n, 4);
         assert_close(one.dev, ((4.0 + 1.0 + 4.0 + 16.0) / 8.0f64).sqrt(), 1e-15, "m = 1");
-        // averages 2, 2.5, 3, one of 4 alone, of 5 alone, 7, of 9 alone, and nothing at last
+        // averages of two samples: 2, 2.5, 3, only one sample (4), only one (5), 7, only one (9), none
         let two = deviations(&input, 1.0, Stat::Oadev, &[2])[0].unwrap();
         assert_eq!(two.n, 1);
         assert_close(two.dev, 0.5f64.sqrt(), 1e-15, "m = 2");
-        // 2.5 and 7 of two, whose samples have the variance 8; 3 of three with the variance 1, and 7
+        // averages of four: 2.5, and 7 of two samples with the variance 8; 3 of three with the variance 1, and that 7
         let four = deviations(&input, 1.0, Stat::Oadev, &[4])[0].unwrap();
         assert_eq!(four.n, 2);
         let squares = (20.25 - 8.0 / 4.0) + (16.0 - 1.0 / 12.0 - 8.0 / 4.0);
@@ -343,7 +343,7 @@ fn all(input: &Input<'_>, m: &[u64]) -> Vec<f64> {
 }
 
 const EVERY_PATH: [u64; 5] = [1, 16, 1024, 1 << 16, 1 << 17];
-/// Averages of each of [`EVERY_PATH`] fill it.
+/// A record length that averages of each length in [`EVERY_PATH`] fill.
 const WHOLE: usize = 3 << 17;
 
 #[test]

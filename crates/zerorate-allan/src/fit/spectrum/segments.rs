@@ -20,8 +20,8 @@ const TOGETHER: usize = 32;
 const NEIGHBOURS: usize = 16;
 /// Lags with a smaller share of the pairs do not count.
 const FEWEST_PAIRS: f64 = 1e-3;
-/// Largest number of values in a mean that is subtracted before gaps become zero. Slow wander would else leak from the
-/// gaps into every frequency.
+/// Largest number of values in a mean that is subtracted before gaps become zero. Otherwise slow wander would leak
+/// from the gaps into every frequency.
 const WANDER: usize = 512;
 
 /// The power of a level at frequencies 0, 1 … of its segments.

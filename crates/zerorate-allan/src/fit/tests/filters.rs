@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// White noise whose density at frequency 0 is that of N = 0.1 after a filter of gain 1 there.
+/// N of the white noise. Filters with gain 1 at frequency 0 do not change it.
 const N: f64 = 0.1;
 
 fn white(n: usize, seed: u64) -> Vec<f64> {
@@ -92,7 +92,7 @@ fn gaps_of_any_length_leave_n_alone() {
     assert!(inside >= 9, "{inside} of 10");
 }
 
-/// Bursts of up to twice this length; 0 loses samples one by one.
+/// Loses a quarter of the samples in bursts of up to twice the length `burst`, or one by one if `burst` is 0.
 fn lose_a_quarter(x: &mut [f64], burst: usize, seed: u64) {
     let mut draw = uniform(seed);
     let mut lost = 0;
@@ -104,7 +104,7 @@ fn lose_a_quarter(x: &mut [f64], burst: usize, seed: u64) {
     }
 }
 
-/// Longer than one transform: every bin has the density, and random walk does not leak into the segments.
+/// A record longer than one transform: every bin has the density, and random walk does not leak into the segments.
 #[test]
 fn a_long_record_has_the_same_spectrum() {
     let truth = Truth { n: 0.01, k: 2e-3, ..Truth::default() };
@@ -205,7 +205,7 @@ fn a_low_pass_of_all_noise_leaves_the_coefficients() {
     }
 }
 
-/// Cosines alone follow such a filter slowly: N was 14 % off, within an interval that excluded it in 15 of 16 records.
+/// Cosines alone follow a second-order filter slowly: N was 14 % off, and 15 of 16 intervals excluded the true N.
 #[test]
 fn a_slow_low_pass_of_the_second_order_leaves_n() {
     let mut inside = 0;
@@ -224,7 +224,7 @@ fn a_slow_low_pass_of_the_second_order_leaves_n() {
     assert!(inside >= 4, "{inside} of 6");
 }
 
-/// One sample behind a filter, or of correlated noise, was advised as enough, since the next one differs so little.
+/// Adjacent samples behind a filter, or of correlated noise, differ little. One sample is not enough for the bias yet.
 #[test]
 fn a_filter_does_not_shorten_the_average_for_the_bias() {
     let averaging_s = |rate: &[f64]| match advice(&of(rate)).unwrap().averaging {
@@ -242,7 +242,7 @@ fn a_filter_does_not_shorten_the_average_for_the_bias() {
     }
 }
 
-/// N of the other reading.
+/// N in the other explanation of the spectrum.
 fn other_n(fit: &Fit) -> Option<f64> {
     fit.warnings.iter().find_map(|warning| match warning {
         AllanWarning::MemoryOrFilter { n, .. } => Some(*n),
@@ -280,7 +280,8 @@ fn slow_noise_that_joins_behind_a_low_pass_leaves_n() {
     }
 }
 
-/// White noise is nowhere a tenth of the density: N was 0.3 to 2 % of the truth, and identified in one of four.
+/// White noise is below a tenth of the density everywhere. N once was 0.3 to 2 % of the truth, and identified in one
+/// of four records.
 #[test]
 fn white_noise_that_is_nowhere_seen_is_not_identified() {
     let slow = Truth { n: 0.0, ..HOUR };
@@ -295,7 +296,8 @@ fn white_noise_that_is_nowhere_seen_is_not_identified() {
     }
 }
 
-/// Noise correlated over five samples has the density of a filter: N was twice the truth, with a narrow interval.
+/// Noise correlated over five samples looks like filtered white noise. That explanation alone gave twice the true N,
+/// with a narrow interval.
 #[test]
 fn a_memory_of_few_samples_gives_both_n() {
     let tau_s = 5.0 / RATE_HZ;

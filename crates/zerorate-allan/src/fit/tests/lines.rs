@@ -47,7 +47,7 @@ fn the_power_of_a_sine_is_counted_once() {
 /// A sine of 200 times the noise would leak all over the spectrum. It is removed. If it lasts for half of the record
 /// only, it stays, and N is several times too large.
 #[test]
-fn a_line_that_drowns_the_noise_is_taken_out_or_said() {
+fn a_line_that_drowns_the_noise_is_removed_or_reported() {
     let said = |rate: &[f64]| {
         let fit = of(rate);
         let said = fit.warnings.iter().find(|warning| warning.code() == "leakage").map(ToString::to_string);
@@ -84,9 +84,9 @@ fn a_curve_off_the_model_is_reported() {
     }
 }
 
-/// A slow line hardly leaks into the whole spectrum, but into the slow noise beside it: B was 0 for one of 9 °/h.
+/// A slow line leaks only into the slow noise beside it. B was 0 where the true B is 9 °/h.
 #[test]
-fn a_slow_line_that_hides_the_flicker_is_taken_out_or_said() {
+fn a_slow_line_that_hides_the_flicker_is_removed_or_reported() {
     let noise = HOUR.noise(360_000, 26);
     let with = |hz: f64, amplitude: f64, from: usize| {
         let sine =
@@ -101,7 +101,7 @@ fn a_slow_line_that_hides_the_flicker_is_taken_out_or_said() {
     assert!(codes(&with(0.01, 0.05, 180_000)).contains(&"leakage"));
 }
 
-/// One transform does not see a record with gaps, and the segments of its levels are too short for a slow line.
+/// A record with gaps has no transform of the whole, and the segments of its levels are too short for a slow line.
 #[test]
 fn a_slow_line_beside_gaps_is_taken_out() {
     let sine = |i: usize| 0.05 * (2.0 * PI * 0.01 * i as f64 / RATE_HZ + 0.3).sin();
@@ -114,7 +114,6 @@ fn a_slow_line_beside_gaps_is_taken_out() {
     assert!(!codes(&fit).contains(&"leakage") && lines(&fit).len() == 1);
 }
 
-/// Nobody records for nineteen years.
 #[test]
 fn an_impractical_length_is_not_advised() {
     let said = |needed_s| AllanWarning::NotIdentified { noise: Noise::RateRandomWalk, record_s: 60.0, needed_s };

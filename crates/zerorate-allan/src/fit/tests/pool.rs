@@ -4,7 +4,7 @@ use super::*;
 
 fn pool_of(rates: &[Vec<f64>]) -> Result<Pool, PoolError> {
     let fits: Vec<Fit> = rates.iter().map(|rate| of(rate)).collect();
-    // nothing else is kept of a record that was cleaned
+    // only the cleaned rate is kept of a record that was cleaned
     let kept = rates.iter().zip(&fits).map(|(rate, fit)| if fit.cleaned.rate.is_some() { &[][..] } else { rate });
     let record = |(rate, fit)| PoolRecord { rate, rate_hz: RATE_HZ, fit };
     fit_pool(&kept.zip(&fits).map(record).collect::<Vec<_>>())
@@ -30,7 +30,7 @@ fn a_pool_is_surer_than_its_records() {
 /// Units whose N differs by 3 % are one type, and the interval of their mean allows for it. A unit with twice the
 /// noise or another slow noise is named.
 #[test]
-fn a_pool_states_its_spread_and_names_who_does_not_fit() {
+fn a_pool_states_its_spread_and_names_the_outliers() {
     let unit = |part: f64, seed: u64| Truth { n: HOUR.n * part, ..HOUR }.noise(180_000, seed);
     let mut rates = vec![unit(0.97, 70), unit(1.0, 71), unit(1.03, 72)];
     let pool = pool_of(&rates).unwrap();
@@ -58,7 +58,7 @@ fn a_pool_states_its_spread_and_names_who_does_not_fit() {
 
 /// The sum of the likelihoods follows the loudest record, which once stayed while three that agree were left out.
 #[test]
-fn one_that_drowns_the_others_is_the_exception_and_so_is_one_that_is_still() {
+fn a_record_that_is_louder_or_quieter_than_the_others_is_the_outlier() {
     let quiet = |seed| Truth { n: 0.01, ..Truth::default() }.noise(100_000, seed);
     let loud = |seed| Truth { n: 0.01, k: 0.02, ..Truth::default() }.noise(100_000, seed);
     for (rates, exception) in
@@ -72,7 +72,7 @@ fn one_that_drowns_the_others_is_the_exception_and_so_is_one_that_is_still() {
 }
 
 #[test]
-fn a_pool_is_of_records_of_one_setting() {
+fn one_record_or_different_rates_are_not_a_pool() {
     let rate = HOUR.noise(20_000, 75);
     let fit = of(&rate);
     let at = |rate_hz| PoolRecord { rate: &rate, rate_hz, fit: &fit };

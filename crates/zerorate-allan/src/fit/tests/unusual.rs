@@ -3,7 +3,7 @@
 use super::*;
 use crate::Cause;
 
-/// In so short a record, a tenth of its bins may be off by 1.2. That was once called a resonance.
+/// In a short record, the power of a tenth of the bins may be off by chance. That was once called a resonance.
 #[test]
 fn white_noise_of_any_length_is_not_rejected() {
     for length in [300, 600, 1000, 2000, 5000] {
@@ -17,7 +17,8 @@ fn white_noise_of_any_length_is_not_rejected() {
     }
 }
 
-/// Student's t with 3 degrees of freedom has samples of any size, and none is a glitch. N was 11 % too small.
+/// Student's t with 3 degrees of freedom has samples of any size, and none is a glitch. Cutting them made N 11 % too
+/// small.
 #[test]
 fn a_heavy_tail_is_noise_and_what_stands_alone_is_a_glitch() {
     let mut draw = normal(4100);
@@ -39,7 +40,7 @@ fn a_heavy_tail_is_noise_and_what_stands_alone_is_a_glitch() {
 fn a_record_whose_power_comes_and_goes_is_motion() {
     let mut rate = Truth { n: 0.005, ..Truth::default() }.noise(60_000, 4200);
     for (window, part) in rate.chunks_exact_mut(1000).enumerate() {
-        // the motion of a hand, now more, now less
+        // motion of a hand, whose size varies by a factor of 50
         let sway = 0.02 * 50f64.powf(0.5 + 0.5 * (0.9 * window as f64).sin());
         part.iter_mut().enumerate().for_each(|(i, rate)| *rate += sway * (0.006 * i as f64 * PI).sin());
     }
@@ -56,7 +57,7 @@ fn the_advice_is_never_a_record_as_short_as_this_one() {
     }
 }
 
-/// Air conditioning made K 2.4 times too large, and a sine 2.9 times, without a word.
+/// Air conditioning made K 2.4 times too large, and a sine 2.9 times, without a warning.
 #[test]
 fn a_period_is_not_taken_for_a_random_walk() {
     let period_of = |rate: &[f64]| {
