@@ -7,7 +7,7 @@ use zerorate_allan::FLOOR_PER_B;
 /// Lowest frequency of the flicker noise, Hz (M-04).
 pub const FLICKER_CUTOFF_HZ: f64 = 1e-4;
 
-/// Highest frequency of modelled flicker, Hz: a hundred times the one where it equals the white noise of F-02.
+/// Highest frequency of modelled flicker, Hz. At 0.012 Hz already it equals the white noise of F-02.
 const FLICKER_TOP_HZ: f64 = 10.0;
 /// Number of first-order processes that make up the 1/f spectrum: two per octave.
 const CELLS: usize = 34;

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct Contribution {
     /// The coefficient, `PBC` or `BTC`.
     pub of: &'static str,
-    /// Where the uncertainty comes from.
+    /// Name of the source.
     pub source: &'static str,
     /// Standard uncertainty from this source: °/s for PBC, °/s/°C for BTC.
     pub u: f64,

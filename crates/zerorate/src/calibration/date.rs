@@ -58,7 +58,7 @@ mod tests {
 
     /// The examples of RFC 3339, section 5.8, and a leap day.
     #[test]
-    fn times_of_the_standard() {
+    fn the_times_of_rfc_3339_are_valid() {
         for time in [
             "1985-04-12T23:20:50.52Z",
             "1996-12-19T16:39:57-08:00",
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn no_day_that_there_is_not() {
+    fn a_day_that_does_not_exist_is_refused() {
         for time in [
             "2026-13-01T12:00:00Z",
             "2026-00-01T12:00:00Z",

@@ -38,8 +38,8 @@ struct Limits {
 const CURVE: [&str; 2] = ["btc2_dps_per_c2", "btc3_dps_per_c3"];
 
 impl Limits {
-    /// The range of the part (F-08), 250 times its temperature coefficient (F-05), and temperatures around its
-    /// specified range.
+    /// The limits of an ADIS16130: its range (F-08), 250 times its temperature coefficient (F-05), and temperatures
+    /// somewhat beyond its operating range (F-08).
     const ADIS16130: Self = Self {
         pbc_dps: match Axis::ADIS16130.range_dps {
             Some(range_dps) => range_dps,

@@ -279,7 +279,7 @@ mod tests {
     use alloc::vec;
 
     #[test]
-    fn a_timed_step_ramps_where_there_is_way_and_time_and_else_holds() {
+    fn a_timed_step_ramps_if_temperature_and_time_change_and_otherwise_holds() {
         let step = |c_per_min, hold_s| Some(Step { to_c: 50.0, c_per_min, end: StepEnd::Hold(hold_s) });
         let to_half = |from: (f64, f64)| timed(from, (600.0, 50.0), 60.0);
         assert_eq!(to_half((0.0, 20.0)), step(Some(3.0), 60.0));
@@ -304,7 +304,7 @@ mod tests {
     /// √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04); there the Allan deviation is √(N²/τ + floor² + K²τ/3) = 0.00189 °/s,
     /// and 0.04 °/s/°C (F-05) reaches that over 154 s with a drift of 0.0184 °C/min.
     #[test]
-    fn averages_are_as_long_as_the_allan_deviation_says_and_drift_hides_below_it() {
+    fn averages_last_to_the_lowest_allan_deviation_and_the_drift_stays_below_it() {
         let (plan, part) = (plan(), Part::ADIS16130);
         assert_eq!(plan.average_s(None, &part, &[None]), 154.0);
         assert_eq!(plan.average_s(None, &part, &[Some(0.025)]), 307.0);

@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn it_goes_on_with_nothing_else_and_with_nothing_damaged() {
+    fn a_text_of_another_measurement_or_with_damage_is_refused() {
         let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");
         let parse = |text: &str, plan, device, serial| Saved::parse(text, plan, &Part::ADIS16130, device, serial);
         for (plan, device, serial, what) in [

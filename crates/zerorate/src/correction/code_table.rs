@@ -130,7 +130,7 @@ mod tests {
 
     /// F-52, all thirteen rows, in millionths.
     #[test]
-    fn table_of_the_note() {
+    fn the_table_of_f52() {
         let mut rows = [7; 15];
         let correction = Correction::line(1.0, -0.04, 25.0);
         assert_eq!(correction.fill_table(0.02, 0.12, &mut rows), Ok(13));
@@ -157,7 +157,7 @@ mod tests {
         ((from_middle * step - place).abs() << 40) / step
     }
 
-    /// Codes all over the range and every code near T3, for the note's step and for odd ones.
+    /// Codes all over the range and every code near T3, for the step of AN-1042 (0.02 °C) and for odd steps.
     #[test]
     fn codes_find_the_nearest_row() {
         for (step_uc, half) in [(20_000, 100), (20_000, 6), (333_333, 150), (1, 3), (1_000_000, 60)] {
@@ -195,7 +195,7 @@ mod tests {
 
     /// Half a step beyond its first and its last row the table ends, for every code around both ends.
     #[test]
-    fn outside_is_told_and_held() {
+    fn a_temperature_beyond_the_table_gives_none_or_the_end_row() {
         let correction = Correction::line(0.0, -0.04, 25.0);
         let mut rows = [0; 13];
         correction.fill_table(0.02, 0.12, &mut rows).unwrap();

@@ -143,8 +143,8 @@ fn steps_in_span(step_c: f64, span_c: f64) -> Result<i32, TableError> {
     Ok(steps as i32)
 }
 
-/// [`Correction`] in f32. Its difference from f64 stays below 4e-5 °/s over the whole range, which is one code of the
-/// rate channel.
+/// [`Correction`] in f32. Its difference from f64 stays below 4e-5 °/s over the whole range, which is less than one
+/// code of the rate channel (1/23 488 °/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectionF32 {
     /// PBC, °/s.
@@ -231,9 +231,9 @@ mod tests {
 
     const TYPICAL: Correction = Correction::line(-0.2537, -0.04, 31.5123);
 
-    /// F-52, all thirteen rows, for a bias coefficient of +0.04 °/s/°C.
+    /// The thirteen rows of F-52, for a temperature coefficient of the bias of +0.04 °/s/°C.
     #[test]
-    fn table_of_the_note() {
+    fn the_table_of_f52() {
         let rows = Correction::line(1.0, -0.04, 25.0).table(0.02, 0.12).unwrap();
         let published = [
             -0.0048, -0.0040, -0.0032, -0.0024, -0.0016, -0.0008, 0.0, 0.0008, 0.0016, 0.0024, 0.0032, 0.0040, 0.0048,
@@ -270,9 +270,9 @@ mod tests {
         }
     }
 
-    /// A line is computed as before there were curves, bit for bit.
+    /// The terms of curves, which are zero for a line, do not change a bit of its results.
     #[test]
-    fn a_line_is_what_it_was() {
+    fn a_line_follows_f50_bit_for_bit() {
         let single = TYPICAL.to_f32();
         for (rate, temp) in codes() {
             let rate_dps = (f64::from(rate) - 8_388_608.0) / 23_488.0;

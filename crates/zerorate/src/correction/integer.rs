@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn it_rounds_to_nearest_over_the_whole_range() {
+    fn integers_round_to_nearest_over_the_whole_range() {
         for btc_dps_per_c in [-0.04, 0.0123, 1.1, -1.1] {
             let correction = Correction { btc_dps_per_c, ..TYPICAL };
             let integer = adis16130(correction).unwrap();
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn it_saturates() {
+    fn corrected_codes_saturate() {
         let up = adis16130(Correction::line(10.0, 0.0, 25.0)).unwrap();
         assert_eq!(up.apply(0x00FF_FFFF, ZERO_CODE), 0x00FF_FFFF);
         let down = adis16130(Correction::line(-10.0, 0.0, 25.0)).unwrap();
@@ -257,7 +257,7 @@ mod tests {
     /// Compares with exact arithmetic, over every width and coding. The coefficients have 40 fraction bits, so f64
     /// carries them without an error.
     #[test]
-    fn it_is_exact_on_any_scale() {
+    fn the_correction_is_exact_on_any_scale() {
         for (rate_scale, temp_scale) in scales() {
             let form = IntegerForm::new(&rate_scale, &temp_scale);
             let (first, last) = form.temp_codes;

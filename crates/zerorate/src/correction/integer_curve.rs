@@ -287,8 +287,8 @@ mod tests {
         }
     }
 
-    /// A line gives the same codes as in the line's own form, within one code where both are near the middle between
-    /// two.
+    /// A line gives the same codes in this form as by `to_integer`, or adjacent ones if the exact value is near the
+    /// middle between two.
     #[test]
     fn a_line_agrees_with_its_own_form() {
         let line = Correction::line(-0.2537, -0.04, 31.5123);

@@ -20,7 +20,7 @@ pub struct Limits {
 
 impl Default for Limits {
     /// Allows a quarter to three times the typical noise, and a sample rate within 5 %. The clock of an ADIS16130 is
-    /// good to 1 % (F-32).
+    /// assumed to be good to 2 % (F-31).
     fn default() -> Self {
         Self { least_noise: 0.25, most_noise: 3.0, rate_error: 0.05 }
     }

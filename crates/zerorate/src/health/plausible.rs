@@ -1,6 +1,6 @@
-//! Detection of readings that the part cannot have made. A bit error on the bus changes one reading, and a part of 300
-//! Hz cannot jump and come back within one sample. The code uses integers only, bounded memory, and two samples of
-//! look-ahead.
+//! Detection of readings that the part cannot have made. A bit error on the bus changes one reading, and a part with a
+//! bandwidth of 300 Hz cannot jump and come back within one sample. The code uses integers only, bounded memory, and
+//! two samples of look-ahead.
 //!
 //! # Strict rule
 //!
@@ -498,7 +498,7 @@ mod tests {
     }
 
     #[test]
-    fn next_to_a_loss_only_what_cannot_be_reached_is_marked() {
+    fn next_to_a_loss_only_rates_that_cannot_be_reached_are_marked() {
         let record = |error_dps: f64| {
             let mut samples: Vec<_> = (0..20).map(|k| sample(k, 0.0)).collect();
             samples[11].lost = 1;
@@ -512,7 +512,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ends_are_judged_by_what_is_there() {
+    fn both_ends_are_judged_by_the_neighbours_that_exist() {
         for place in [0, 1, 18, 19] {
             let mut samples: Vec<_> = (0..20).map(|k| sample(k, 1.0)).collect();
             samples[place] = sample(place as u64, 340.0);

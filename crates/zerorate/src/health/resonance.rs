@@ -71,7 +71,7 @@ mod tests {
         }
     }
 
-    /// N = 3 at 5692.6/s is 68 Hz away from a multiple. At a clock 0.48 % faster it is on the multiple.
+    /// With N = 3 the tone is 68 Hz away from a multiple of the sample rate. With a clock 0.48 % faster it is on it.
     #[test]
     fn the_measured_rate_decides() {
         assert_eq!(warning(rate_hz(3), 3, 10.0), None);
@@ -82,7 +82,7 @@ mod tests {
     fn longer_means_remove_what_is_nearer_to_zero() {
         let tone = Tone { tolerance_hz: 0.0, ..Axis::ADIS16130.resonance.unwrap() };
         let looks = |average_s| tone.looks_like_bias(99.99, average_s, 0.0125);
-        // 14 300 = 143 · 99.99 + 1.43
+        // at 99.99/s the tone appears at 14 300 − 143 · 99.99 = 1.43 Hz
         assert!(looks(0.1) && !looks(10.0));
     }
 }

@@ -70,7 +70,7 @@ impl Tally {
         self.temps == 0
     }
 
-    /// Whether the host hears the wrong edge of data ready: the one before new data (F-32). It then counts two edges
+    /// Whether the host uses the wrong edge of data ready: the one before new data (F-32). It then counts two edges
     /// to a sample, one of each channel, and never finds a new temperature.
     #[must_use]
     pub fn hears_wrong_edge(&self) -> bool {

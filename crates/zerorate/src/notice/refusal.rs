@@ -38,7 +38,7 @@ pub enum Refusal {
     Stuttering { window: State, lost: u64, samples: u64, silent_gaps: u64, gaps: u64 },
     /// A window holds too few samples.
     TooFew { window: State, samples: u64, needed: u64 },
-    /// A window holds no temperature. With `wrong_edge`, the host listens to the edge before new data.
+    /// A window holds no temperature. With `wrong_edge`, the host uses the edge before new data.
     NoTemperature { window: State, wrong_edge: bool },
     /// The temperature did not both rise and fall. The fields are the spans that it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },

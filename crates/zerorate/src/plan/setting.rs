@@ -55,9 +55,9 @@ const DAY_S: f64 = 86_400.0;
 const LEAST_U_BTC: f64 = 1e-8;
 /// Largest uncertainty of BTC that may be asked for, °/s/°C. It restricts nothing: it is 25 times BTC itself (F-05).
 const MOST_U_BTC: f64 = 1.0;
-/// Smallest target, °/s: a thousandth of the flicker floor (M-04), which no recording of an hour reaches.
+/// Smallest target, °/s: below a thousandth of the flicker floor (M-04), so no recording of an hour reaches it.
 const LEAST_TARGET_DPS: f64 = 1e-6;
-/// Largest target, °/s. It is no restriction: a part without calibration reaches it (M-01).
+/// Largest target, °/s. It restricts nothing: a part without calibration reaches it (M-01).
 const MOST_TARGET_DPS: f64 = 1.0;
 
 settings! {

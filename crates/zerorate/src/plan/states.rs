@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn the_table_reaches_the_end_through_every_state() {
         let steps = core::iter::successors(Some(State::Start), |state| Some(state.row().to));
-        let of_the_note = STATES - 2; // the recording of other methods, and the end
+        let of_the_note = STATES - 2; // without the recording of other methods, and the end
         assert_eq!(steps.take_while(|state| *state != State::Done).count(), of_the_note);
     }
 

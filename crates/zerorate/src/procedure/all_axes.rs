@@ -120,7 +120,8 @@ impl PartProcedure {
     /// Returns the outcomes in the order of the axes, once [`PartProcedure::next`] returns [`Action::Done`].
     ///
     /// # Errors
-    /// Returns the errors of [`PartProcedure::handle`]. Before the end, it is that a window has too few samples.
+    /// Returns the errors of [`PartProcedure::handle`] or, before the end, a refusal because a window has too few
+    /// samples.
     pub fn finish(self) -> Result<Vec<Outcome>, AxisRefusal> {
         let Self { part, axes, .. } = self;
         let finish = |(index, procedure): (usize, Procedure)| {

@@ -393,7 +393,8 @@ fn add_square(covariances: &mut [Vec<f64>], column: &[f64], sd: f64) {
 mod tests {
     use super::*;
 
-    /// A short version of the hour: 1000 s that warm by 8 °C, white noise of F-02, and what `add` adds at each second.
+    /// A short version of the hour of F-51: 1000 s in which the part warms by 8 °C, with the white noise of F-02 and
+    /// the rate that `add` gives for each second.
     fn record(seed: u32, add: impl Fn(f64) -> f64) -> Vec<Second> {
         let mut state = u64::from(seed) * 2 + 1;
         let mut uniform = || {
@@ -434,8 +435,8 @@ mod tests {
         assert_eq!(findings(&record(1, |_| 0.0)[..30], &asked()), None);
     }
 
-    /// A step of 200 mV a second before the end of step 8 makes its whole size the error of PBC, and half of it in the
-    /// middle of step 8.
+    /// A step of 0.04 °/s (200 mV of supply) shortly before the end of step 8 is an error of PBC by its whole size. In
+    /// the middle of step 8 it is an error by half of it, and before step 8 it is none.
     #[test]
     fn a_step_is_found_up_to_the_end() {
         for (at, share) in [(997.0, 1.0), (925.0, 0.5), (300.0, 0.0)] {

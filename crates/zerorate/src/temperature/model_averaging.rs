@@ -287,8 +287,8 @@ impl<'a> Lattice<'a> {
     }
 }
 
-/// Slow noises of usual MEMS gyroscopes, if the part states none: flicker that meets the white noise after some 100 s,
-/// and a walk that meets it after some 300 s.
+/// Slow noises of usual MEMS gyroscopes, if the part states none. In the Allan deviation, the flicker equals the white
+/// noise at some 50 s, and the random walk at some 300 s.
 fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
     NoiseModel {
         white_dps_per_rt_hz,

@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn wiggles_are_no_way_back() {
+    fn wiggles_do_not_count_as_the_other_direction() {
         let climb = |wiggle_c: f64| (0..200).map(move |k| 0.05 * f64::from(k) + wiggle_c * f64::from(k % 2));
         near(covered_c(climb(0.5)), (10.45, 0.0));
         near(covered(&[0.0, 5.0, 4.2, 7.0, 6.0, 10.0, 9.0]), (10.0, 0.0));

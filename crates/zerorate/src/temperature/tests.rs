@@ -142,7 +142,7 @@ fn a_lag_is_not_taken_for_a_bias() {
     }
 }
 
-/// 200 mV after half an hour: found, sized, and inside the bias that it leaves (F-01).
+/// A supply step of 200 mV after half an hour is found with its size (F-01). The curve holds for the level after it.
 #[test]
 fn a_step_is_taken_out() {
     let stepped = Spec { supply_step_mv: 200.0, fault_at_s: Some(1800.0), ..Spec::from_seed(8) };
@@ -152,9 +152,8 @@ fn a_step_is_taken_out() {
     assert!(errors(&curve, &truth).iter().all(|error| error.abs() < 3.0), "{:?}", errors(&curve, &truth));
 }
 
-/// A suspected step that is not there costs nothing.
 #[test]
-fn a_step_that_is_none_is_left_out() {
+fn a_suspected_step_that_is_not_there_is_left_out() {
     assert_eq!(curve_of(&Spec::from_seed(8), &[1800.0]).0.steps, [None; MOST_STEPS]);
 }
 

@@ -36,8 +36,8 @@ impl Estimate {
     }
 
     /// Returns the bias that the calibration leaves at `d_c` = T − T3 and its standard uncertainty, °/s. `seconds` is
-    /// the time over which the random walk adds to that. An estimated change m counts by its share m²/(m² + τ²), where
-    /// τ² is `doubted_dps2`. What is withheld is added to the uncertainty in quadrature.
+    /// the time over which the random walk adds to the uncertainty. An estimated change m counts by its share
+    /// m²/(m² + τ²), where τ² is `doubted_dps2`. The rest of m is added to the uncertainty in quadrature.
     pub(super) fn at(&self, d_c: f32, seconds: f32, drift: &Drift) -> (f32, f32) {
         let polynomial = |[a, b, c]: &[f32; SHOWN]| a + d_c * (b + d_c * c);
         let change_dps = polynomial(&self.state);

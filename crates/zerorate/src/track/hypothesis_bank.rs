@@ -52,10 +52,10 @@ struct Hypothesis {
     /// Probability before the quiet period. It is zero if the hypothesis is not used.
     weight: f32,
     before: Filter,
-    /// The lesson without the newest windows, in which a rotation may have begun.
+    /// The update without the newest windows, in which a rotation may have begun.
     sure: RestUpdate,
     now: RestUpdate,
-    /// Probability together with the quiet period being rest, and with it being a rotation (`rotation`).
+    /// Joint probability of this hypothesis and of rest in the quiet period; `rotation` is that of a rotation.
     rest: f32,
     rotation: f32,
 }

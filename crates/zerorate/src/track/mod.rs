@@ -151,10 +151,11 @@ pub struct Tracker {
     drift: Drift,
     bank: HypothesisBank,
     estimate: Estimate,
-    /// Seconds by which the bank is behind the present time.
+    /// Seconds by which the hypothesis bank is behind the present time.
     due_s: u32,
     quiet: Quiet,
-    /// Numbers of windows of the quiet period that were learned from, and that are sure (`sure`).
+    /// Number of windows of the quiet period that were learned from; `sure` of them are too old for a rotation to have
+    /// begun in them.
     taken: u32,
     sure: u32,
     temp_c: Option<f32>,
@@ -320,7 +321,7 @@ impl Tracker {
         self.prepare();
     }
 
-    /// Brings the bank to the present time.
+    /// Brings the hypothesis bank to the present time.
     fn pass(&mut self) {
         self.bank.wait(f64::from(core::mem::take(&mut self.due_s)), &self.drift);
     }

@@ -1,5 +1,5 @@
-//! What is not known about the thermometer and the sensor, and is chosen by the evidence before the search for models:
-//! whether the sensor was on before, the noise and the lag of the thermometer, and how the bias turns.
+//! Chooses the unknown conditions of a record by their evidence, before the search for models: whether the sensor was
+//! on before the logs, the noise and the lag of the thermometer, and the width in which a hysteresis turns.
 
 use super::LogMeans;
 use super::evidence::{Model, Record, TURNS};
@@ -14,11 +14,11 @@ const NOISY: f64 = 0.1;
 const LATE_S: [f64; 4] = [5.0, 10.0, 20.0, 40.0];
 /// Gain of the log evidence that a lag of the thermometer needs. It is rarer than one of the bias.
 const FROM_LATE: f64 = 6.0;
-/// Gain of the log evidence that an unusual turn needs.
+/// Gain of the log evidence that an unusual width of the turn needs ([`TURNS`]).
 const FROM_TURNS: f64 = 3.0;
-/// Distance of the log evidence from the best one, under the same noise, from which a record is not searched.
+/// A record whose log evidence is lower than the best one by this much, under the same noise, is not searched.
 const FAR: f64 = 20.0;
-/// Share of the longest lag that is tried from which a lag stands for something else.
+/// A lag above this share of the longest lag that is tried stands for another effect.
 const LONG_LAG: f64 = 0.8;
 
 /// A record and its best model.
@@ -51,8 +51,8 @@ fn best_of(records: impl Iterator<Item = Record>) -> Option<Explained> {
     explained.max_by(|one, other| one.1.log_score.total_cmp(&other.1.log_score))
 }
 
-/// The likeliest of other records, if it gains more than this over the usual one. A record that is far worse under the
-/// noise of the usual one is not searched, because a search takes long.
+/// The likeliest of `others`, if its log evidence is above that of `usual` by more than `gain`. A record that is far
+/// worse under the noise of `usual` is not searched, because a search takes long.
 fn better(others: Vec<Record>, usual: Explained, gain: f64) -> Explained {
     let score = usual.1.log_score;
     let scored = others.into_iter().map(|record| (search::log_evidence_like(&record, &usual.1), record));

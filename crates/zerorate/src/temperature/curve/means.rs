@@ -328,8 +328,8 @@ impl LogMeans {
     }
 
     /// The same means with the temperature smoothed by a local parabola over `reach` blocks to either side, and of a
-    /// thermometer that lags the sensor by `late_s`. A lag averages the noise of a thermometer, so that one would be
-    /// found where there is none.
+    /// thermometer that lags the sensor by `late_s`. Without smoothing, a lag would be found where there is none,
+    /// because a lag averages the noise of the thermometer.
     #[must_use]
     pub(super) fn smoothed(&self, reach: usize, late_s: f64) -> Self {
         let parabolas = local_parabolas(&self.block_temps_c(), reach);

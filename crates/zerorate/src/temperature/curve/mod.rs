@@ -62,7 +62,7 @@ pub struct LogCurve {
     /// Largest standard uncertainty of the bias if the sensor was on before the logs began and its bias lags.
     /// `None` if the probability of that is at most 1 %.
     pub u_if_on_before: Option<f64>,
-    /// Half of the difference between a warming and a cooling sensor, in the middle of the temperatures. `None` if
+    /// Half of the difference of the bias between warming and cooling, in the middle of the temperatures. `None` if
     /// the logs have one direction only.
     pub hysteresis: Option<f64>,
     /// Standard deviation of the bias from one log to the next. `None` with one log.

@@ -17,7 +17,7 @@ const PER_DECADE: f64 = 4.0;
 const FINE: i32 = 1;
 /// First and last lattice step of the bias instability B, as a ratio of the white noise of a mean.
 const B_STEPS: (i32, i32) = (-4, 12);
-/// First and last lattice step of the random walk K over the length of a log, as the same ratio.
+/// First and last lattice step of the random walk K over the length of a log, as a ratio of the white noise of a mean.
 const K_STEPS: (i32, i32) = (-4, 16);
 /// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 3.0;

@@ -156,7 +156,8 @@ fn with_thermometer(of: &Simulated, thermometer: impl Fn(usize, f64, &mut Normal
     (found, most, ratio)
 }
 
-/// A lag averages the noise of the thermometer, and was found where there is none: the curve was off by 0.03 °/s.
+/// A lag averages the noise of the thermometer. So a lag was found where there is none, and the curve was off by
+/// 0.03 °/s.
 #[test]
 fn noise_of_the_thermometer_is_not_a_lag() {
     let (found, most, ratio) = with_thermometer(&WARMING, |_, temp_c, random| temp_c + 0.5 * random.next());
@@ -182,7 +183,8 @@ fn a_thermometer_that_lags_the_sensor_is_found() {
     assert!((found.lag_s() + 20.0).abs() < 5.0 && most < 0.004 && ratio < 4.0, "{} {most} {ratio}", found.lag_s());
 }
 
-/// A kink that no series of order 6 holds looks like a lag of a sixth of the log. Such a lag was off by 0.4 °/s.
+/// A kink that no series of order 6 follows looks like a lag of a sixth of the log. The curve with this lag was off by
+/// 0.4 °/s.
 #[test]
 fn a_lag_at_the_longest_that_is_tried_is_not_taken() {
     let mut samples = WARMING.samples();
@@ -280,7 +282,7 @@ fn a_thermometer_that_sticks_is_left_out() {
 }
 
 #[test]
-fn a_temperature_of_another_thing_is_said() {
+fn a_temperature_that_the_bias_does_not_follow_gives_a_warning() {
     let mut samples = Simulated { bias: [0.5, 0.0, 0.0, 0.0], ..WARMING }.samples();
     let walk = |k: usize| 0.01 * libm::sin(k as f64 / 300.0);
     samples.iter_mut().enumerate().for_each(|(k, (rate, _))| *rate += walk(k));

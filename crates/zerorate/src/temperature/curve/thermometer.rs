@@ -36,7 +36,7 @@ const LONG_RUNS: usize = 3;
 const STICKS: f64 = 60.0;
 /// Ratio of a jump of the temperature to the median change above which the thermometer was stuck before it.
 const JUMP: f64 = 8.0;
-/// Smallest such jump, °C.
+/// Smallest jump that shows a stuck thermometer, °C.
 const LEAST_JUMP_C: f64 = 0.5;
 /// Ratio of the length of the last run to the median, and its share of the log, above which the thermometer may
 /// have stuck to the end.
