@@ -48,7 +48,7 @@ fn units(changed: impl Fn(usize, Spec) -> Spec) -> [Unit; 3] {
     })
 }
 
-/// Reads all of them at one time, with the temperature of the first.
+/// Reads all units at one time, with the temperature of the first.
 fn scan(units: &mut [Unit; 3]) -> Scan {
     let readings = units.each_mut().map(Unit::read);
     let [x, y, z] = readings;
@@ -153,7 +153,7 @@ fn an_axis_that_is_not_read_is_missed() {
 }
 
 #[test]
-fn a_single_axis_is_refused_as_ever() {
+fn the_refusal_of_a_single_axis_does_not_name_it() {
     let mut procedure = PartProcedure::new(&Part::ADIS16130, SHORT).unwrap();
     procedure.handle(Event::Initialised { t_ns: 0 }).unwrap();
     let refusal = procedure.handle(Event::Time { t_ns: 3_000_000_000 }).unwrap_err();

@@ -1,4 +1,4 @@
-//! What each method makes of an hour stays as it is.
+//! Each method gives the same result from the same hour, bit for bit.
 
 mod golden;
 mod hours;
@@ -35,7 +35,7 @@ fn all_unchanged(method: Method, specs: &[(&str, Spec)]) {
 }
 
 #[test]
-fn by_the_application_note() {
+fn an1042_gives_unchanged_results() {
     let specs = [
         ("sway", Spec { motion: Motion::Sway, sway_dps: 0.05, sway_hz: 0.0008, ..Spec::from_seed(12) }),
         ("lag", Spec { lag_s: 60.0, ..Spec::from_seed(21) }),
@@ -45,7 +45,7 @@ fn by_the_application_note() {
 }
 
 #[test]
-fn by_a_warm_up() {
+fn a_warm_up_gives_unchanged_results() {
     let specs = [
         ("plain", Spec::from_seed(2)),
         ("sway", Spec { motion: Motion::Sway, sway_dps: 0.05, sway_hz: 0.0008, ..Spec::from_seed(12) }),
@@ -57,6 +57,6 @@ fn by_a_warm_up() {
 }
 
 #[test]
-fn by_a_cycle() {
+fn a_cycle_gives_an_unchanged_result() {
     all_unchanged(Method::Cycle, &[("plain", Spec::from_seed(4))]);
 }

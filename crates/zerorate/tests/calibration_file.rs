@@ -1,4 +1,4 @@
-//! The calibration file: a written calibration comes back, and a changed file does not pass for it.
+//! The calibration file: a written calibration reads back the same, and a changed file is refused.
 
 mod outcome;
 
@@ -27,7 +27,7 @@ fn error(text: &str) -> FileError {
     Calibration::parse(text).expect_err("must be refused")
 }
 
-/// Whoever reads the file may have another front end, whose settings have other names.
+/// The reader of a file may use another front end, whose settings have other names.
 #[test]
 fn a_warning_in_the_file_names_no_setting() {
     let outcome = Outcome { warnings: vec![Warning::EarthIncluded], ..outcome() };
@@ -37,7 +37,7 @@ fn a_warning_in_the_file_names_no_setting() {
 }
 
 #[test]
-fn comes_back_bit_for_bit() {
+fn a_calibration_comes_back_bit_for_bit() {
     let calibration = measured();
     let text = calibration.to_toml();
     let (read, warnings) = Calibration::parse(&text).unwrap();
@@ -120,7 +120,7 @@ btc2_dps_per_c2 = 0.0005
 btc3_dps_per_c3 = -1e-6
 ";
 
-/// The terms of a curve make a file schema 3. Without them the file is as before. Each term counts for the id.
+/// The terms of a curve need schema 3. Without them the file has schema 1. Each term changes the id.
 #[test]
 fn a_curve_is_schema_3() {
     let (curved, _) = Calibration::parse(CURVED).unwrap();
@@ -148,7 +148,7 @@ fn a_curve_is_schema_3() {
     }
 }
 
-/// A whole number is a number, too. Each line of a measured file, as it must not be.
+/// Each line of a measured file is replaced by an invalid one. A whole number is valid where a number is.
 #[test]
 fn an_impossible_value_is_refused_with_its_line() {
     let unmarked = |line: &&str| !line.starts_with("checksum") && !line.starts_with("line_checks");
@@ -313,7 +313,7 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     }
 }
 
-/// Who measured, where and in what surroundings needs schema 4, and nothing else changes.
+/// Operator, host and surroundings need schema 4, and nothing else changes.
 #[test]
 fn notes_make_a_file_schema_4() {
     let notes = Notes { operator: Some("Ada".into()), host: Some("pi4".into()), ..Notes::default() };

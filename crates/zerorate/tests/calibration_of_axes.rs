@@ -103,7 +103,7 @@ temp_max_c = 33
 const VALIDITY: &str = "[validity]\ntemp_min_c = 25\ntemp_max_c = 33";
 
 #[test]
-fn by_hand_scales_may_be_missing() {
+fn a_file_written_by_hand_may_lack_scales() {
     let (calibration, warnings) = Calibration::parse(BY_HAND).unwrap();
     assert_eq!(warnings, [FileWarning::NoChecksum]);
     assert_eq!((calibration.axes[0].rate, calibration.axes[1].rate.unwrap().lsb_per_unit), (None, 20.0));
@@ -116,7 +116,7 @@ fn by_hand_scales_may_be_missing() {
     assert!(!corrector.is_extrapolated() && corrector.correct(2, Some(1.0)).is_none());
 }
 
-/// Line, axis, and the text of the error.
+/// Each row replaces a text in the file, and has the line, the axis and the text of the error.
 #[test]
 fn every_mistake_is_named_with_its_line_and_axis() {
     for (from, to, line, axis, said) in [
@@ -180,7 +180,7 @@ fn one_axis_at_least_and_eight_at_most() {
 
 /// Schema 1 cannot express an ADIS16130 on another scale, or with an axis of another name.
 #[test]
-fn schema_1_is_written_for_what_it_can_say_alone() {
+fn schema_1_is_written_only_for_a_line_of_a_standard_adis16130() {
     let one = |change: fn(&mut Calibration)| {
         let outcomes = [outcome_of(0.1, Warning::Restless)];
         let mut calibration = Calibration::new(&Part::ADIS16130, &outcomes, Origin::default());

@@ -46,7 +46,7 @@ impl Bench {
         Self { unit: Means::new(spec, 1), air_c: spec.ambient_c, door_s: (0.0, 0.0), now_s: 0.0, readings: 0 }
     }
 
-    /// The next 0.1 s, as the part reads them.
+    /// Lets 0.1 s pass, and returns the reading of the part.
     fn scan(&mut self, set_c: f64) -> Scan {
         let is_open = self.now_s >= self.door_s.0 && self.now_s < self.door_s.1;
         let to_c = if is_open { 22.0 } else { set_c };
@@ -167,7 +167,7 @@ fn a_part_that_is_shaken_is_refused() {
 }
 
 #[test]
-fn air_beyond_the_plan_and_silence_end_it() {
+fn air_beyond_the_plan_and_silence_end_the_measurement() {
     let mut bench = Bench::new(&quick(9));
     let mut procedure = procedure(&[soak(25.0), soak(30.0)]);
     bench.run(&mut procedure, |p| p.steps_done() == 0).expect("a good unit");
@@ -185,7 +185,7 @@ fn air_beyond_the_plan_and_silence_end_it() {
     assert!(matches!(refusal, Some(ChamberRefusal::Silent { step: 2, .. })), "{refusal:?}");
 }
 
-/// The refusal of a plan of 25 and 60 °C, at the step that `at` names.
+/// A procedure with soak points at 25 and 60 °C, in its first or in its second step.
 fn heated(first_step: bool) -> ChamberProcedure {
     let mut bench = Bench::new(&quick(9));
     let mut procedure = procedure(&[soak(25.0), soak(60.0)]);
@@ -196,7 +196,7 @@ fn heated(first_step: bool) -> ChamberProcedure {
 
 /// F-08: −40 to +85 °C, and 3 °C for the control of a chamber. The first reading does not widen these limits.
 #[test]
-fn air_that_harms_the_part_ends_it_from_the_first_reading_on() {
+fn air_that_harms_the_part_ends_the_measurement_from_the_first_reading_on() {
     for air_c in [500.0, 120.0, 88.1, -43.1] {
         let mut procedure = heated(true);
         assert!(procedure.air(air_c).is_ok(), "once may be a slip of the wire");
@@ -218,7 +218,7 @@ fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
     assert!(matches!(refusal, ChamberRefusal::Overshoot { step: 1, high_c: 65.0, .. }), "{refusal}");
 }
 
-/// Where the air comes from outside, it may go beyond that by as much as beyond the plan, in either direction.
+/// Air that starts outside of the plan may overshoot its start by as much as it may overshoot the plan: 5 °C.
 #[test]
 fn air_that_comes_from_outside_may_overshoot_there_too() {
     for (first_c, within_c, beyond_c, low_c, high_c) in [(80.0, 84.9, 85.1, 20.0, 85.0), (0.0, -4.9, -5.1, -5.0, 65.0)]
@@ -268,7 +268,8 @@ fn short_profile(spec: &Spec) -> Record {
     measured(&mut Bench::new(spec), &[ramp(25.0), ramp(-10.0), ramp(60.0), ramp(25.0)]).expect("a good unit")
 }
 
-/// F-01: 0.0002 °/s per mV. Ramps of four times the speed of F-57 go before and after it.
+/// The supply changes the bias by 0.0002 °/s per mV (F-01). The ramps before and after the step are five times as fast
+/// as in F-57.
 #[test]
 fn a_step_of_the_supply_is_named_and_taken_out() {
     for seed in 21..24 {
@@ -293,7 +294,7 @@ fn a_step_of_the_supply_is_named_and_taken_out() {
     }
 }
 
-/// A sway was taken for the unit's own bias, and PBC was up to 12 standard uncertainties off.
+/// A slow base motion was once taken for the bias, and PBC was up to 12 standard uncertainties off.
 #[test]
 fn a_slow_sway_is_named_and_taken_out() {
     for (seed, sway_dps, sway_hz) in

@@ -1,4 +1,4 @@
-//! The readings that are believed, measured on the twin against its own conversions.
+//! The validity of readings of the twin, compared with its own conversions.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig, Width};
@@ -42,7 +42,7 @@ fn truth(clean: &[Reading], t_ns: u64) -> Option<(i32, i32)> {
     Some((clean.get(next)?.rate, clean[newest].temp?))
 }
 
-/// Time for the part to start, then bit errors from then on.
+/// Adds bit errors from 0.5 s on, when the part has started.
 fn with_bit_errors(spec: &Spec, rate: f64) -> Spec {
     Spec { fault: Fault::BitErrors, bit_error_rate: rate, fault_at_s: Some(0.5), ..spec.clone() }
 }
@@ -68,7 +68,7 @@ fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
         let (_, health) = judged(&clean);
         assert_eq!(health.fault_counts().faulty() + health.fault_counts().out_of_range, 0, "{motion:?}: false alarms");
         assert_eq!(health.frozen_at_end(), None);
-        // twice the errors where fewer samples are read
+        // a divider lets fewer samples be read, so the bit error rate is higher by its factor
         let rate = 1e-5 * f64::from(divider);
         let (faulty, _) = judged(&readings(with_bit_errors(&spec, rate), config, sampling, 30.0));
         let allowance_dps = if divider == 1 { 2.0 } else { 6.0 };
@@ -113,7 +113,7 @@ fn a_wrapped_code_is_out_of_range() {
     assert_eq!(health.fault_counts().out_of_range, judged.len() as u64);
 }
 
-/// A line that stutters and a host that is late both lose samples. Only one of them is the host's fault.
+/// A RDY line that stutters loses samples, and so does a late host. The tally tells the two apart.
 #[test]
 fn a_stuttering_line_is_told_from_a_late_host() {
     let tally = |samples: &[Reading]| {

@@ -11,7 +11,7 @@ use zerorate::{
     Remedy, State, Warning, WindowWarnings,
 };
 
-/// A unit whose self-heating takes seconds, without the things that two temperatures cannot show.
+/// A unit whose self-heating takes seconds, without curvature and hysteresis, which two temperatures cannot show.
 fn quick(seed: u64) -> Spec {
     Spec { warmup_s: 30.0, curvature_dps_per_c2: 0.0, hysteresis_dps: 0.0, ..Spec::from_seed(seed) }
 }
@@ -29,7 +29,7 @@ fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig)
     measure_changed(Unit::new(spec, config, sampling), plan, |_| ())
 }
 
-/// The same with readings that this changes.
+/// Measures a unit whose readings `change` alters.
 fn measure_changed(mut unit: Unit, plan: Plan, mut change: impl FnMut(&mut Reading)) -> Result<Measured, Refusal> {
     let (mut procedure, mut truth) = (started(&Axis::ADIS16130, plan, &unit), unit.twin.truth());
     while procedure.next() == Action::Read {
@@ -223,7 +223,7 @@ fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
     }
 }
 
-/// It used to be "the temperature hardly changed": the step looked like flicker, and that spoilt BTC.
+/// This was once refused as "the temperature hardly changed", because the step looked like flicker and spoilt BTC.
 #[test]
 fn a_step_inside_step_8_is_not_taken_for_a_lack_of_temperature() {
     let outcome = measure(stepped(300.0, 134.0), SHORT).unwrap().outcome;
@@ -259,7 +259,7 @@ fn curvature_lag_and_hysteresis_show_in_the_warm_up() {
     assert!(codes(&stuck).contains(&"flat-bias"), "{:?}", stuck.warnings);
 }
 
-/// With a period of half of the procedure every average is at rest, and the hour is not.
+/// With a period of half the procedure, each average looks like rest, but the measurement as a whole does not.
 #[test]
 fn slow_sway_shows_between_the_averages() {
     let swaying = |sway_dps| Spec { motion: Motion::Sway, sway_dps, sway_hz: 0.014, ..quick(14) };
@@ -271,7 +271,7 @@ fn slow_sway_shows_between_the_averages() {
     assert!(matches!(far, Refusal::BaseMotion { .. } | Refusal::Moving { .. }), "{far}");
 }
 
-/// The sign of the drift's effect is known. AN-1042 to the letter leaves it in PBC and inside u.
+/// AN-1042 leaves the effect of the drift in PBC, with a known sign. The stated u includes it.
 #[test]
 fn the_drift_from_step_8_to_t3_is_told_with_its_sign() {
     let drifting = Spec { noise: false, warmup_s: 400.0, tempco_dps_per_c: 0.04, ..quick(15) };
@@ -384,9 +384,9 @@ fn a_constant_rotation_far_above_the_typical_bias_is_warned_of() {
     }
 }
 
-/// The one case in which the two differ on purpose.
+/// This is the only case in which [`FixedProcedure`] and [`Procedure`] differ on purpose.
 #[test]
-fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {
+fn a_small_step_inside_an_average_is_motion_for_the_fixed_procedure() {
     let during_offset = Spec { supply_step_mv: 400.0, fault_at_s: Some(134.0), ..quick(8) };
     let (full, fixed) = both(during_offset, Plan { max_u_btc_dps_per_c: 0.05, ..SHORT });
     assert!(codes(&full.unwrap()).contains(&"step"));

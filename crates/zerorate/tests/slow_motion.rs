@@ -7,7 +7,7 @@ use hours::measure;
 use std::collections::BTreeMap;
 use zerorate::{Method, Outcome, Warning};
 
-/// Beyond so many standard uncertainties a result is wrong: 1 of 16 000 if all is well.
+/// Error in standard uncertainties above which a result counts as wrong. 1 of 16 000 correct results exceeds it.
 const WRONG_U: f64 = 4.0;
 
 /// Largest error of PBC, BTC and the correction over the temperatures seen, in standard uncertainties.
@@ -32,7 +32,8 @@ fn step(seed: u64, supply_step_mv: f64, at_s: f64) -> Spec {
     Spec { supply_step_mv, fault_at_s: Some(at_s), ..Spec::from_seed(seed) }
 }
 
-/// A third of a turn, which rises as the temperature does: one warm-up cannot tell it from the bias, a cycle can.
+/// A third of a sway's period, in which the rate rises as the temperature does. One warm-up cannot tell it from the
+/// bias, but a cycle can. (Seed, °/s, Hz.)
 const LIKE_A_WARMUP: (u64, f64, f64) = (4, 0.036, 0.000_103);
 
 #[test]
@@ -57,8 +58,8 @@ fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
     }
 }
 
-/// Nothing sways here, and the errors of all units have one size. With models of a sway as peaks of their own, the
-/// first four units had 0.0075 to 0.0123 °/s.
+/// The errors of all units at rest have one size. When models with a base motion always formed peaks of their own,
+/// the first four units had a u of 0.0075 to 0.0123 °/s.
 #[test]
 fn a_platform_at_rest_has_one_uncertainty() {
     let (mut mean_square, seeds) = (0.0, [91040, 91044, 91076, 91100, 91041, 91043]);
@@ -84,7 +85,7 @@ fn a_supply_step_is_not_motion() {
     }
 }
 
-/// A wide play lies between two of the lattice; it is neither a lag nor an error beyond the interval.
+/// A wide play between two values of the search is neither taken for a lag nor an error beyond the interval.
 #[test]
 fn a_wide_play_is_not_a_lag() {
     for (seed, hysteresis_dps) in [(1, 0.109), (6, 0.122), (7, 0.057), (10, 0.096)] {
@@ -95,11 +96,11 @@ fn a_wide_play_is_not_a_lag() {
     }
 }
 
-/// The code of the text, the method that says it, and the units to which it happens.
+/// The code of a warning or refusal, the method that gives it, and units with its cause.
 type Claim = (&'static str, Method, fn(u64) -> Spec);
 
-/// Checks each text that says that the uncertainty includes something, on units to which that happens. The result is
-/// inside, and the stated error adds to the uncertainty of the same unit without it.
+/// Checks each text that says that the uncertainty includes an effect, on units with this effect. The truth is inside
+/// the interval, and the stated error adds to the uncertainty of the same unit without the effect.
 #[test]
 fn a_stated_uncertainty_holds_the_named_effect() {
     let claims: [Claim; 5] = [
@@ -109,7 +110,7 @@ fn a_stated_uncertainty_holds_the_named_effect() {
         ("step", Method::An1042, |seed| step(seed, 200.0, 3100.0)),
         ("lagging", Method::An1042, |seed| Spec { lag_s: 60.0, ..Spec::from_seed(seed) }),
     ];
-    // the uncertainty of the same units without it
+    // the uncertainty of the same units without the effect
     let mut still = BTreeMap::new();
     for (code, method, spec) in claims {
         let mut told = 0;
@@ -133,7 +134,7 @@ fn a_stated_uncertainty_holds_the_named_effect() {
     }
 }
 
-/// The errors of PBC and BTC that a warning states; what was taken out leaves none to state.
+/// The errors of PBC and BTC that a warning states. An effect that was removed has none.
 fn stated(warning: &Warning) -> Option<(f64, f64)> {
     match warning {
         Warning::Found(finding) => Some((finding.pbc_dps, finding.btc_dps_per_c)),

@@ -1,4 +1,4 @@
-//! States of older versions of the program go on.
+//! States that older versions of the program wrote can be read.
 
 use zerorate::Calibration;
 use zerorate::track::{Counts, TrackFile};

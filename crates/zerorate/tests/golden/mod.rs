@@ -1,7 +1,7 @@
 //! Results that must stay as they are, bit for bit.
 //!
-//! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter
-//! case `ZERORATE_GOLDEN=write cargo test -p zerorate --all-features` makes the files anew.
+//! A difference is either a defect or an intended change of a result, which CHANGELOG.md must state. After an intended
+//! change, `ZERORATE_GOLDEN=write cargo test -p zerorate --all-features` writes the files anew.
 
 use std::fs;
 use std::path::Path;

@@ -67,11 +67,11 @@ pub enum Motion {
 const REST_S: (f64, f64) = (15.0, 105.0);
 const BETWEEN_S: (f64, f64) = (300.0, 1980.0);
 
-/// Frequency of a slow turn against 21 motions of other kinds. Such turns fill a twentieth of the moving time.
+/// Number of slow rotations for 21 motions of other kinds. With this number, they fill a twentieth of the moving time.
 pub const SELDOM: f64 = 1.0;
-/// They fill a quarter of it: one takes 60 s on average, the 21 other motions 1055 s in all.
+/// Slow rotations fill a quarter of the moving time: one takes 60 s on average, the 21 other motions 1055 s in all.
 pub const OFTEN: f64 = 1055.0 / (3.0 * 60.0);
-/// They fill half of it.
+/// Slow rotations fill half of the moving time.
 pub const HALF: f64 = 1055.0 / 60.0;
 
 /// The motion of a robot or a vehicle.
@@ -124,7 +124,7 @@ impl Platform {
                     let (dps, hz) = (random.between(0.1, 5.0), random.between(0.05, 2.0));
                     (Motion::Sway { dps, hz }, random.between(10.0, 120.0))
                 }
-                // as long as rests, and every fourth as slow as the slowest that must be told
+                // as long as rests, and every fourth at the slowest rate that must be detected
                 kind if kind < 14.0 + self.slow_turns => {
                     let dps = if random.uniform() < 0.25 { 0.02 } else { random.between(0.02, 0.2) };
                     (Motion::SlowTurn { dps: random.sign() * dps }, random.between(REST_S.0, REST_S.1))
@@ -241,7 +241,7 @@ pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
     let mut tracker = Tracker::new(TrackerConfig::of(&Axis::ADIS16130, unit.correction, unit.prior));
     let mut platform = Platform::new(spec.seed, slow_turns);
     let blocks = (hours * 3600.0 / BLOCK_S) as u64;
-    // learning counts for the motion 10 s before, because a stretch is taken in when it is over
+    // learning counts for the motion 10 s before, because a mean is learned when it is over
     let mut past = VecDeque::from(vec![Motion::Rest; 100]);
     let (mut day, mut learned_s, mut covered) = (Day::default(), 0.0, 0u64);
     for _ in 0..blocks {
@@ -256,7 +256,7 @@ pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
         day.tracked_dps += error_dps * error_dps / blocks as f64;
         day.covered_at_end = error_dps.abs() < 1.96 * tracked.u_dps;
         covered += u64::from(day.covered_at_end);
-        // a stretch that turns out to be doubtful takes back what it seemed to teach
+        // a quiet period that turns out to be doubtful lowers the learned time again
         let more_s = f64::from(tracker.counts().learned_s) - learned_s;
         learned_s += more_s;
         match past.pop_front() {
@@ -272,7 +272,7 @@ pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
     day
 }
 
-/// Change from a mean to its end.
+/// Standard deviation of the change of the random walk from a mean to the end of its interval.
 fn walked(noise: &NoiseModel, length_s: f64) -> f64 {
     noise.rate_random_walk_dps_per_rt_s * (length_s / 3.0).sqrt()
 }
