@@ -29,7 +29,7 @@ mod tests {
     use super::quotient;
 
     #[test]
-    fn agrees_with_the_division_of_the_host() {
+    fn the_quotient_agrees_with_the_division_of_the_host() {
         let edges = |bit: u32| [(1_u64 << bit) - 1, 1 << bit, (1 << bit) + 1, 0x9E37_79B9_7F4A_7C15 >> (63 - bit)];
         for dividend in (0..63).flat_map(edges).chain([u64::MAX]) {
             for divisor in (0..63).flat_map(edges).chain([u64::MAX]).filter(|divisor| *divisor > 0) {

@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn too_short_a_record_says_so() {
+    fn a_record_that_is_too_short_has_a_reason() {
         for samples in [&[][..], &[1.0]] {
             let analysis = analyse(&Input::Rate(samples), 1.0, &Options::default()).unwrap();
             assert!(analysis.points.is_empty());

@@ -95,7 +95,7 @@ mod tests {
 
     /// Rows of Abramowitz & Stegun table 26.8: Q (upper tail), ν, χ², accuracy of its digits.
     #[test]
-    fn published_table() {
+    fn quantiles_agree_with_the_published_table() {
         for (upper, degrees, published, digits) in [
             (0.995, 1.0, 0.000_039_270_4, 1e-9),
             (0.995, 5.0, 0.411_742, 1e-6),

@@ -332,7 +332,7 @@ mod tests {
     /// The error is 3e-3 if correlations are summed. The paper's simpler filter for m (d + 1) > 100 costs up to
     /// 2.7e-2.
     #[test]
-    fn close_to_the_definition() {
+    fn edf_is_close_to_the_definition() {
         for difference in differences() {
             for alpha in [2, 0, -2, -4].into_iter().take(2 + difference.order as usize - 1) {
                 for (m, points) in

@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_glitch_and_the_temperature_are_out_of_model_and_deviations_alike() {
+    fn a_glitch_and_the_temperature_affect_neither_model_nor_deviations() {
         let (rates, temps) = warming();
         let detrended = detrend(&rates, &temps, 1).unwrap();
         let residual = detrended.residual.clone();

@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn follows_the_definition() {
+    fn the_correlation_follows_the_definition() {
         let mut z = series();
         let mut lag = Lag1::new(0.3);
         z.iter().for_each(|&value| lag.push(value));
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn too_little_has_no_correlation() {
+    fn too_few_or_equal_values_have_no_correlation() {
         let mut lag = Lag1::default();
         lag.push_level(3.0, 1_000_000);
         assert_eq!((lag.correlation(0), lag.correlation(1)), (None, None));

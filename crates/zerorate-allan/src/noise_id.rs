@@ -299,7 +299,7 @@ mod tests {
     const OCTAVES: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 
     #[test]
-    fn pure_noises() {
+    fn pure_noises_are_identified() {
         let white = white(20_000);
         let walk = integral(&white);
         let run = integral(&walk);

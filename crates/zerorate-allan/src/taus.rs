@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_and_lists() {
+    fn words_and_lists_are_parsed() {
         assert_eq!("octave".parse(), Ok(Taus::Octave));
         assert_eq!("fine".parse(), Ok(Taus::Fine));
         assert_eq!(" Decade".parse(), Ok(Taus::Decade));

@@ -240,7 +240,7 @@ mod tests {
     use alloc::string::ToString;
 
     #[test]
-    fn one_is_not_several() {
+    fn a_count_of_one_has_no_plural() {
         let glitch = AllanWarning::Glitches { glitches: 1, samples: 1, ratio: 1.2 }.to_string();
         assert!(glitch.starts_with("1 glitch (1 sample) replaced"), "{glitch}");
     }

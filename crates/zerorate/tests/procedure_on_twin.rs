@@ -103,7 +103,7 @@ fn the_run_is_described() {
 }
 
 #[test]
-fn lost_samples_are_told() {
+fn lost_samples_are_reported() {
     let mut number = 0;
     let lose = |reading: &mut Reading| {
         number += 1;
@@ -273,7 +273,7 @@ fn slow_sway_shows_between_the_averages() {
 
 /// AN-1042 leaves the effect of the drift in PBC, with a known sign. The stated u includes it.
 #[test]
-fn the_drift_from_step_8_to_t3_is_told_with_its_sign() {
+fn the_drift_from_step_8_to_t3_is_reported_with_its_sign() {
     let drifting = Spec { noise: false, warmup_s: 400.0, tempco_dps_per_c: 0.04, ..quick(15) };
     let measured = measure(drifting, Plan { max_u_btc_dps_per_c: 0.05, ..SHORT }).unwrap();
     let (correction, u) = (measured.outcome.correction, measured.outcome.uncertainty);

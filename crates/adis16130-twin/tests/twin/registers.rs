@@ -20,7 +20,7 @@ const TABLE: [(u8, u8, u8); 12] = [
 ];
 
 #[test]
-fn reset_values() {
+fn registers_have_their_reset_values() {
     let mut host = Host::new(quiet());
     for (address, reset, _) in TABLE {
         assert_eq!(host.byte(address), reset, "{address:02X}");

@@ -40,7 +40,7 @@ fn warmup_s_scales_both_shares() {
 }
 
 #[test]
-fn profiles() {
+fn each_profile_sets_the_ambient_temperature() {
     let cold = Spec { noise: false, warmup_c: 0.0, ambient_c: 10.0, ..Spec::typical() };
     let ramp = Twin::new(Spec { profile: Profile::Ramp, ..cold.clone() });
     assert!((at(&ramp, 600).sensor_c - 20.0).abs() < 1e-6);
@@ -83,7 +83,7 @@ fn bias_is_linear_plus_curvature_and_the_truth_says_so() {
 }
 
 #[test]
-fn rotation_is_in_no_truth() {
+fn rotation_is_not_part_of_the_true_bias() {
     let host = Host::started(Spec { rotation_dps: 3.0, bias_dps: 0.1, ..quiet() });
     assert!((host.twin.truth().pbc_dps(25.0) + 0.1).abs() < 1e-12);
 }

@@ -25,7 +25,7 @@ fn verify_reads_every_written_register_back() {
 }
 
 #[test]
-fn verify_before_init_says_so() {
+fn verify_before_init_is_an_error() {
     let mut gyro = Adis16130::new(Wire(Part::new()), Pin::default(), Config::default());
     assert_eq!(gyro.verify(), Err(VerifyError::NotInitialised));
 }

@@ -48,7 +48,7 @@ mod stored {
     }
 
     #[test]
-    fn a_configuration_is_what_its_builders_take() {
+    fn a_configuration_is_stored_as_the_arguments_of_its_builders() {
         assert_eq!(serde_json::from_str::<Config>("{}").unwrap(), Config::new());
         assert!(serde_json::from_str::<Config>(r#"{"mode":42}"#).is_err());
         let all = Config::new()

@@ -76,7 +76,7 @@ fn without_rdyfn_the_first_loss_counts() {
 }
 
 #[test]
-fn a_restart_before_the_first_edge_is_over_with_it() {
+fn a_restart_before_the_first_edge_ends_with_that_edge() {
     let mut bench = Bench::new(SamplerConfig::new(), Config::new().with_rdyfn(false), 527, 0.0);
     bench.sampler.restarted();
     assert_eq!(bench.lost(1.0, 0), 0);

@@ -97,7 +97,7 @@ fn a_conversion_to_the_reset_code_is_a_reading() {
 }
 
 #[test]
-fn only_the_first_reading_and_the_doubtful_ones_cost_more() {
+fn only_first_and_doubtful_readings_take_more_transfers() {
     let part = Part::new();
     let mut gyro = Adis16130::new(Wire(part.clone()), Pin::default(), Config::new().with_framing(Framing::Command));
     gyro.init().unwrap();

@@ -226,7 +226,7 @@ mod tests {
     "#;
 
     #[test]
-    fn a_line_is_what_is_printed() {
+    fn a_line_has_the_printed_value_and_unit() {
         let sheet = DataSheet::parse(SHEET).unwrap();
         let found: Vec<(Figure, bool, f64, f64)> = sheet
             .gyroscope

@@ -276,9 +276,8 @@ mod tests {
         Bin { first, end, freedom: (end - first) as f64, power: 1.0, response: Response::WHOLE }
     }
 
-    /// Checks each drift by the transform of its samples.
     #[test]
-    fn drifts_are_their_transform() {
+    fn the_coefficients_of_a_drift_are_the_transform_of_its_samples() {
         let (n, rate_hz) = (20_000, 10.0);
         let span_s = n as f64 / rate_hz;
         for drift in [Drift::Ramp, Drift::WarmUp { tau_s: 300.0 }] {

@@ -43,7 +43,7 @@ mod tests {
 
     /// One scale parameter with ν degrees of freedom, beside another in separate rows.
     #[test]
-    fn is_the_score_of_one_scale() {
+    fn the_departure_of_one_scale_is_its_score() {
         let nu = [5.0, 9.0];
         let local = |a: f64, b: f64| Local { density: vec![a, b], slopes: vec![vec![1.0, 0.0], vec![0.0, 1.0]] };
         for held in [0.2, 0.9, 3.0] {

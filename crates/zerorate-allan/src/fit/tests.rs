@@ -235,7 +235,7 @@ fn steps_do_not_depend_on_the_unit() {
 
 /// 40 % of the samples are lost one by one. Averages over the rest have more white noise, which made N 27 % too large.
 #[test]
-fn losses_leave_n() {
+fn lost_samples_do_not_change_n() {
     let mut rate = HOUR.noise(200_000, 8);
     let whole = of(&rate);
     let mut draw = uniform(9);
@@ -258,7 +258,7 @@ fn losses_leave_n() {
 }
 
 #[test]
-fn bursts_of_losses_leave_n() {
+fn bursts_of_lost_samples_do_not_change_n() {
     let mut rate = HOUR.noise(200_000, 10);
     let whole = of(&rate);
     for burst in 0..20 {

@@ -317,7 +317,7 @@ fn codes_agree_with_big_integers() {
 }
 
 #[test]
-fn exact_across_blocks_and_pieces() {
+fn sums_are_exact_across_blocks_and_pieces() {
     assert_exact(&noise(300_000, 10), &[1, 1000, 150_000]);
     assert_exact(&noise(200_000, 24), &[3, 100_000]);
     assert_exact_of(&[Stat::Oadev, Stat::Ohdev], &noise(200_000, 12), &[65_536]);

@@ -304,7 +304,7 @@ mod tests {
 
     /// Two's complement of 12 to 32 bits, and temperatures coarse and fine.
     #[test]
-    fn any_scale_is_carried() {
+    fn the_bound_holds_on_any_scale() {
         let signed = |width_bits, lsb_per_unit, zero_value| Scale {
             lsb_per_unit,
             zero_code: 0,

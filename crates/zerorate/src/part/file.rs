@@ -518,7 +518,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_may_differ() {
+    fn an_axis_may_differ_from_the_part() {
         let text = ADIS16130.replace(
             "[{ name = \"rate\" }]",
             "[{ name = \"x\" }, { name = \"y\", rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 16 } }]",

@@ -454,9 +454,8 @@ mod tests {
         assert!((hz - 0.006).abs() < 3e-4 && (size_dps - 0.02).abs() < 0.003, "{finding:?}");
     }
 
-    /// A hole in the record is not a step.
     #[test]
-    fn a_hole_is_left_out() {
+    fn a_gap_in_the_record_is_not_a_step() {
         let mut seconds = record(3, |_| 0.0);
         seconds.drain(400..520);
         assert_eq!(findings(&seconds, &asked()).unwrap().found, []);

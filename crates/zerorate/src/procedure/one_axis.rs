@@ -393,7 +393,7 @@ mod tests {
     use alloc::string::ToString;
 
     #[test]
-    fn a_refusal_is_told_before_its_step_ends() {
+    fn a_refusal_is_known_before_its_step_ends() {
         let mut procedure = Procedure::new(&Axis::ADIS16130, Plan::default()).unwrap();
         procedure.handle(Event::Initialised { t_ns: 0 }).unwrap();
         for seq in 0..400 {

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn the_numbers_cover_the_curve() {
+fn n_and_k_cover_the_curve() {
     let fit = of(&Truth { b: 3.0 * HOUR.b, ..HOUR }.noise(360_000, 920));
     let found = fit.covering(Usage::Filter, Some(300.0)).unwrap();
     let claimed = |tau_s: f64| found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0;
@@ -33,7 +33,7 @@ fn a_batch_has_the_fitted_n_and_a_lifted_k() {
 
 /// A short record's curve scatters by a third at its long end.
 #[test]
-fn chance_is_not_covered() {
+fn the_scatter_of_a_short_record_is_not_covered() {
     for seed in 930..935 {
         let fit = of(&Truth { b: 0.0, k: 0.0, ..HOUR }.noise(20_000, seed));
         let found = fit.covering(Usage::Filter, None).unwrap();

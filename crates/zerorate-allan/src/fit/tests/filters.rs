@@ -152,7 +152,7 @@ fn the_upper_end_can_be_given() {
 }
 
 #[test]
-fn a_shape_of_too_few_cosines_makes_no_memory() {
+fn a_shape_of_too_few_cosines_gives_no_gauss_markov_term() {
     for seed in 56..59 {
         let fit = of(&moving_average(&HOUR.noise(360_000, seed), &[1.0; 8]));
         let has_memory = fit.terms.iter().any(|term| matches!(term, Term::GaussMarkov { .. }));
@@ -299,7 +299,7 @@ fn white_noise_that_is_nowhere_seen_is_not_identified() {
 /// Noise correlated over five samples looks like filtered white noise. That explanation alone gave twice the true N,
 /// with a narrow interval.
 #[test]
-fn a_memory_of_few_samples_gives_both_n() {
+fn noise_correlated_over_few_samples_gives_both_n() {
     let tau_s = 5.0 / RATE_HZ;
     let truth = Truth { n: 0.05, sigma: 0.3, tau_s, b: 0.005, k: 1e-3, q: 0.0 };
     let plateau = (truth.n.powi(2) + 2.0 * truth.sigma.powi(2) * tau_s).sqrt();

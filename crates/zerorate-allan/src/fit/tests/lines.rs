@@ -125,7 +125,7 @@ fn an_impractical_length_is_not_advised() {
 
 /// 300 samples do not show the band of a sensor. N is 10 % off, with an interval of half that.
 #[test]
-fn a_short_record_says_so() {
+fn a_short_record_has_a_warning() {
     let white = Truth { n: 0.01, ..Truth::default() };
     let [short, long] = [300, 2000].map(|n| of(&white.noise(n, 96)));
     let said = short.warnings.iter().find(|warning| warning.code() == "short-record").unwrap().to_string();

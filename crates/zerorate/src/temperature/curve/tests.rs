@@ -194,9 +194,9 @@ fn a_lag_at_the_longest_that_is_tried_is_not_taken() {
     assert!(found.long_lag_s.is_some() && found.lag_s() == 0.0 && most < 0.05, "{:?} {most}", found.following);
 }
 
-/// An offset by direction that turns within a fifth of the span.
+/// A hysteresis whose offset changes its sign within a fifth of the temperature span.
 #[test]
-fn a_slow_turn_of_the_direction_is_found() {
+fn a_slow_turn_of_a_hysteresis_is_found() {
     let both = Simulated { cools: true, ..WARMING };
     let mut samples = both.samples();
     let mut turned_c: f64 = 5.0;
