@@ -21,9 +21,9 @@ pub struct ChannelLosses {
 /// The last readings of the data registers. A reading is `None` if the host has not read its register.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct LastRead {
-    /// The rate.
+    /// The last reading of RATEDATA.
     pub rate: Option<Reading>,
-    /// The temperature.
+    /// The last reading of TEMPDATA.
     pub temp: Option<Reading>,
 }
 

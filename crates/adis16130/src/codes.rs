@@ -14,7 +14,7 @@ pub enum Width {
 }
 
 impl Width {
-    /// Number of bits.
+    /// Number of bits of a code: 16 or 24.
     pub const fn bits(self) -> u32 {
         match self {
             Self::Bits16 => 16,
@@ -27,7 +27,7 @@ impl Width {
         24 - self.bits()
     }
 
-    /// Number of bytes on the wire.
+    /// Number of bytes of a code on the wire: 2 or 3.
     pub const fn bytes(self) -> usize {
         match self {
             Self::Bits16 => 2,

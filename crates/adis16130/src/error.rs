@@ -17,7 +17,7 @@ pub enum BusError<E> {
     Transfer {
         /// The register that was addressed.
         register: Address,
-        /// The error of the bus.
+        /// The error that the bus returned.
         error: E,
     },
     /// A command before this one was cut short: its transfer failed, or the future of an async call was dropped. The

@@ -23,7 +23,7 @@ pub struct Sample {
     pub t_ns: u64,
     /// Running number of that edge ([`Edge::seq`]). The rate of RDY is measured from it.
     pub seq: u32,
-    /// The rate.
+    /// The rate, as a code in the width of the data registers.
     pub rate: RateCode,
     /// The status of the rate channel, if it was read.
     pub status: Option<ChannelStatus>,

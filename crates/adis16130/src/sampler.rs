@@ -44,7 +44,7 @@ impl SamplerConfig {
         self
     }
 
-    /// Sets the divider.
+    /// Sets the divider: after a reading, the next one is due at the `edges`-th edge.
     pub const fn with_divider(mut self, edges: u16) -> Self {
         self.divider = edges;
         self

@@ -374,7 +374,7 @@ fn fixed_memory_refuses_for_the_same_reasons() {
     }
 }
 
-/// M-01: five times the spread of the bias over units.
+/// The rotation is five times the spread of the bias over units (M-01).
 #[test]
 fn a_constant_rotation_far_above_the_typical_bias_is_warned_of() {
     for seed in 1..6 {

@@ -7,7 +7,7 @@ use embedded_hal::spi::SpiDevice;
 pub const INIT: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
 const TIMEOUT_NS: u64 = 10_000_000;
 
-/// 6.000 MHz, no spread, no noise, no bias.
+/// The typical unit, without noise, hysteresis and drift with temperature. MCLK is 6.000 MHz, the bias 0.
 pub fn quiet() -> Spec {
     Spec { noise: false, tempco_dps_per_c: 0.0, hysteresis_dps: 0.0, ..Spec::typical() }
 }

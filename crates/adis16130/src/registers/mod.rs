@@ -49,7 +49,7 @@ impl Size {
 
 /// A register: its address, its size and its value.
 pub trait Register {
-    /// The value of the register.
+    /// The type of the register's value.
     type Value: Copy;
     /// The address of the register.
     const ADDRESS: Address;

@@ -309,7 +309,7 @@ byte_value! {
             "powered down",
         ]);
         0x10 "CLKDIS" Bit(["the clock is given out", "the clock is not given out"]),
-            /// CLKDIS (b4).
+            /// CLKDIS (b4): the clock is not given out.
             clkdis,
             /// Sets CLKDIS.
             with_clkdis;

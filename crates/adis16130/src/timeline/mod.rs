@@ -72,14 +72,12 @@ const LOOP_GEAR: u32 = 5;
 /// jitter.
 const TOP_GEAR: u32 = 10;
 
-/// The knowledge of the phase: which edges announce rates.
+/// How well the phase is known: which edges announce rates.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Phase {
-    /// The phase is assumed.
     Assumed,
-    /// The phase is assumed, and the samples count from the higher of two possible numbers.
+    /// Assumed too, and the samples count from the higher of two possible numbers.
     AnchoredHigh,
-    /// The phase is known.
     Known,
 }
 

@@ -11,7 +11,7 @@ pub struct Motion {
     pub at_s: f64,
     /// Indices of the axes, ascending.
     pub axes: Vec<usize>,
-    /// The kind of motion.
+    /// Whether the levels jump, or the axes have a glitch.
     pub kind: MotionKind,
 }
 

@@ -50,7 +50,7 @@ pub struct Step {
     pub to_c: f64,
     /// Speed of the set point, °C/min. `None` lets the set point jump.
     pub c_per_min: Option<f64>,
-    /// The end of the step.
+    /// The condition that ends the step.
     pub end: StepEnd,
 }
 

@@ -35,7 +35,7 @@ pub struct ChamberProgress {
     pub state: ChamberState,
     /// Index of the present step, from 0.
     pub step: usize,
-    /// Number of steps.
+    /// Number of steps of all cycles together.
     pub steps: usize,
     /// Time since the first reading, s.
     pub elapsed_s: f64,

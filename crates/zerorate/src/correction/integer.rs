@@ -20,7 +20,7 @@ pub struct IntegerForm {
 }
 
 impl IntegerForm {
-    /// The form for the ADIS16130.
+    /// The form for the 24-bit codes of the ADIS16130.
     pub const ADIS16130: Self = Self::new(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp);
 
     /// The form for codes on these scales, of up to 32 bits each.

@@ -25,7 +25,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts a reading.
+    /// Counts a reading, and what was lost before it.
     #[inline]
     pub fn count(&mut self, reading: &Reading) {
         if self.samples == 0 {

@@ -136,7 +136,7 @@ impl PartProcedure {
 pub struct AxisRefusal {
     /// Name of the axis. `None` if the part has one axis only.
     pub axis: Option<String>,
-    /// The refusal.
+    /// The reason why the axis is refused.
     pub refusal: Refusal,
 }
 
