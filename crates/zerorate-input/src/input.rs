@@ -136,8 +136,8 @@ impl Input {
         if found.len() == length { Ok(found.into()) } else { Err(outside()) }
     }
 
-    /// The number of bytes from `end` on, where the content of a file ends; 0 if all of them are zeros, which only
-    /// fill the file up. Moves the position of a file.
+    /// The number of bytes after `end`, the end of the content; 0 if all of them are zeros, which are padding. Moves
+    /// the position of a file.
     pub fn bytes_behind(&self, end: u64) -> io::Result<u64> {
         let behind = self.length()?.saturating_sub(end);
         let mut input = self.try_clone()?;
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn memory_and_file_and_what_lies_elsewhere_are_the_same_bytes() {
+    fn memory_file_and_remote_input_read_the_same_bytes() {
         let packed = |input: &Input| input.unpacked(|out| out.write_all(b"0123456789")).map_err(|e: io::Error| e);
         let memory = packed(&Vec::new().into()).expect("memory");
         let file = packed(&tempfile::tempfile().expect("a file").into()).expect("a file");

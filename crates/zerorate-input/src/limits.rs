@@ -8,14 +8,14 @@ use std::sync::OnceLock;
 /// Memory that any file may take, even the smallest, bytes.
 pub const FREE_BYTES: u64 = 64 << 20;
 
-/// Memory that a file may take beyond [`FREE_BYTES`], as a multiple of its size on disk. The best compression of noise
-/// is about 20 to 1.
+/// Memory that a file may take beyond [`FREE_BYTES`], as a multiple of its size on disk. Recorded noise compresses at
+/// best about 20 to 1, so that a log stays far below.
 pub const FACTOR: u64 = 256;
 
 /// Largest size of a small text file: a calibration, a part file, a data sheet, a token, the state of a tracker.
 pub const TEXT: Bytes = Bytes(1 << 20);
 
-/// Least memory that the commands need for their threads and a batch of each form, bytes.
+/// Lowest memory limit of the process, bytes. The commands need this much for their threads and batches.
 const LEAST_BYTES: u64 = 256 << 20;
 
 /// Default memory limit, bytes.
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_as_people_write_them() {
+    fn sizes_are_read_as_people_write_them() {
         for (text, bytes) in [("512M", 512 << 20), ("2G", 2 << 30), ("1 GiB", 1 << 30), ("268435456", 1 << 28)] {
             assert_eq!(text.parse(), Ok(Bytes(bytes)), "{text}");
         }
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn the_room_of_a_file_grows_with_it_up_to_a_limit() {
+    fn the_budget_grows_with_the_file_up_to_the_memory_limit() {
         let room = MemoryBudget { bytes: for_size(1000), max_memory: 1 << 30 };
         assert_eq!(room.check(FREE_BYTES + 256_000), Ok(()));
         assert_eq!(room.check(FREE_BYTES + 256_001), Err(OverBudget::ForItsSize(FREE_BYTES + 256_000)));

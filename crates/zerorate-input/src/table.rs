@@ -22,7 +22,7 @@ pub const BATCH_CHECK: &str = "zerorate.check.batch";
 /// Key of the checks of all batches in Parquet, in order, separated by blanks. Parquet has one index for all batches.
 pub const BATCH_CHECKS: &str = "zerorate.check.batches";
 
-/// Key of the statement after the last row.
+/// Key of the end statement, which follows the last row.
 pub const END: &str = "zerorate.check.end";
 
 /// The statements that a source has made so far, besides its rows.
@@ -61,7 +61,7 @@ pub trait BatchSource {
     /// Mutable access to the same statements.
     fn stated_mut(&mut self) -> &mut Stated;
 
-    /// Reads the next batch of the form, if there is one. It is not called again after the end or an error.
+    /// Reads the next batch; `None` at the end. It is not called again after the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
     /// Whether common software keeps the description but drops the checks of the rows when it rewrites such a file.

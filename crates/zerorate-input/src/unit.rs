@@ -206,7 +206,7 @@ fn part_of_unit(name: &str) -> Option<(Quantity, f64)> {
     (0.0 < factor && factor < 1.0).then(|| (unit.quantity(), factor * unit.in_results()))
 }
 
-/// The unit of a rate of change, written as one: `rad/s`, `RadPerSec`, `mps2`.
+/// Parses a unit that contains `/`, `per` or `ps`: `rad/s`, `RadPerSec`, `mps2`.
 fn rate(text: &str) -> Option<Unit> {
     let lower = text.to_lowercase();
     let is_rate = ["/", "per", "ps"].iter().any(|part| lower.contains(part)) && !lower.contains(['_', ' ']);
@@ -231,7 +231,7 @@ impl fmt::Display for Unit {
     }
 }
 
-/// A unit as it is written, with one spelling for each part: `deg/s` of `(°/sec)`, `degrees per second`, `deg s⁻¹`.
+/// Unifies the spelling of a unit: `(°/sec)` and `degrees per second` become `deg/s`, and `deg s⁻¹` becomes `degs-1`.
 fn plain(unit: &str) -> String {
     let unit: String = unit.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()^*·".contains(*c)).collect();
     let parts = [
@@ -311,7 +311,7 @@ impl TimeUnit {
             "millis" | "ms" | "msec" | "milliseconds" => return Some(Self::Ms),
             "sec" | "secs" | "seconds" | "seconds_elapsed" | "secondselapsed" => return Some(Self::S),
             "nanos" | "ns" | "nsec" | "nanoseconds" => return Some(Self::Ns),
-            // a rate, as in rad/s
+            // in `gx_rad/s`, the `s` belongs to the unit of a rate
             _ if Unit::of_column(name).is_some() => return None,
             _ => {}
         }
