@@ -5,7 +5,7 @@ use super::tests::{numbers, options};
 use super::*;
 use std::path::Path;
 
-/// The content of a log: name and bits of each column, its rate, and the warnings.
+/// The content of a log: the name of each column and the bits of its numbers, the bits of the rate, and the warnings.
 type Read = (Vec<(String, Vec<u64>)>, u64, Vec<LogWarning>);
 
 fn read(bytes: &[u8], said: &str) -> Result<Read> {
@@ -34,7 +34,7 @@ fn silent(whole: &[u8], said: &str, places: std::ops::Range<usize>) -> Vec<(usiz
     bits.filter(is_silent).map(|at| (at / 8, (at % 8) as u32)).collect()
 }
 
-/// Flips per file.
+/// Number of bits that are flipped per file, unless `ZERORATE_FLIPS` sets another.
 const FLIPS: usize = 401;
 
 macro_rules! fixture {
@@ -53,9 +53,9 @@ fn never_silent(files: &[(&str, &[u8])], said: &str) {
 }
 
 #[test]
-fn of_parquet() {
+fn flips_in_parquet_are_noticed() {
     for (name, file) in [fixture!("none.parquet"), fixture!("snappy.parquet"), fixture!("zstd.parquet")] {
-        // the index behind the pages has no check
+        // the index behind the pages has no checksum, so no bit of it is flipped
         let index = u32::from_le_bytes(*file[file.len() - 8..].first_chunk().unwrap()) as usize + 8;
         let silent = silent(file, "--time-column t_ns", 0..file.len() - index);
         assert!(silent.is_empty(), "{name}: {} at {silent:?}", silent.len());
@@ -63,29 +63,29 @@ fn of_parquet() {
 }
 
 #[test]
-fn of_mcap() {
+fn flips_in_mcap_are_noticed() {
     let files = [fixture!("none.mcap"), fixture!("lz4.mcap"), fixture!("zstd.mcap"), fixture!("flat.mcap")];
     never_silent(&files, "");
 }
 
 #[test]
-fn of_matlab() {
+fn flips_in_matlab_are_noticed() {
     never_silent(&[fixture!("packed.mat")], "--time-column t --time-unit s");
 }
 
 #[test]
-fn of_numpy() {
+fn flips_in_numpy_are_noticed() {
     never_silent(&[fixture!("stored.npz"), fixture!("packed.npz")], "--time-column t_ns");
 }
 
 #[test]
-fn of_hdf5() {
+fn flips_in_hdf5_are_noticed() {
     never_silent(&[fixture!("fletcher.h5"), fixture!("gzip.h5"), fixture!("lzf.h5")], "--time-column t_ns");
 }
 
 /// An unpacked file has checksums only in its description and its index; the index of `x` has two pages.
 #[test]
-fn of_indices_of_hdf5() {
+fn flips_in_indices_of_hdf5_are_noticed() {
     let (_, file) = fixture!("paged.h5");
     for (signature, length) in [(b"FAHD", 28), (b"FADB", 100), (b"EAHD", 72), (b"EAIB", 100)] {
         let start = file.windows(4).position(|bytes| bytes == signature).unwrap();
@@ -95,7 +95,7 @@ fn of_indices_of_hdf5() {
 }
 
 #[test]
-fn of_packers() {
+fn flips_in_compressed_text_are_noticed() {
     let files = [
         fixture!("log.csv.gz"),
         fixture!("log.csv.bz2"),
@@ -107,7 +107,7 @@ fn of_packers() {
 }
 
 #[test]
-fn of_bags_of_ros_1() {
+fn flips_in_bags_of_ros_1_are_noticed() {
     never_silent(&[fixture!("bz2.bag"), fixture!("lz4.bag")], "");
 }
 
@@ -131,11 +131,11 @@ fn every_fixture_is_read() {
 
 /// A damaged variable is an error, so that no column vanishes silently.
 #[test]
-fn no_column_vanishes() {
+fn a_damaged_variable_does_not_vanish() {
     let (_, file) = fixture!("packed.mat");
     let (columns, ..) = read(file, "--time-column t --time-unit s").unwrap();
     assert_eq!(columns.len(), 3);
-    // the second of three variables, in the middle of what is packed
+    // flips a bit in the middle of the compressed second variable
     let second = 136 + u32::from_le_bytes(*file[132..].first_chunk().unwrap()) as usize;
     let length = u32::from_le_bytes(*file[second + 4..].first_chunk().unwrap()) as usize;
     let mut flipped = file.to_vec();
@@ -146,7 +146,7 @@ fn no_column_vanishes() {
 
 /// The index of a bag without other checksums counts more messages than the bag has.
 #[test]
-fn a_bag_that_lost_a_chunk() {
+fn a_bag_that_lost_a_chunk_gets_a_warning() {
     let (_, bag) = fixture!("lz4.bag");
     let chunk = bag.windows(4).rposition(|bytes| bytes == b"op=\x05").unwrap() + 3;
     let mut lost = bag.to_vec();

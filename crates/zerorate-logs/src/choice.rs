@@ -18,7 +18,7 @@ pub enum ColumnSelection<'a> {
     One(Option<&'a str>),
     /// These columns, in this order.
     Listed(&'a [String]),
-    /// These columns, in this order, and then the others of `All`. Forms that name their quantities give only these.
+    /// These columns, in this order, and then the others of `All`. Logs of PX4, ArduPilot and ROS give only these.
     First(&'a [String]),
     /// The rates of a capture, the six quantities of a bag's IMU, or otherwise all numeric columns except the time.
     All,
@@ -88,7 +88,7 @@ impl Columns<'_> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
         let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
         self.chosen(wanted, args, default).map_err(|error| match error {
-            // both questions in one run
+            // asks both questions at once
             LogError::Ask(question) if asks_rate => {
                 let [rate, time] = [Setting::Rate, Setting::TimeColumn].map(|setting| self.settings.of(setting));
                 LogError::Ask(format!("{question}. Also give {rate} in Hz, or {time}"))
@@ -129,7 +129,7 @@ impl Columns<'_> {
                 columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
             }
         };
-        // a capture counts its samples itself
+        // a capture needs no time column, because it counts its samples
         let are_named = matches!(
             (wanted, default),
             (ColumnSelection::Described(_), _) | (ColumnSelection::Listed(_) | ColumnSelection::One(Some(_)), [])
@@ -152,7 +152,7 @@ impl Columns<'_> {
     }
 
     /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one
-    /// with the name of a time. The latter does not count if its numbers are not dates in one unit.
+    /// with the name of a time.
     fn time(&self, values: &[usize]) -> Option<usize> {
         let is_likely = |at: &usize| !values.contains(at) && self.numeric[*at] && is_named_time(self.names[*at]);
         let likely: Vec<usize> = (0..self.names.len()).filter(is_likely).collect();

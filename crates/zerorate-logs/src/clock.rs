@@ -12,7 +12,8 @@ const SAID_JITTER: f64 = 0.1;
 /// of 0.69 intervals has this jitter from rounding alone.
 const CLEAR_JITTER: f64 = 0.2;
 
-/// Largest jitter at which the surrounding rows tell this. Beyond, half of the rows are nearer to another's place.
+/// Largest jitter at which the surrounding rows tell this. At a normal jitter of this size, a third of the rows are
+/// nearer to the place of another row than to their own.
 const MAX_JITTER: f64 = 0.5;
 
 /// A row behind a missing sample may come this fraction of an interval early; the sample still counts as missing.
@@ -346,13 +347,13 @@ pub fn usual_step(mut steps: Vec<f64>) -> Option<f64> {
 /// The rate and the gaps of a log according to its timestamps.
 #[derive(Debug, PartialEq)]
 pub struct TimeBase {
-    /// Mean rate, lost samples included.
+    /// Mean rate, Hz; lost samples count.
     pub rate_hz: f64,
     /// Before row `at`, `missing` samples were lost.
     pub gaps: Vec<Gap>,
     /// Root mean square deviation of the timestamps from an even clock, in intervals.
     pub jitter: f64,
-    /// The rate that holds if the longer steps of a clock that counts in steps are single lost samples instead.
+    /// The rate, Hz, if the longer steps of a coarse clock are single lost samples instead. `None` for other clocks.
     pub as_losses: Option<f64>,
 }
 
@@ -441,7 +442,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_clock() {
+    fn an_even_clock_has_no_gaps() {
         let found = time_base((0..1000).map(|i| 1.7e9 + f64::from(i) / 200.0)).unwrap();
         assert!((found.rate_hz - 200.0).abs() < 1e-4 && found.gaps.is_empty());
     }
@@ -466,7 +467,7 @@ mod tests {
 
     /// 400 Hz in whole milliseconds, and 640 Hz.
     #[test]
-    fn a_clock_that_rounds() {
+    fn a_clock_that_rounds_has_no_gaps() {
         for rate in [400.0, 640.0] {
             let found = time_base((0..2000).map(|i| (f64::from(i) / rate * 1e3).floor() * 1e-3)).unwrap();
             assert!(found.gaps.is_empty(), "{rate} Hz: {:?}", found.gaps);
@@ -495,7 +496,7 @@ mod tests {
 
     /// The clock follows a crystal that drifts by 200 ppm.
     #[test]
-    fn a_clock_that_drifts() {
+    fn a_clock_that_drifts_has_no_gaps() {
         let found = time_base((0..100_000).map(|i| f64::from(i) * 0.01 * (1.0 + 2e-9 * f64::from(i)))).unwrap();
         assert!(found.gaps.is_empty());
     }
@@ -529,7 +530,7 @@ mod tests {
         assert_eq!(time_base((0..1000).map(f64::from)).unwrap().jitter_text(), None);
     }
 
-    /// The bound of the text holds for a simulated random walk, from one interval on.
+    /// The bound of [`TimeBase::jitter_text`] holds for a simulated random walk, from one interval on.
     #[test]
     fn the_bound_on_jitter_holds() {
         const FINE: usize = 16;
@@ -564,14 +565,14 @@ mod tests {
         };
         let found = time_base((0..1000).map(time)).unwrap();
         assert!(found.gaps.is_empty() && (found.rate_hz - 1.0).abs() < 1e-9, "{:?}", found.gaps);
-        // beside some that are really missing, four of ten by chance
+        // late rows among rows of which four in ten are missing at random
         let there = |i: &i32| i % 1000 == 0 || (i * i % 1009 * 7919) % 97 < 58;
         let found = time_base((0..=10_000).filter(there).map(|i| (f64::from(i) * 2.5).floor())).unwrap();
         assert!((found.rate_hz * 2.5 - 1.0).abs() < 1e-4, "{}", found.rate_hz);
     }
 
     #[test]
-    fn clocks_without_a_beat_are_refused() {
+    fn clocks_without_a_steady_interval_are_refused() {
         assert!(time_base([0.0]).unwrap_err().contains("fewer than two rows"));
         assert!(time_base([]).unwrap_err().contains("fewer than two rows"));
         // rows that arrive in bursts of ten

@@ -14,7 +14,8 @@ use zerorate_input::TimeUnit;
 /// Times in this range, in s, are dates since 1970 (from 1973 to 2096). Smaller times count from some other start.
 const DATES_S: std::ops::Range<f64> = 1e8..4e9;
 
-/// A row this many intervals earlier than the row before begins another log. A file has at most `MOST_LOGS`.
+/// A row this many intervals earlier than the row before begins another log. A file with more than [`MOST_LOGS`] such
+/// rows is not split.
 const LATE: f64 = 64.0;
 const MOST_LOGS: usize = 16;
 

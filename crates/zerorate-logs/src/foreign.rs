@@ -33,7 +33,7 @@ fn bags_of_ros_1() {
         assert_eq!((column.series, column.rate_hz), (Series::Numbers(vec![9.81; 19]), 7.0));
         assert!(folder.fails(bag, "").contains("choose with --column one of: /imu.angular_velocity.x"));
         cut(bag, "--column z");
-        // one that was not closed lists its connections in its chunks only
+        // a bag that was not closed lists its connections in its chunks only
         let open = folder.read(&bag[..bag.len() - 40], "--column z").unwrap();
         assert!(open.warnings[0].to_string().contains("was not closed or is damaged"), "{:?}", open.warnings);
         assert_eq!(open.series.len(), 20);
@@ -100,7 +100,7 @@ fn archives_of_numpy() {
     assert!(said.contains("one of: 0 `t_ns`, 1 `gz_rad_s`, 2 `gyro.0`, 3 `gyro.1`, 4 `gyro.2`"), "{said}");
     let mut empty = b"PK\x05\x06".to_vec();
     empty.extend([0; 18]);
-    // where its index is
+    // the offset of its index
     empty[16] = 30;
     let plain = [&b"PK\x03\x04"[..], &[0; 26], &empty].concat();
     assert!(folder.fails(plain, "--rate 1").contains("without arrays of NumPy"));

@@ -154,7 +154,7 @@ pub struct Quantities {
 }
 
 impl Quantities {
-    /// Chooses the wanted quantities of one topic. If the topic is open, `survey` finds the topics to choose from.
+    /// Chooses the wanted quantities of one topic. If the request leaves the topic open, `survey` lists the topics.
     pub fn choose(
         path: &Path,
         topics: &Sources,
@@ -393,7 +393,7 @@ impl Head {
         };
         let body = source.body(encoding, message)?;
         let (frame, _) = body.frame()?;
-        // CDR counts the zero at the end
+        // a CDR string includes its final zero byte
         let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
         Some(Self { stamp_ns: body.stamp_ns()?, frame })
     }

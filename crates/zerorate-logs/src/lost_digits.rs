@@ -3,10 +3,10 @@
 use crate::clock::Times;
 use zerorate_input::TimeUnit;
 
-/// Digits that float32 keeps, and Excel in `1.70000E+18`.
+/// Most digits of a stamp that was cut: float32 keeps 7, and `1.70000E+18` of Excel has 6.
 const DIGITS: usize = 7;
 
-/// Stamps from this size on have more digits than that.
+/// Stamps from this size on have more than [`DIGITS`] digits.
 const LARGE: f64 = 1e9;
 
 /// Share of the rows that repeat the stamp of the row before.

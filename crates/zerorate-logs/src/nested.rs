@@ -120,7 +120,7 @@ fn declaration(line: &str) -> Option<(&str, &str)> {
     (!is_constant).then_some((kind, name))
 }
 
-/// How many elements a field has.
+/// The number of elements of a field: one, a known number, or a number that the message states.
 enum Many {
     One,
     Known(usize),

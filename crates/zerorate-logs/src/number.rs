@@ -231,14 +231,14 @@ mod tests {
     }
 
     #[test]
-    fn all_that_is_missing() {
+    fn empty_cells_and_words_for_nothing_are_missing() {
         for cell in ["", "nan", "NaN", "NA", "null", "None", "-"] {
             assert_eq!(read(&[cell]).0, [Ok(Number::Missing)], "{cell}");
         }
     }
 
     #[test]
-    fn a_decimal_comma_where_it_can_be_nothing_else() {
+    fn a_comma_is_decimal_where_it_can_be_nothing_else() {
         let number = |value| Ok(Number::Decimal(value));
         assert_eq!(read(&["1,5", "-2,125", "7"]), (vec![number(1.5), number(-2.125), Ok(Number::Integer(7))], None));
         assert_eq!(read(&["1,125", "0,125"]), (vec![number(1.125), number(0.125)], None));
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn exponents_of_fortran() {
+    fn exponents_of_fortran_are_read() {
         assert_eq!(read(&["1.5D-03", "-2.5d+02"]).0, [Ok(Number::Decimal(1.5e-3)), Ok(Number::Decimal(-250.0))]);
         assert!(read(&["3D"]).0[0].is_err() && read(&["a.d"]).0[0].is_err());
     }

@@ -190,7 +190,7 @@ impl Packing {
             Self::Lz4 => Ok(Box::new(Lz4Frames(lz4_flex::frame::FrameDecoder::new(packed)))),
             #[cfg(feature = "packed")]
             Self::Xz => Ok(Box::new(lzma_rust2::XzReader::new_mem_limit(packed, true, MAX_WINDOW_KB))),
-            // the decoder's own limit is the same
+            // zstd's decoder has the same limit
             #[cfg(feature = "zstd")]
             Self::Zstd => Ok(Box::new(zstd::Decoder::with_buffer(packed)?)),
             #[cfg(not(all(feature = "packed", feature = "zstd")))]
@@ -216,7 +216,7 @@ impl Read for Lz4Frames {
     }
 }
 
-/// Why a file could not be unpacked.
+/// The reason why a file could not be unpacked.
 pub enum Unpacking {
     /// The file holds more than the memory limit allows.
     OverBudget(OverBudget),

@@ -258,7 +258,7 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
     dropped.into_iter().chain(wrong).collect()
 }
 
-/// Largest share of the rows that do not fit an even clock of which a coarse one shows the steps.
+/// Largest share of the rows that do not fit evenly spaced times under a coarse clock.
 const UNEVEN: f64 = 0.002;
 
 /// Gives rows under a coarse clock even times, if its stamps agree with them. Returns the text about it.

@@ -22,7 +22,8 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The same files from their start, to be read once more. The others must not be read at the same time.
+    /// The same files from their start, to be read once more. Do not read both at the same time: they share one
+    /// position in each file.
     ///
     /// # Errors
     /// Returns an error if the system has no more descriptors.

@@ -14,7 +14,8 @@ use zerorate_input::TimeUnit;
 /// Fewest rows that show that a column rises evenly.
 const FEWEST: usize = 10;
 
-/// Counts since an epoch in unusual units: the first times of the years 2000 to 2100, counts per second, and words.
+/// Counts since an epoch in unusual units: the count at the start of the years 2000 and 2100, counts per second, and
+/// the words of the question.
 const EPOCHS: [(std::ops::Range<f64>, f64, &str); 4] = [
     (36_526.0..73_051.0, 1.0 / 86_400.0, "days, as Excel does"),
     (730_486.0..767_011.0, 1.0 / 86_400.0, "days, as MATLAB does"),

@@ -105,7 +105,7 @@ impl RawType {
         Ok(())
     }
 
-    /// Adds all numbers of a block of little-endian ones, the usual form, without a copy.
+    /// Adds a block of little-endian numbers in one channel, the usual form, without a copy.
     fn append_all(self, values: &mut SeriesBuilder, block: &[u8]) -> Result<(), usize> {
         match self.number {
             RawNumber::I16 => {

@@ -1,4 +1,4 @@
-//! The first rows of a table in all columns. Columns that were not requested tell about the rows, too.
+//! The first rows of a table in all columns. Even a column that was not requested may show what its rows are.
 
 use crate::clock::Times;
 use crate::time_names::ticks;

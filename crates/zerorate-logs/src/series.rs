@@ -7,8 +7,8 @@ use zerorate_input::limits::{MemoryBudget, OverBudget};
 /// Largest number of missing samples that are filled in: a bound on memory if a clock leaps.
 const MAX_FILLED: u64 = 10_000_000;
 
-/// Memory per row in bytes: a code, its result, and both again while they grow. A number with a time needs twice as
-/// much; if that is too much, the memory limit of the process stops it.
+/// Memory that the budget counts per row, in bytes: a code and its result of 4 bytes each, twice while vectors grow.
+/// A number with a time needs twice as much, which only the memory limit of the process bounds.
 pub const ROW_BYTES: u64 = 16;
 
 /// A series of numbers, as exact as in the file.

@@ -347,7 +347,7 @@ fn a_unit_that_a_type_states_is_not_overridden() {
     assert!(why.contains("by its type") && why.contains("leave --time-unit out"), "{why}");
 }
 
-/// `strangers/22`: whole seconds and nanoseconds, as bagpy writes them.
+/// bagpy writes whole seconds and nanoseconds into two columns.
 #[test]
 fn a_stamp_in_two_columns_is_one_time() {
     let row = |at: u64| {
@@ -363,7 +363,7 @@ fn a_stamp_in_two_columns_is_one_time() {
     }
 }
 
-/// `strangers/12`, `29`: a column called a time, whose digits leave one unit.
+/// A column `time` whose name states no unit, but whose numbers are dates in one unit only.
 #[test]
 fn dates_tell_the_unit_of_a_time() {
     let folder = Folder::new();
@@ -402,7 +402,7 @@ fn a_unit_of_time_may_be_a_number_of_ticks() {
     }
 }
 
-/// `millis` that are microseconds.
+/// A column `millis` that counts microseconds.
 #[test]
 fn a_slow_time_whose_name_alone_states_the_unit_is_asked_for() {
     let folder = Folder::new();
@@ -416,7 +416,7 @@ fn a_slow_time_whose_name_alone_states_the_unit_is_asked_for() {
     assert!(folder.read(stepping("t_s", 10.0), "--column gz_dps").is_ok());
 }
 
-/// `strangers/17`: the time has no name.
+/// Logs whose columns have no names.
 #[test]
 fn the_question_for_the_rate_proposes_the_column_that_rises_evenly() {
     let row = |at: u64| format!("{at},1600,{},0.{}\n", 252_207_918_580_802 + at * 50_000_000, at % 7);
@@ -443,7 +443,7 @@ fn the_question_for_the_rate_names_days_and_several_clocks() {
     assert!(why.contains("--time-column with one of: `0`, `1`"), "{why}");
 }
 
-/// `strangers/24`.
+/// A spreadsheet keeps 6 or 7 digits of a stamp, and float32 keeps 7.
 #[test]
 fn stamps_that_lost_their_digits_name_the_cause() {
     let log = |stamp: &str, name: &str| {
@@ -458,7 +458,7 @@ fn stamps_that_lost_their_digits_name_the_cause() {
     }
 }
 
-/// A time in clock times beside a single column of numbers.
+/// The name `clock_s` states a unit, but the cells are clock times.
 #[test]
 fn clock_times_whose_name_states_a_unit_are_the_time() {
     let rows: String = (0..50).map(|at| format!("12:00:{:05.2},{}\n", f64::from(at) / 100.0, at % 7)).collect();
@@ -466,10 +466,10 @@ fn clock_times_whose_name_states_a_unit_are_the_time() {
     assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
 }
 
-/// `strangers/16`: the step since the row before is not a time, and tells the rate.
+/// A column with the time since the row before is not a time column, but its steps tell the rate.
 #[test]
 fn steps_between_rows_tell_the_rate() {
-    // high bits of a hash, so that the steps do not alternate: 9 or 11; the first reaches back to the start
+    // steps of 9 or 11 ms in no order, from the high bits of a hash; the first step is the time since power-on
     let step = |at: u64| 9 + 2 * (at.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63);
     let pair = |at: u64| format!("{},{}\n{},{}\n", step(at), at % 7, 20 - step(at), at % 5);
     let text = (0..60).map(pair).fold("dt_ms,gz_dps\n2345,1\n".to_owned(), |text, rows| text + &rows);
@@ -483,7 +483,7 @@ fn steps_between_rows_tell_the_rate() {
         "--column gz",
     );
     assert!(why.contains("which is 200.000000 if `dt` holds the step between rows in s"), "{why}");
-    // a time since the start is called so as well
+    // `delta_t` may also name the time since the start
     let text =
         (0..60).map(|at| format!("{},{}\n", 5 * at, at % 7)).fold("delta_t_ms,gz_dps\n".to_owned(), |a, b| a + &b);
     assert!((Folder::new().read(&text, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
@@ -506,7 +506,7 @@ fn a_time_that_two_readings_fit_is_asked_for() {
     let uptime = text("timestamp,gz_dps", &|at| format!("{},{}", 1_500_000_000_000_000 + at * 5_000_000, at % 7));
     assert!(folder.fails(&uptime, "--column gz_dps").contains("does not say how fast"));
     assert!(folder.fails(&uptime, "--column gz_dps --time-column timestamp").contains("give --time-unit"));
-    // a part of a second does not hide the time
+    // columns with the parts of a time do not hide the time
     let parts = text("t_ms,sec,ms,gz_dps", &|at| format!("{},{},{},{}", at * 5, at / 200, at * 5 % 1000, at % 7));
     assert!((folder.read(&parts, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
 }

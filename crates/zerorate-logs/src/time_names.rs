@@ -33,7 +33,8 @@ pub fn is_named_time(name: &str) -> bool {
     is_like_time(&name) && parts.all(|part| words.contains(&part))
 }
 
-/// Whether the name of a column is a unit alone, such as `ms`. The column may then be a part of another time.
+/// Whether a name that states a unit of time is this unit alone, such as `ms`. The column may then be a part of
+/// another time.
 pub fn is_bare_unit(name: &str) -> bool {
     name.chars().all(char::is_alphanumeric) && !name.to_lowercase().contains("time")
 }

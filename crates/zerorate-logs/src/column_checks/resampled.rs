@@ -14,8 +14,8 @@ const ENOUGH: usize = 500;
 /// Share of the samples from which a warning is given.
 const SAID: f64 = 0.02;
 
-/// Usual difference between samples, in steps, above which equal samples are not due to chance: with Gaussian
-/// differences, 1 in 370 is.
+/// Usual difference between samples, in steps, above which equal samples are not due to chance: of Gaussian
+/// differences of this size, 1 in 370 is zero.
 const FINE: f64 = 100.0;
 
 /// Least number of sizes of differences in fine numbers. Coarse codes that were printed with more digits have few
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_as_it_is() {
+    fn plain_noise_gives_no_warning() {
         for steps in [1.0, 3.0, 20.0, 300.0, 1e6] {
             assert_eq!(said(noise(5000, steps)), "", "{steps}");
         }
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn codes_read_twice() {
+    fn codes_that_were_read_twice_are_found() {
         for steps in [8.0, 20.0, 90.0] {
             let codes = noise(5000, steps).into_iter().flat_map(|code| [code as i32; 2]).collect();
             let text = doubt(&Series::Codes(codes)).unwrap();
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn held_and_filled_in() {
+    fn held_and_filled_in_samples_are_found() {
         let held: Vec<f64> = noise(3000, 1e5).into_iter().flat_map(|sample| [sample, sample]).collect();
         assert!(said(held).starts_with("50 % of the samples repeat the one before"));
         let mut filled = noise(6000, 1e5);

@@ -56,9 +56,9 @@ fn sqlite_bag() {
     edited(150, &[forms::sqlite_bag()], |bytes| read(bytes, &["--column z"]));
 }
 
-/// Files of other people's writers, and pieces of them that tests of the forms know.
+/// Files by other people's writers.
 #[test]
-fn of_others() {
+fn files_of_other_writers() {
     let files = [forms::ROSBAG, forms::ROSBAG_BZ2, forms::ROSBAG_LZ4].map(<[u8]>::to_vec);
     edited(300, &files, |bytes| read(bytes, &["--column z", "--column x --rate 10"]));
     let files = [forms::NPZ, forms::NPZ_PACKED].map(<[u8]>::to_vec);

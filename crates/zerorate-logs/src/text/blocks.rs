@@ -19,7 +19,7 @@ const BINARY_START: usize = 4096;
 
 /// Control characters are at most one in this many characters of a text.
 const MOST_CONTROL: usize = 20;
-/// So many control characters are taken as broken text in any file.
+/// Up to this many control characters count as broken text, even in a short file.
 const FEWEST_CONTROL: usize = 20;
 
 /// Length of the longest line in bytes: a bound on memory when a file is not text at all.

@@ -185,7 +185,7 @@ impl Head {
     }
 
     /// Takes the names from the labels of the values, or else from the lines above the data. Returns the number of
-    /// lines used, and whether there are names.
+    /// lines used, and whether labels or these lines gave the names.
     fn name_by_marks(&mut self, path: &Path, above: &[Numbered<'_>], comments: &[&str]) -> Result<(usize, bool)> {
         if let Some(labels) = self.marks.names().filter(|names| names.len() == self.width) {
             self.names = labels;
@@ -331,14 +331,14 @@ impl Rows {
         let count = |at: usize, what: fn(&str) -> bool| rows.iter().filter(fits).filter(|row| what(row[at])).count();
         let there = rows.iter().filter(fits).count();
         let numeric = |at: usize| match (count(at, is_number), count(at, is_word)) {
-            // nothing but a name
+            // empty but for its name
             (0, words) => words == 0 || words == 1 && there > 1,
             (numbers, words) => words <= numbers,
         };
         let numeric: Vec<bool> = (0..shape.width).map(numeric).collect();
         let is_data = |row: &Vec<&str>| fits(&row) && row.iter().zip(&numeric).all(|(cell, n)| !n || !is_word(cell));
         let with_number = |row: &Vec<&str>| is_data(row) && row.iter().any(|cell| is_number(cell));
-        // names above columns of which none holds numbers only
+        // names above columns that all hold words as well
         let is_title = |row: &[&str]| is_numbered(row) || row.len() > 1 && row.iter().all(|cell| is_word(cell));
         let found = rows.iter().position(with_number).unwrap_or_default();
         let above = rows[..found].iter().rev().take_while(|row| is_data(row) && !is_title(row)).count();

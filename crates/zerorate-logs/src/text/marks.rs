@@ -9,10 +9,10 @@ use zerorate_input::{Quantity, TimeUnit};
 const LINES: usize = 1000;
 const FEWEST: usize = 3;
 
-/// What serial monitors write behind the time of a line: Arduino's, PlatformIO's, and Tera Term's, which puts the time
-/// in brackets.
+/// The marks behind the time of a line in serial monitors: Arduino's, PlatformIO's, and Tera Term's, which puts the
+/// time in brackets.
 const ARROWS: [&str; 3] = [" -> ", " > ", "] "];
-/// The byte in front of which an arrow, or a word in front of the values, begins.
+/// An arrow, or a word in front of the values, begins before this byte of the line.
 const ARROW_START: usize = 40;
 
 /// The marks in most lines of a text.
@@ -116,7 +116,7 @@ fn are_in_brackets(line: &str) -> bool {
     line.len() > 1 && line.starts_with(['(', '[']) && line.ends_with([')', ']'])
 }
 
-/// Whether a line holds values, and not what a board says when it starts.
+/// Whether a line holds values, and is not a message that a board prints when it starts.
 fn has_cells(line: &str, delimiter: Delimiter) -> bool {
     delimiter.byte().is_none_or(|byte| line.contains(char::from(byte))) || is_value(line)
 }

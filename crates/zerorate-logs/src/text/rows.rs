@@ -15,7 +15,7 @@ use zerorate_allan::SettingName;
 use zerorate_input::InputError;
 use zerorate_input::delimited::Delimiter;
 
-/// How to cut the wanted cells out of each line of a file.
+/// The places of the wanted cells in each line of a file.
 pub struct Cut<'a> {
     /// The file.
     pub path: &'a Path,
@@ -39,7 +39,7 @@ pub struct Cut<'a> {
     shift: usize,
     /// The names of all columns.
     all: Vec<String>,
-    /// The place of a cell, and its value in the rows to read; `None` reads all rows.
+    /// The places of cells, and their values in the rows to read; empty reads all rows.
     pub only: Vec<(usize, String)>,
 }
 

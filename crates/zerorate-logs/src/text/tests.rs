@@ -1,4 +1,4 @@
-//! Texts as users have them: headers that do not fit, decimal commas, serial logs.
+//! Texts of users: headers that do not fit, decimal commas, serial logs.
 
 use super::super::tests::{Folder, numbers, there};
 use crate::column::Column;
@@ -38,7 +38,7 @@ fn a_header_with_one_name_too_few() {
     for text in ["t,x\n0,1,\n1,2,\n2,4,\n", "t,x,\n0,1\n1,2\n2,4\n", "t,x,\n0,1,\n1,2,\n2,4,\n"] {
         assert_eq!(numbers(&read(text, "--column x --rate 10")), [1.0, 2.0, 4.0], "{text:?}");
     }
-    // nor is the index of pandas, with the names that it gives
+    // nor does the index of pandas, which has no name
     let column = read(",0\n0,0.5\n1,0.25\n2,1.5\n", "--column 1 --rate 10");
     assert_eq!(numbers(&column), [0.5, 0.25, 1.5]);
 }
@@ -115,7 +115,7 @@ fn thousands_beside_decimals() {
     let rows: String = (0..300).map(|row| format!("{row},\"1,{:03}.5\"\n", row * 3)).collect();
     let column = read(&format!("t_s,gz\n{rows}"), "--column gz");
     assert_eq!((column.rate_hz, numbers(&column)[2]), (1.0, 1006.5));
-    // a header above columns of which none holds numbers only is one all the same
+    // a header is a header even if no column below it holds numbers only
     let said = fails("t_s,gz\n900,901\n1'000,2'000\n2'000,2'001\n3'000,2'002\n", "--column gz");
     assert!(said.contains("holds no numbers in `gz`"), "{said}");
 }
@@ -158,7 +158,7 @@ fn times_as_clocks_show_them() {
     assert!(said.contains("is not a number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
 }
 
-/// `strangers/15`: dates of MATLAB, of Germans, and of Americans with two halves of a day.
+/// Dates of MATLAB, German dates, and American dates with AM and PM.
 #[test]
 fn the_only_column_of_clock_times_is_the_time() {
     let date = |at: i32, before: &str, after: &str| {
@@ -211,7 +211,7 @@ fn a_serial_log() {
     assert!(said.contains("4 lines above the data are not a header; skipped: `ets Jun"), "{said}");
     assert!(said.contains("2 of 2000 lines are broken and skipped"), "{said}");
     assert!(said.contains("the first: line 705, it has 2 cells, and the others have 3)"), "{said}");
-    // with a time the time tells what is missing
+    // with a time column, the times show the missing samples
     let column = read(&text, "--column 1 --time-column 0 --time-unit ms");
     assert_eq!((column.rate_hz, column.missing(), column.series.len()), (100.0, 3, 2000));
     let bytes = text.replace('\u{FFFD}', "\0").into_bytes();
@@ -305,17 +305,17 @@ fn a_stamp_may_have_a_line_of_its_own() {
     assert_eq!(read(&text, "--rate 10").series.len(), 121);
 }
 
-/// `strangers/17`: lines that a C program ends with `;`.
+/// A C program may end each line with `;`.
 #[test]
 fn a_semicolon_at_the_end_of_lines_is_dropped() {
     let text: String = (0..40).map(|at| format!("{at},{}.5,{}.25;\n", at % 3, at % 5)).collect();
     assert_eq!(numbers(&read(&text, "--column 2 --rate 10"))[4], 4.25);
-    // here it cuts cells, and some are missing
+    // here `;` separates cells, some of which are empty
     let text: String = (0..40).map(|at| format!("0,{at:02};{}\n", if at % 3 == 0 { "25,5" } else { "" })).collect();
     assert_eq!(numbers(&read(&format!("gz_dps;temp_c\n{text}"), "--column gz_dps --rate 10"))[4], 0.04);
 }
 
-/// `strangers/14`: names, then units, each line with a comma at its end.
+/// A line of names, a line of units, and a comma at the end of each line.
 #[test]
 fn units_stand_below_names_that_end_with_a_comma() {
     let rows: String = (0..40).map(|at| format!("{},{}.5,\n", 10 * at, at % 3)).collect();
@@ -328,7 +328,7 @@ fn units_stand_below_names_that_end_with_a_comma() {
     assert_eq!((column.rate_hz, column.quantity), (100.0, Some(Quantity::AngularRate)));
 }
 
-/// `strangers/19`: LabVIEW names a comment, and writes no cell for an empty one.
+/// LabVIEW names a column `Comment`, and writes no cell for an empty comment.
 #[test]
 fn the_empty_comment_of_labview_is_dropped() {
     let rows: String = (0..40).map(|at| format!("{:.2}\t{}.5\n", f64::from(at) / 100.0, at % 3)).collect();
@@ -339,7 +339,7 @@ fn the_empty_comment_of_labview_is_dropped() {
     assert!((column.rate_hz - 100.0).abs() < 1e-6);
 }
 
-/// `strangers/18`, `21`: what is not a table is named.
+/// Messages of a receiver, of `rostopic echo` and in JSON are not tables.
 #[test]
 fn messages_that_are_not_tables_are_named() {
     for (text, named) in [
@@ -352,7 +352,7 @@ fn messages_that_are_not_tables_are_named() {
     }
 }
 
-/// `strangers/20`: the monitor of Arduino with its time, and the labels of its plotter.
+/// Arduino's serial monitor writes the time of each line, and its plotter needs labels.
 #[test]
 fn a_serial_monitor_writes_times_and_labels() {
     let row = |at: i32, one: &str, other: &str| {
@@ -367,7 +367,7 @@ fn a_serial_monitor_writes_times_and_labels() {
         let text = format!("15:23:44.990 -> wx,wy\n{text}");
         assert_eq!(read(&text, "--column 1").name, if name == "1" { "wx" } else { "gx" });
     }
-    // labels in another order are another form
+    // a row with labels in another order is broken
     let rows = "gx:1,gy:2\n".repeat(200);
     let text = format!("{rows}gy:1,gx:2\n{rows}");
     let column = read(&text, "--column gx --rate 10");
