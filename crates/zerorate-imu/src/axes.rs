@@ -10,16 +10,16 @@ use crate::{increments, kalibr};
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
 
-/// What the user states about the axes, because a log may not state it.
+/// The user's statements about the axes, for logs that lack them.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
     /// The columns, by name or number. `None` takes those in `gyro` and `accel`, or else all columns that are axes.
     pub columns: Option<Vec<String>>,
-    /// What the user states about the gyroscope.
+    /// Columns, unit and scale of the gyroscope.
     pub gyro: KindOptions,
-    /// What the user states about the accelerometer.
+    /// Columns, unit and scale of the accelerometer.
     pub accel: KindOptions,
-    /// How to read the log (topic, rate, time), and the names of the options in messages.
+    /// The options of the log (topic, rate, time), and the names of options in messages.
     pub log: ColumnOptions,
     /// Further topics of the same IMU, such as the one of its accelerometer.
     pub more_topics: Vec<String>,
@@ -104,7 +104,7 @@ impl Axes {
         Self::together(path, each, options)
     }
 
-    /// Joins the axes of several topics to those of one IMU.
+    /// Joins the axes of several topics, or of several groups of columns, to one IMU.
     fn together(path: &Path, each: Vec<Self>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let has_gyroscope = |of: &&Self| of.columns.iter().any(|axis| axis.quantity == Some(Quantity::AngularRate));
         let topic = each.iter().find(has_gyroscope).or(each.first()).and_then(|of| of.topic.clone());
@@ -138,7 +138,7 @@ impl Axes {
         }
     }
 
-    /// A warning for each kind of axis that the log lacks or, if the options list columns, that these lack.
+    /// A warning for each kind of axis that the log lacks. If the options list columns, only these count.
     pub fn absent(&self, options: &ImuOptions) -> impl Iterator<Item = ImuWarning> {
         let has = |kind: &Kind| self.columns.iter().any(|column| column.quantity == Some(kind.quantity()));
         let chosen_by = match options.columns {
@@ -240,8 +240,8 @@ fn is_temperature(column: &Column) -> bool {
     column.quantity.map_or_else(is_named, |quantity| quantity == Quantity::Temperature)
 }
 
-/// Asks for the columns of a kind about which the user states something, but of which no column is by its name. Asks
-/// also for the third axis of a sensor with two.
+/// Asks for the columns of a kind if the user states something about the kind, but no column name shows it. Asks also
+/// for the third axis if a sensor has only two.
 fn ask_for_missing(
     path: &Path,
     axes: &[OfKind],

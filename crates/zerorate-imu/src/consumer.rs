@@ -50,7 +50,7 @@ impl Format {
         matches!(self, Self::KfGins | Self::Ros)
     }
 
-    /// How the reader uses N and K.
+    /// The use of N and K in the program that reads the file: in a filter, or in a batch estimate.
     #[must_use]
     pub(super) const fn usage(self) -> Usage {
         match self {

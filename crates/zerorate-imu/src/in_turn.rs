@@ -15,7 +15,8 @@ const FEWEST_GROUPS: f64 = 200.0;
 /// coarse and heavy-tailed noise, none of 3000 simulated records of 400 to 65,536 samples reaches it.
 const SURE: f64 = 7.0;
 
-/// Standard deviation of the ratio of two noises in one group, in relative standard deviations of a step.
+/// Standard deviation of the ratio of two noises, as a multiple of the relative standard deviation of a step over the
+/// root of the number of groups.
 const OF_NOISES: f64 = 2.6;
 
 /// Least ratio of the noise of two sensors that counts as different.
@@ -79,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_in_turn_differ_in_level_or_noise() {
+    fn interleaved_rows_differ_in_level_or_noise() {
         let noise = normal(6000);
         let walk: Vec<f64> = noise
             .iter()

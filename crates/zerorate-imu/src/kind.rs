@@ -60,9 +60,9 @@ impl Kind {
         Quantity::of_column(name).map_or_else(|| Self::named(name), |(quantity, _)| Self::of(quantity))
     }
 
-    /// Whether a column may be an axis, and is not one of the other columns that ROS, PX4 and phyphox write. Never
-    /// axes are set points, biases, speeds of motors, and accelerations without gravity of Movella and phones:
-    /// `FreeAccX`, `userAcceleration.x`. Columns of wheels and motors are left out only if `others` are surely axes.
+    /// Whether a column may be an axis by its name. Set points, biases, norms, motor speeds, and accelerations without
+    /// gravity (`FreeAccX` of Movella, `userAcceleration.x` of phones) are not axes. Columns of wheels and motors are
+    /// axes unless `others` are surely axes.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
         let name = name.to_lowercase();
@@ -106,7 +106,7 @@ impl Kind {
             return Self::of(quantity);
         }
         let name = name.to_lowercase();
-        // `gyRaw` is the y axis of a gyroscope, and `gyr` would say less
+        // `axRaw` is an axis as `ax` is
         let name = name.strip_suffix("raw").map_or(&*name, |bare| bare.trim_end_matches(['_', ' ', '.']));
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         let short = |letters: &str| {

@@ -4,10 +4,10 @@
 const WINDOW_S: f64 = 10.0;
 const FEWEST: usize = 20;
 
-/// Ratio of the spread in a window to the usual spread, above which the sensor moves.
+/// Ratio of the spread in a window to the median spread, above which the sensor moves.
 const MOVES: f64 = 4.0;
 
-/// The times in which the samples spread far more than usually, as pairs of start and end, s. NaN is a missing sample.
+/// The times in which the samples spread more than `MOVES`, as pairs of start and end, s. NaN is a missing sample.
 pub fn moving(samples: &[f64], rate_hz: f64) -> Vec<(f64, f64)> {
     let length = ((WINDOW_S * rate_hz) as usize).max(FEWEST);
     let spreads: Vec<f64> = samples.chunks(length).map(spread).collect();

@@ -26,13 +26,13 @@ pub enum Rule {
 
 /// An axis with its noise model.
 pub struct Axis<'a> {
-    /// The name of the axis.
+    /// The name of its column.
     pub name: &'a str,
     /// The kind of axis.
     pub kind: Kind,
     /// Samples per second.
     pub rate_hz: f64,
-    /// The model.
+    /// The noise model of the column.
     pub fit: &'a Fit,
     /// Factor from the unit of the model to the unit of results, °/s or m/s².
     pub scale: f64,
@@ -83,11 +83,11 @@ impl NoiseFileOptions {
 /// Codes of warnings that do not concern the numbers in the file.
 const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "not-identified"];
 
-/// The numbers of the file, in rad/s and m/s².
+/// The numbers of the file, in rad, m and s.
 pub struct Numbers {
     /// The source of the numbers.
     pub choice: NoiseFileOptions,
-    /// How the reader uses N and K.
+    /// The use of N and K in the program that reads the file.
     pub usage: Usage,
     /// The rejections of models that the user chose to accept.
     pub doubts: Vec<String>,
@@ -116,7 +116,7 @@ pub struct Sensor {
 /// A number and its source.
 #[derive(Clone)]
 pub struct SourcedNumber {
-    /// The number.
+    /// The number, in rad, m and s.
     pub value: f64,
     /// The axis or axes that it comes from.
     pub from: String,
@@ -132,13 +132,13 @@ impl SourcedNumber {
 
 /// The noise numbers of one axis.
 pub struct AxisNumbers {
-    /// White noise.
+    /// White noise N, rad/√s or m/s/√s.
     pub n: SourcedNumber,
-    /// White noise as it was fitted, for a reader that has no random walk to cover the noise with.
+    /// N as it was fitted, for a reader without a random walk, so that N and K cannot cover the noise together.
     pub fitted_n: SourcedNumber,
-    /// Random walk.
+    /// Random walk K of the bias, rad/s/√s or m/s²/√s.
     pub k: SourcedNumber,
-    /// Standard deviation of the Gauss–Markov process that stands for the wander of the bias.
+    /// Standard deviation of the bias as a Gauss–Markov process, rad/s or m/s².
     pub sigma: f64,
 }
 
@@ -204,7 +204,7 @@ impl Axis<'_> {
         SourcedNumber { value: value * self.si(), from }
     }
 
-    /// The name of the axis, and what its record has beside noise: lines, drift, warm-up, steps and glitches.
+    /// The name of the axis, and the effects in its record that are not noise: lines, drift, warm-up, steps, glitches.
     fn left_out(&self) -> Option<String> {
         let (fit, unit) = (self.fit, if self.kind == Kind::Gyroscope { "rad/s" } else { "m/s²" });
         let size = |value: f64| format!("{:.1e} {unit}", value.abs() * self.si());
@@ -253,7 +253,8 @@ impl Axis<'_> {
     }
 }
 
-/// K counts if its variance at the horizon is above this share of the variance of N, which is hardly known better.
+/// K counts if its variance at the horizon is above this share of the variance of N. A fit hardly knows the variance
+/// of N to better than 10 %.
 const SEEN: f64 = 0.1;
 
 /// The averaging time at which the Allan deviation of a Gauss–Markov process peaks, in correlation times.

@@ -204,7 +204,7 @@ impl Record {
         }
     }
 
-    /// The warnings about the model.
+    /// The warnings about the model; empty without a model.
     pub fn of_model(&self) -> &[AllanWarning] {
         self.model().map_or(&[], |fit| &fit.warnings)
     }
@@ -234,12 +234,12 @@ impl Record {
         matches!(self.column.as_str(), "rate_code" | "rate_corrected_dps")
     }
 
-    /// The name of the deviation.
+    /// The name of the deviation, as in `overlapping Allan deviation`.
     pub fn title(&self) -> &'static str {
         self.analysis.stat.title()
     }
 
-    /// The analysis that plots show.
+    /// The analysis that plots show, with more averaging times if those were requested.
     pub fn drawn(&self) -> &Analysis {
         self.finer.as_ref().unwrap_or(&self.analysis)
     }

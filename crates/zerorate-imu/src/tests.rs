@@ -1,4 +1,5 @@
-//! How sure each reader is that takes its numbers from its file.
+//! Compares the errors of simulated filters with the variances that they claim. Each filter has the numbers of its
+//! noise file.
 
 use super::{Axis, Combine, Format, Kind, NoiseFileOptions, Rejections, Rule};
 use std::f64::consts::PI;
@@ -7,7 +8,7 @@ use zerorate_logs::{Names, Setting};
 
 const RATE_HZ: f64 = 100.0;
 const HOUR: usize = 360_000;
-/// Readers take means over this time, s.
+/// The filters use means of the rate over this time, s.
 const STEP_S: f64 = 0.1;
 
 /// A sensor: white noise, flicker, a random walk and a Gauss–Markov process, in °/s.
@@ -30,8 +31,8 @@ fn normal(seed: u64) -> impl FnMut() -> f64 {
 }
 
 impl Truth {
-    /// An hour of it. Gauss–Markov processes whose correlation times are a factor r apart, each of variance B² ln r/π,
-    /// have the density B²/(2πf) together.
+    /// An hour of noise. Its flicker is a sum of Gauss–Markov processes with correlation times a factor r apart, each
+    /// of variance B² ln r/π. The density of the sum is B²/(2πf).
     fn noise(&self, seed: u64) -> Vec<f64> {
         const APART: f64 = 4.0;
         let mut normal = normal(seed);
@@ -52,8 +53,7 @@ impl Truth {
     }
 }
 
-/// What a reader takes for the noise of a rate: white noise, and a bias that a white noise drives. The bias forgets
-/// within the correlation time.
+/// The noise model of a filter: white noise, and a Gauss–Markov bias with a driving noise and a correlation time.
 #[derive(Clone, Copy, Debug)]
 struct Belief {
     n: f64,
@@ -62,7 +62,7 @@ struct Belief {
 }
 
 impl Belief {
-    /// As the reader's documentation says that it uses its file.
+    /// The model that a reader builds from its noise file, according to the documentation of the reader.
     fn of(format: Format, rule: Rule, model: &Fit) -> Self {
         let axis = |name| Axis { name, kind: Kind::Gyroscope, rate_hz: RATE_HZ, fit: model, scale: 1.0 };
         let (names, warnings) = (Names(Setting::name), Vec::new());
@@ -108,7 +108,7 @@ impl Kalman {
         Self { belief, state: [0.0; 3], covariance }
     }
 
-    /// A step of time; the angle takes the rate in if none is measured.
+    /// Predicts the state after [`STEP_S`]. Without a measurement, the angle integrates the bias.
     fn go_on(&mut self, is_measured: bool) {
         let Belief { n, drive, tau_s } = self.belief;
         let [phi, angle] = [(-STEP_S / tau_s).exp(), if is_measured { 0.0 } else { STEP_S }];
@@ -129,7 +129,7 @@ impl Kalman {
         p[ANGLE][ANGLE] += angle * (n * n + power * STEP_S * angle / 3.0);
     }
 
-    /// The rate is the bias plus the constant times `motion`.
+    /// Updates the state with a mean rate, which is the bias plus the coupling constant times `motion`.
     fn measure(&mut self, rate: f64, motion: f64) {
         let p = self.covariance;
         let seen: [f64; 3] = std::array::from_fn(|i| p[i][BIAS] + motion * p[i][COUPLING]);
@@ -142,7 +142,7 @@ impl Kalman {
     }
 }
 
-/// Means of squared errors over the variance that the reader claims.
+/// The mean of squared errors, each divided by the variance that the filter claims.
 #[derive(Clone, Copy, Debug, Default)]
 struct Ratio {
     sum: f64,
@@ -160,8 +160,8 @@ impl Ratio {
     }
 }
 
-/// A reader that runs for long: it stands for ten minutes and more, and then integrates the rate for 10, 60 and 300 s
-/// without a reference, every two minutes.
+/// A filter at rest for at least ten minutes. Every two minutes, a copy of it integrates the rate for 10, 60 and 300 s
+/// without a reference.
 fn as_filter(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     const SPANS_S: [f64; 3] = [10.0, 60.0, 300.0];
     let steps = |time_s: f64| (time_s / STEP_S).round() as usize;
@@ -183,8 +183,8 @@ fn as_filter(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     }
 }
 
-/// A reader that weighs a minute or two as a whole: how well it knows a constant by a motion of 0.3 Hz, and the angle
-/// over 10 s in the middle without a reference.
+/// A batch estimate over one or two minutes. It estimates the coupling constant from a motion of 0.3 Hz, and the angle
+/// over 10 s without a reference in the middle of the batch.
 fn as_batch(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     for batch_s in [60.0, 120.0] {
         let steps = |time_s: f64| (time_s / STEP_S).round() as usize;
@@ -203,8 +203,8 @@ fn as_batch(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     }
 }
 
-/// The ratios of a sensor with the numbers of four records, on another record each: coupling and gap of a batch, and
-/// three spans of a filter.
+/// The ratios for a sensor: coupling and gap of a batch, then the three spans of a filter. The numbers come from four
+/// records, and each is tested on another record.
 fn ratios(truth: Truth, all: &[(Format, Rule)]) -> Vec<[f64; 5]> {
     let mut found = vec![[Ratio::default(); 5]; all.len()];
     for seed in 0..4 {
@@ -222,9 +222,9 @@ fn ratios(truth: Truth, all: &[(Format, Rule)]) -> Vec<[f64; 5]> {
     found.iter().map(|ratios| ratios.map(|ratio| ratio.mean())).collect()
 }
 
-/// docs/imu.md quotes what this prints (`--nocapture`).
+/// docs/imu.md quotes the output of this test (`--nocapture`).
 #[test]
-fn readers_know_their_error_with_the_numbers_of_their_files() {
+fn filters_claim_their_true_error_with_the_numbers_of_their_files() {
     const USUAL: Truth = Truth { n: 0.56 / 60.0, b: 6.25 / 3600.0 / 0.664, k: 2e-4, sigma: 0.0, tau_s: 1.0 };
     let sensors = [
         ("N, B and K", USUAL),

@@ -40,7 +40,7 @@ impl Moment {
     }
 }
 
-/// The longest part of a log without a jump, with the options that choose it.
+/// The longest part of a log without motion, with the options that choose it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
     from_s: f64,
@@ -48,7 +48,7 @@ pub struct Rest {
     options: [SettingName; 2],
 }
 
-/// Time between a jump and the rest before or after it, s.
+/// Time between a motion and the rest before or after it, s.
 const AROUND_S: f64 = 1.0;
 
 impl Rest {
@@ -94,7 +94,7 @@ impl ImuWarning {
         (!moving_s.is_empty()).then_some(Self::Moves(moving_s, rest))
     }
 
-    /// A warning for the jumps, and one for the knocks.
+    /// One warning for all jumps, and one for all common glitches.
     #[must_use]
     pub fn of_motion(axes: &[(&str, &Fit)], skipped_s: f64, names: Names) -> Vec<Self> {
         let (jumps, knocks): (Vec<Moment>, Vec<Moment>) =

@@ -42,7 +42,7 @@ fn axes_with(head: &str, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
     Axes::of(Path::new("log.csv"), columns, options)
 }
 
-/// A log of integers at rest, in which the third accelerometer has this mean.
+/// A log of integers at rest, in which the third accelerometer always has the value `gravity`.
 fn codes(gravity: i32, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
     let row =
         |at: i32| format!("{},{},{},{},{},{},{}\n", at * 10, at % 5, at % 3, -at % 7, at % 3 - 1, at % 5 - 2, gravity);
@@ -92,7 +92,7 @@ fn fractions_are_not_scaled_as_codes() {
     }
 }
 
-/// `strangers/23`: one half of the message is 0. A single axis that is 0 is rather broken.
+/// A table of a ROS message has zeros for a sensor that does not exist. A single axis of zeros is rather broken.
 #[test]
 fn a_kind_of_zeros_is_left_out_of_a_table() {
     let read = |zero: fn(usize) -> bool| {
@@ -117,7 +117,7 @@ fn names(found: &Axes) -> Vec<&str> {
     found.columns.iter().map(|column| column.name.as_str()).collect()
 }
 
-/// `strangers/13`: a second IMU beside the first, and a yaw beside three axes.
+/// A log may have two IMUs, or a yaw rate beside three axes.
 #[test]
 fn three_axes_of_one_pattern_are_a_sensor() {
     let two = "t_ns,gyro1_x_dps,gyro1_y_dps,gyro1_z_dps,gyro2_x_dps,gyro2_y_dps,gyro2_z_dps,acc1_x_g,acc2_x_g,\
@@ -140,12 +140,12 @@ fn the_other_kind_is_found_beside_listed_columns() {
     let options = ImuOptions { gyro, ..ImuOptions::default() };
     let found = axes_with("t_ns,turn_one,turn_two,turn_three,ax_g,ay_g,az_g,spin_dps", &options).unwrap();
     assert_eq!(names(&found), ["turn_three", "turn_one", "turn_two", "ax_g", "ay_g", "az_g"]);
-    // without a unit it is left out, and nothing is asked
+    // an accelerometer without a unit is left out, without a question
     let found = axes_with("t_ns,turn_one,turn_two,turn_three,ax,ay,az", &options).unwrap();
     assert_eq!(names(&found), ["turn_three", "turn_one", "turn_two"]);
 }
 
-/// `strangers/11`: a RealSense.
+/// A RealSense writes its gyroscope and its accelerometer to two topics.
 #[test]
 fn topics_that_differ_in_gyro_and_accel_are_one_imu() {
     let topics = |names: &[&str]| halves(&names.iter().copied().map(str::to_owned).collect::<Vec<_>>()).is_some();
@@ -162,7 +162,7 @@ fn topics_that_differ_in_gyro_and_accel_are_one_imu() {
     assert!(why.contains("6 gyroscopes together, and an IMU has three; give one topic"), "{why}");
 }
 
-/// `strangers/12`: the names are of Kalibr's tools, whose units are defined; others use them as well.
+/// Kalibr's tools define the units of these names, but other programs use the names as well.
 #[test]
 fn units_of_kalibr_are_taken_where_gravity_fits() {
     let read = |gravity: f64| {
@@ -178,7 +178,7 @@ fn units_of_kalibr_are_taken_where_gravity_fits() {
     assert!(read(0.51).map(drop).unwrap_err().to_string().contains("omega_x, omega_y, omega_z (gyroscope) state"));
 }
 
-/// `strangers/13`: speeds of wheels and set points are in the unit of a rate.
+/// Wheel speeds and set points have the unit of a rate.
 #[test]
 fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
     let found = axes("t_ns,gz_dps,wheel_speed_rad_s,gyro_bias_z_dps,yaw_cmd_dps").unwrap();
@@ -188,7 +188,7 @@ fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
     assert_eq!(found.columns.len(), 2);
 }
 
-/// A log of these samples at 100 Hz, or of one in 10 s where its time is in s.
+/// A log of these samples at 100 Hz, or at 0.1 Hz if its time is in s.
 fn noisy(head: &str, sample: impl Fn(usize, usize) -> f64) -> zerorate_logs::Result<Axes> {
     let width = head.split(',').count();
     let row = |at: usize| {

@@ -25,9 +25,9 @@ pub struct FitReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub r: Option<CoefficientReport>,
-    /// ε: the spectrum scatters about the model as if it were off by this share.
+    /// Relative error ε of the model, from the scatter of the spectrum about it.
     pub model_error: Option<f64>,
-    /// Probability of more scatter than was seen, with ε included.
+    /// Probability of a larger scatter than the measured one, if the model with ε is right.
     pub p_value: Option<f64>,
     /// The frequency up to which the model holds, Hz.
     pub f_max_hz: Option<f64>,
@@ -44,7 +44,7 @@ pub struct FitReport {
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CoefficientReport {
-    /// The name.
+    /// The name, as in `angle random walk`.
     pub name: &'static str,
     /// The value; `None` without a model.
     pub value: Option<f64>,

@@ -57,7 +57,7 @@ pub struct AxisReport {
 /// The comparison of an axis with a line of a data sheet.
 #[derive(Clone, Debug, Serialize)]
 pub struct LineReport {
-    /// The figure that is compared.
+    /// The figure that is compared, as in `angle random walk N`.
     pub figure: &'static str,
     /// `typical` or `maximum`.
     pub limit: &'static str,
@@ -80,7 +80,7 @@ pub struct LineReport {
 /// A moment at which several axes jump or have a glitch.
 #[derive(Clone, Debug, Serialize)]
 pub struct MotionReport {
-    /// Time from the start, s.
+    /// Time from the start of the log, s.
     pub at_s: f64,
     /// The names of the axes.
     pub axes: Vec<String>,

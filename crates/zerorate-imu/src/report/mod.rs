@@ -45,9 +45,9 @@ pub struct AllanReport {
     pub unavailable: Vec<UnavailableReport>,
     /// The noise model; `None` if none was requested.
     pub fit: Option<FitReport>,
-    /// Why there is no noise model, if one was asked for.
+    /// The reason why there is no noise model, if one was requested.
     pub fit_error: Option<String>,
-    /// Why the coefficients are not a result, if a model was requested: the model is missing or rejected.
+    /// The reason why the coefficients are not a result, if a model was requested: it is missing or rejected.
     pub rejection: Option<String>,
     /// The glitches and steps that were removed before the fit.
     pub cleaned: CleanedReport,
@@ -76,7 +76,7 @@ pub struct PointReport {
     /// Samples in an average.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub m: u64,
-    /// The deviation.
+    /// The deviation, in the unit of the report.
     pub dev: f64,
     /// Lower end of its interval.
     pub lo: f64,
@@ -135,7 +135,7 @@ pub struct DetrendReport {
     pub over: &'static str,
     /// The order of the polynomial.
     pub order: usize,
-    /// The method of the fit.
+    /// The method of the fit: [`DetrendReport::METHOD`].
     pub method: &'static str,
     /// Coefficients from the first power on: unit of the rate per °C, °C², °C³, about `mean_c`.
     pub coefficients: Vec<f64>,
