@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_stands_ends_in_bounded_time() {
+    fn a_clock_that_stands_still_stops_the_recording() {
         let mut admission = after(100);
         let still = |edge_seq| Row { edge_seq, ..row(99) };
         let refused = (0..STANDING + 10).position(|i| admission.admit(still(i)).is_err());
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn invented_losses_end_it() {
+    fn impossible_losses_stop_the_recording() {
         let refused = after(100).admit(Row { lost: 1_000_000, ..row(100) });
         assert!(matches!(refused, Err(InvalidDeviceData::Losses(_))));
     }

@@ -32,7 +32,7 @@ pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     fs::read(&path).unwrap()
 }
 
-/// An ADIS16405.
+/// The part file of an ADIS16405.
 pub fn part() -> Part {
     Part::parse(
         r#"
@@ -84,7 +84,7 @@ fn recognised(path: &Path) -> Box<dyn BatchSource> {
 
 /// The example of the format document, hashed by another implementation (Python's hashlib over struct.pack).
 #[test]
-fn hash_of_the_document() {
+fn the_hash_is_that_of_the_document() {
     let first = Row::new(10_000_000, 0, &[-3, 32_767, -32_768]).unwrap();
     let second = Row::new(30_000_000, 2, &[5, 0, 1]).unwrap().with_lost(1);
     let both = [first.with_status(Some(0x2400)).with_temp_code(Some(-17)), second];
@@ -192,7 +192,7 @@ fn of_another_part_only_what_the_capture_states_is_known() {
 }
 
 #[test]
-fn a_capture_in_radians_is_one_in_degrees() {
+fn a_scale_in_radians_is_converted_to_degrees() {
     let degrees = imu().to_metadata();
     let radians = degrees.with("zerorate.axis.x.unit", "rad/s").with("zerorate.axis.x.lsb_per_unit", "1000");
     let part = CaptureInfo::from_metadata(Path::new("x"), &radians).unwrap().part();

@@ -27,7 +27,7 @@ pub struct End {
     pub rows: u64,
     /// The sample hash of all rows.
     pub samples_sha256: String,
-    /// The check over the last block's check, the rows and the hash.
+    /// The check over the last block's check, the number of rows and the sample hash.
     pub check: String,
 }
 

@@ -43,7 +43,7 @@ fn outcome(path: &Path, truth: &[Row]) -> Outcome {
     }
 }
 
-/// A file of a form, to be damaged.
+/// A capture, to be damaged.
 struct Victim {
     dir: TempDir,
     format: Format,
@@ -235,7 +235,7 @@ fn version_1_is_read_with_a_note() {
 }
 
 #[test]
-fn rows_of_version_1_are_held_against_each_other() {
+fn rows_of_version_1_must_agree_with_each_other() {
     let rows = slow(1_000);
     assert_eq!(version_1_error(&rows), None);
     let removed: Vec<Row> = rows.iter().copied().filter(|row| !(200..480).contains(&row.edge_seq)).collect();
@@ -255,9 +255,9 @@ fn version_2_is_not_taken_for_version_1() {
     assert_eq!(victim.with(old.as_bytes()), Outcome::Refused);
 }
 
-/// The rules of the document by hand, from SHA-256 alone.
+/// Computes the checks by the rules of docs/formats/capture.md, with SHA-256 alone.
 #[test]
-fn the_checks_of_the_document() {
+fn the_checks_are_those_of_the_document() {
     use sha2::{Digest, Sha256};
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("two.csv");

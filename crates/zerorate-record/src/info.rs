@@ -122,7 +122,7 @@ impl CaptureInfo {
         is_twin(&self.device)
     }
 
-    /// Warns of a twin that does not turn where the Earth's rotation is subtracted.
+    /// Warns if the Earth's rotation is subtracted from a simulated sensor that does not rotate.
     #[must_use]
     pub fn twin_at_rest(&self, earth_dps: Option<f64>) -> Option<Warning> {
         let earth_dps = earth_dps.filter(|dps| *dps != 0.0)?;

@@ -215,7 +215,7 @@ impl Layout {
         let axes = rates.iter_mut().zip(&self.axes).zip(row.codes());
         axes.for_each(|((rate, axis), code)| *rate = self.core_code(&axis.scale, *code));
         let scan = Scan::new(row.t_ns, row.edge_seq, &rates[..self.axes.len().min(row.codes().len())]);
-        // a scan can hold the axes of any row
+        // never taken: a scan holds as many axes as a row
         let scan = scan.unwrap_or_else(|| Scan::from(&NO_READING)).with_lost(row.lost);
         let axes = self.axes.iter().zip(row.codes()).enumerate();
         let outside = axes.filter(|(_, (axis, code))| self.is_out_of_range(axis, **code, row.status));

@@ -13,7 +13,7 @@ pub(super) const FORMATS: &[Format] = &[
     Format::Parquet,
 ];
 
-/// Number of samples lost before every thousandth.
+/// Number of samples that are lost before every 1000th sample.
 const LOST: u32 = 3;
 
 pub(super) fn info() -> CaptureInfo {
@@ -122,7 +122,7 @@ fn the_bytes_depend_on_the_samples_alone() {
 
 /// The two rows of the format document, hashed by another implementation (Python's hashlib over struct.pack).
 #[test]
-fn hash_of_the_document() {
+fn the_hash_is_that_of_the_document() {
     let row = |t_ns, seq, code| Row::new(t_ns, seq, &[code]).unwrap().with_status(Some(8));
     let mut hash = SampleHash::new(&info().layout);
     hash.update(&row(87_833_333, 41, 8_400_000).with_temp_code(Some(8_401_112)));

@@ -24,7 +24,7 @@ pub enum CaptureWarning {
     DataReadyStutters { silent_gaps: u64, gaps: u64 },
     /// Samples were not later than the previous one. The number counts them.
     ClockStands(u64),
-    /// The time of the device jumped. The number is the jump in samples.
+    /// The time of the device jumped. The number is the sum of all jumps, in samples.
     ClockJump(u64),
     /// About the end of the file.
     File(InputWarning),
