@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_way_of_writing_it() {
+    fn every_way_of_writing_a_duration_is_read() {
         let cases = [
             ("10s", 10.0),
             ("10m", 600.0),

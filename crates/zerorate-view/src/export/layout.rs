@@ -11,8 +11,8 @@ const STEPS_UC: [u32; 8] = [20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000
 /// Largest number of steps on each side of T3 in a table of default size: 1025 rows, 4.1 kB of flash.
 const MOST_STEPS: u32 = 512;
 
-/// Half of the range that is assumed if a calibration states none, °C. T3 is the temperature at the end of the
-/// warm-up, which is 8 ± 1 °C (M-03).
+/// Half of the range that is assumed if a calibration states none, °C. The part warms by 8 ± 1 °C (M-03), and T3 is
+/// the temperature at the end of the warm-up.
 const ASSUMED_C: f64 = 9.0;
 
 /// Step size and span of a table, and the temperature range that it should cover.

@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decimals_without_noise() {
+    fn decimals_lose_the_errors_of_rounding() {
         assert_eq!(
             [0.1 + 0.2, -0.0, 6.0 * 0.02 * -0.04, 3.0 * 0.02].map(|x| tidy(x).to_string()),
             ["0.3", "0", "-0.0048", "0.06"]

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_names_of_c() {
+    fn a_prefix_is_an_identifier_of_c() {
         for good in ["left", "L", "imu2_left", "Left", &"a".repeat(31)] {
             assert!(good.parse::<Prefix>().is_ok(), "{good}");
         }

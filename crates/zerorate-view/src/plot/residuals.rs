@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_mean_is_a_dot_in_the_colour_of_its_way() {
+    fn each_mean_is_a_dot_coloured_by_warming_or_cooling() {
         let point = |x: f64, warming| ResidualPoint { x, residual_dps: x / 1000.0, warming };
         let svg = residuals("t", "x", &[point(1.0, Some(true)), point(2.0, Some(false)), point(3.0, None)]);
         for (colour, count) in [(WARMING, 2), (COOLING, 2), (STILL, 2)] {

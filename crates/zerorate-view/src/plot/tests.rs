@@ -1,4 +1,4 @@
-//! The pictures, as a reader of their XML sees them.
+//! Tests of the plots by the content of their XML.
 
 use super::*;
 use roxmltree::{Document, Node};
@@ -209,7 +209,7 @@ fn a_record_of_any_length_is_its_envelope() {
         assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
     }
     assert!(found.iter().any(|text| text.starts_with("a<b, mean 0.00")) && svg.len() < 60_000, "{}", svg.len());
-    // before and behind what is missing
+    // one band before the missing samples, and one after them
     let xml = Document::parse(&svg).unwrap();
     let bands = xml.descendants().filter_map(|node| node.attribute("d")).filter(|d| d.matches('M').count() == 2);
     assert_eq!(bands.count(), 2);
@@ -260,7 +260,7 @@ fn lines_share_a_scale_and_are_named_once() {
     let xml = Document::parse(&svg).unwrap();
     let ways: Vec<&str> =
         xml.descendants().filter_map(|node| node.attribute("d")).filter(|way| way.len() > 5).collect();
-    // what has no logarithm is left out, a line without points as well
+    // values without a logarithm and lines without points are left out
     assert_eq!(ways.iter().map(|way| way.matches('L').count()).collect::<Vec<_>>(), [1, 1, 1], "{ways:?}");
     let dashed = xml.descendants().filter(|node| node.attribute("stroke-dasharray").is_some()).count();
     assert_eq!(dashed, 2, "the rule in each panel");

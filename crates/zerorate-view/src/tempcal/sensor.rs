@@ -287,7 +287,7 @@ fn on_threads<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
 mod tests {
     use super::*;
 
-    /// A temperature of 1 °C per s on the clock of the log, once a second, from 10 s after the axis.
+    /// A temperature in °C that equals the log's clock in s. It is sampled once a second, from 10 s after the axis on.
     #[test]
     fn a_temperature_of_another_topic_is_joined_by_time() {
         let samples = (0..20_000).map(|k| f64::from(k % 7)).collect();
