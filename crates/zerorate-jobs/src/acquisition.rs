@@ -117,7 +117,7 @@ impl Acquisition {
         Ok(self.hub.with(move |source| source.self_test(&gpio, names))?)
     }
 
-    /// Requests the twin's true state at the first sample that is at least `after_ns` after the first of all, ns.
+    /// Requests the true state of a simulated sensor at the first sample that is `after_ns` or more after the start.
     pub fn mark(&mut self, after_ns: u64) {
         self.marks_ns.push(after_ns);
     }
@@ -216,7 +216,7 @@ impl Acquisition {
         self.healths().find_map(Health::frozen_at_end)
     }
 
-    /// The readings that are frozen by now.
+    /// The frozen readings of the first axis that is frozen now; `None` if none is.
     pub fn frozen(&self) -> Option<Frozen> {
         self.healths().find_map(Health::frozen)
     }
@@ -243,7 +243,8 @@ impl Acquisition {
         valid::of_axes(axes, &self.tally, self.start_ns()).into_iter().map(JobWarning::Readings)
     }
 
-    /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.
+    /// F-07: the warning if the resonance aliases so that it looks like a bias, at the measured rate and in means over
+    /// `average_s`.
     pub fn resonance(&self, average_s: f64) -> Option<Warning> {
         let edges = self.facts().info.edges_per_reading();
         let rate_hz = self.tally.sampling_hz();

@@ -23,11 +23,11 @@ pub struct Explanation {
     pub says: String,
     /// The commands of `zerorate` that print it.
     pub by: Vec<String>,
-    /// What was observed.
+    /// The observation, in one sentence.
     pub seen: String,
-    /// Why it matters.
+    /// The consequence for the result.
     pub matters: String,
-    /// What to do about it.
+    /// The remedy.
     pub remedy: String,
     /// An example command that helps or investigates further; empty if there is none.
     #[serde(skip_serializing_if = "str::is_empty")]

@@ -9,7 +9,7 @@ use zerorate_logs::LogWarning;
 pub struct Pool {
     /// The model, in the form of a record.
     pub record: Record,
-    /// How much each term differs between the records, beyond their own intervals.
+    /// The differences of each term between the records, beyond their own intervals.
     pub spread: Vec<Spread>,
     /// The records that do not fit the common model.
     pub outliers: Vec<Outlier>,
@@ -22,7 +22,7 @@ pub struct Pool {
 pub struct Outlier {
     /// The name of the record.
     pub record: String,
-    /// How the record differs.
+    /// The difference to the common model, in words.
     pub why: String,
     /// Whether the record is excluded from the common model.
     #[serde(rename = "left_out")]

@@ -17,7 +17,7 @@ pub struct Findings {
     pub device: String,
     /// The revision register; `None` for a replay.
     pub revision: Option<u8>,
-    /// How CS frames the bytes (F-22): per byte or per command. `None` if this program does not control CS.
+    /// The framing of the bytes by CS (F-22): per byte or per command. `None` if this program does not control CS.
     pub framing: Option<&'static str>,
     pub self_test: Option<SelfTestResult>,
     /// The SPI clock, Hz; `None` without an SPI bus.

@@ -51,10 +51,10 @@ fn refusals() -> BTreeSet<String> {
     of_enums.chain(made_with(&["CodedRefusal::new(", "LogError::Refused("], &["moving", "times-uneven"])).collect()
 }
 
-/// No line of a warning is longer, with its code.
+/// Most characters of a warning, with its code.
 const MOST_CHARS: usize = 100;
 
-/// These carry the error of another layer, or a line of a log, and may be longer.
+/// Codes of warnings that quote an error or a line of a log, and may be longer.
 const WITH_ERRORS: [&str; 4] = ["log-failed", "not-kept", "lines-broken", "chamber-left"];
 
 #[test]
@@ -309,7 +309,7 @@ fn of_logs() -> Vec<LogWarning> {
     ]
 }
 
-/// What the samples of a column show, and what is taken for their scale and rate.
+/// Warnings about the samples of a column, and about the scale and the rate that are assumed for them.
 fn of_samples() -> [LogWarning; 6] {
     let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
     let assumed = "--gyro-range 250: 131.1 codes per °/s; lsm6ds3 and 5 more differ: give --part";
@@ -387,10 +387,10 @@ fn no_text_begins_with_a_code() {
     }
 }
 
-/// A term of a model has the name of a warning.
+/// A code that is also the name of a term of a noise model.
 const TERM: &str = "warm-up";
 
-/// The codes that these make refusals or warnings of, some of which are `known`.
+/// The codes in the source that follow one of `makers`. Fails unless the `known` codes are among them.
 fn made_with(makers: &[&str], known: &[&str]) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for (path, text) in sources() {

@@ -171,7 +171,7 @@ pub struct RunResult {
     pub report: CalibrationReport,
     /// The calibration.
     pub calibration: Calibration,
-    /// Whether all requested files were written.
+    /// The failure, if a requested file could not be written.
     pub delivery: Result<(), DeliveryFailure>,
 }
 

@@ -218,7 +218,7 @@ fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
 pub struct RunResult {
     /// The results.
     pub results: ChamberResults,
-    /// Whether all requested files were written.
+    /// The failure, if a requested file could not be written.
     pub delivery: Result<(), DeliveryFailure>,
 }
 

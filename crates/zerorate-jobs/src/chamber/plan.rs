@@ -106,7 +106,7 @@ mod tests {
 
     /// The built-in plan `f57` has the corners of the twin's chamber profile (F-57), and lasts 210 minutes.
     #[test]
-    fn the_plan_of_f57_is_f57() {
+    fn the_plan_f57_has_the_corners_of_the_fact() {
         let plan = PlanFile::read(Path::new("f57"), false, &mut Outputs::new(false), Setting::name)
             .expect("it comes with the program")
             .plan;
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn the_other_plan_is_sound() {
+    fn the_plan_two_point_spans_15_to_55_c() {
         let plan = PlanFile::read(Path::new("two-point"), false, &mut Outputs::new(false), Setting::name)
             .expect("it comes with the program")
             .plan;

@@ -28,7 +28,7 @@ pub struct AirState {
     pub set_c: Option<f64>,
 }
 
-/// Who sets the temperature.
+/// The person or the device that sets the temperature.
 pub(super) enum Control {
     /// Nobody: a recording is replayed.
     Recording,

@@ -1,4 +1,4 @@
-//! Files of a run: what killed runs leave, slots, inputs, and what is advised.
+//! Tests of the outputs of a run: leftovers of killed runs, slots, inputs, links, and the advice in errors.
 
 use super::*;
 use std::fs;
@@ -51,7 +51,7 @@ fn a_slot_has_one_owner_and_is_written_again_and_again() {
     }
     fs::write(&path, "more than eight").unwrap();
     assert_eq!(slot.content(most).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
-    // somebody puts another file there: theirs
+    // another program puts its own file there, which stays
     fs::rename(&path, folder.path().join("away")).unwrap();
     fs::write(&path, "theirs").unwrap();
     assert!(matches!(slot.put(b"three"), Err(OutputError::TakenMeanwhile { .. })));
@@ -74,7 +74,7 @@ fn an_input_is_known_whether_it_was_read_before_or_after() {
     let mut after = Outputs::new(true);
     let _claimed = after.derived(&path("in")).unwrap();
     assert!(matches!(after.reads(&path("in")), Err(OutputError::IsInput { .. })));
-    // of a folder, every file
+    // every file of a folder is an input
     let mut of_folder = Outputs::new(true);
     of_folder.reads(folder.path()).unwrap();
     assert!(matches!(of_folder.recording(&path("in")), Err(OutputError::IsInput { .. })));
@@ -92,7 +92,7 @@ fn force_is_advised_where_there_is_such_an_option() {
     assert!(could_be_forced(&with.context("saving")) && !could_be_forced(&without));
 }
 
-/// By a path around, a hard link and a symbolic link, with or without force.
+/// An input is recognised by another path, a hard link and a symbolic link, with or without force.
 #[cfg(unix)]
 #[test]
 fn a_file_is_known_by_any_name() {
@@ -113,7 +113,7 @@ fn a_file_is_known_by_any_name() {
     }
 }
 
-/// Whole, torn, damaged in its description, or without its end: it cannot be had again.
+/// A capture cannot be recorded again, even if it is torn, damaged in its description, or lacks its end.
 #[test]
 fn only_a_recording_replaces_a_capture() {
     let folder = tempfile::tempdir().unwrap();
@@ -136,7 +136,7 @@ fn only_a_recording_replaces_a_capture() {
     }
 }
 
-/// An older copy under a hard link is a copy: a new recording does not reach through it.
+/// A hard link keeps the older recording: a new recording does not write through it.
 #[test]
 fn a_recording_that_replaces_another_leaves_its_hard_links() {
     let folder = tempfile::tempdir().unwrap();
@@ -164,17 +164,17 @@ fn a_link_stays_a_link_and_leads_nowhere_new() {
     for force in [false, true] {
         assert!(matches!(fill("planted", force), Err(OutputError::Dangling { .. })));
     }
-    // where an unfinished file may once have had its name
+    // an unfinished file does not go through the planted link `out.csv.part`
     fill("out.csv", false).unwrap();
     assert!(!path("victim").exists());
-    // kept, and the file it leads to is replaced if that is wanted
+    // a link to a file is kept, and with force the file is replaced
     fs::write(path("dated"), "older").unwrap();
     assert!(matches!(fill("latest", false), Err(OutputError::Exists { .. })));
     fill("latest", true).unwrap();
     assert_eq!(fs::read_link(path("latest")).unwrap(), Path::new("dated"));
     assert_eq!(fs::read_to_string(path("dated")).unwrap(), "new");
     assert!(fill("a", true).is_err(), "round and round");
-    // in a folder that many may write to, somebody else's link leads to where they want; root alone can make one
+    // the link of another user is not followed; only root can make one for this test
     if lchown(path("latest"), Some(4711), None).is_ok() {
         assert!(matches!(fill("latest", true), Err(OutputError::ForeignLink { uid: 4711, .. })));
     }

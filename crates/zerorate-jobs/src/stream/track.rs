@@ -40,7 +40,7 @@ pub struct TrackedAxis {
     pub tracked: Tracked,
 }
 
-/// What was learned about an axis.
+/// The learned bias of an axis.
 #[derive(Debug)]
 pub struct LearnedAxis<'a> {
     /// The name of the axis.

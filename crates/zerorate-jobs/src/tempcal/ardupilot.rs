@@ -9,7 +9,7 @@ use zerorate_imu::Kind;
 
 /// The reference temperature of the coefficients, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
 const REFERENCE_C: f64 = 35.0;
-/// The unit of the coefficients in a parameter (the same file, SCALE_FACTOR).
+/// The unit of the coefficients in a parameter (AP_InertialSensor_tempcal.cpp, SCALE_FACTOR).
 const SCALE: f64 = 1e-6;
 /// A temperature below this means that there is none, °C (tempcal_IMU.py).
 const NO_TEMPERATURE_C: f64 = -80.0;
@@ -29,7 +29,7 @@ impl<'a> AppliedCorrections<'a> {
         Self { parameters, imu }
     }
 
-    /// Undoes them for three axes, °/s or m/s². `temps_c` is the temperature at each reading.
+    /// Undoes the corrections and the rotation of three axes, °/s or m/s². `temps_c` has one entry for each reading.
     ///
     /// # Errors
     /// Returns an error if the orientation is unknown.
@@ -166,7 +166,7 @@ mod tests {
         assert!(AppliedCorrections::new(&of, 0).undo(Kind::Gyroscope, &mut axes, &[25.0]).is_err());
     }
 
-    /// 2·10⁻⁴ rad/s/°C about 35 °C was subtracted, less its value at 30 °C.
+    /// ArduPilot subtracted P(T) − P(30 °C) with P = 2·10⁻⁴ rad/s/°C · (T − 35 °C), and T limited to 40 °C.
     #[test]
     fn a_correction_is_taken_back() {
         let mut axes = [vec![0.0], vec![0.0], vec![0.0]];

@@ -24,7 +24,7 @@ pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec
     Ok((sensors.all(), notes))
 }
 
-/// Undoes what the parameters of an ArduPilot log did to the readings of an IMU.
+/// Undoes the corrections and the rotation that the parameters of an ArduPilot log applied to an IMU's readings.
 fn undo(imu: &mut ImuColumns, parameters: &BTreeMap<String, f64>, log: &Path) -> Result<()> {
     let corrected = AppliedCorrections::new(parameters, number_of_imu(imu.topic.as_deref()));
     for kind in Kind::ALL {

@@ -39,9 +39,9 @@ fn at(rate_hz: f64) -> ColumnOptions {
     ColumnOptions { rate: Some(rate_hz), ..ColumnOptions::default() }
 }
 
-/// Zeros all over are not noise, in any log. A column that stops is warned of.
+/// A constant column is refused in any log. A column that stops gets a warning.
 #[test]
-fn a_constant_column_is_believed_by_nobody() {
+fn a_constant_column_is_refused() {
     let folder = Folder::new();
     let analysed = |rate: &dyn Fn(u32) -> u32| {
         let rows: String = (0..5000).map(|k| format!("{}\n", rate(k))).collect();
@@ -85,7 +85,7 @@ fn a_rate_that_follows_its_temperature_can_be_analysed() {
     assert!((skipped.analysis.samples as f64 / whole.analysis.samples as f64 - 0.25).abs() < 1e-3);
 }
 
-/// Four records of white noise at 100 Hz: N is a tenth of the standard deviation.
+/// Records of white noise at 100 Hz: N is a tenth of the standard deviation.
 fn records(sizes: &[(f64, u64)]) -> Vec<Record> {
     let folder = Folder::new();
     let logs: Vec<PathBuf> = sizes
@@ -103,7 +103,7 @@ fn records(sizes: &[(f64, u64)]) -> Vec<Record> {
 const ALIKE: [(f64, u64); 3] = [(0.098, 3), (0.1, 5), (0.102, 7)];
 const LOUD: (f64, u64) = (0.2, 9);
 
-/// Three units of one type and a louder one: one model, the spread, and the one that does not fit by name.
+/// Three units of one type have one model with a spread. A louder unit is left out by name.
 #[test]
 fn a_pool_of_logs_is_one_model() {
     let records = records(&[ALIKE[0], ALIKE[1], ALIKE[2], LOUD]);
@@ -142,7 +142,7 @@ const RATE_HZ: f64 = 100.0;
 const SIGMAS: [f64; 6] = [0.10, 0.12, 0.08, 0.020, 0.025, 0.030];
 const HEAD: &str = "t_s,gx_dps,gy_dps,gz_dps,ax [m/s^2],ay [m/s^2],az [m/s^2],mag_x";
 
-/// White noise of each axis; the last stands on gravity.
+/// White noise of each axis. The z accelerometer also measures gravity.
 fn log(head: &str, rows: usize) -> String {
     let axes: Vec<Vec<f64>> = (7..).zip(SIGMAS).map(|(seed, sigma)| white(rows, sigma, seed)).collect();
     let row = |k: usize| {
@@ -218,7 +218,8 @@ fn correlated_noise_of_an_axis_is_a_gauss_markov_term() {
     assert_eq!(noise.absent.len(), 1, "no accelerometer");
 }
 
-/// What a log does not say is asked for; what is no result is refused; what a filter cannot take is an invalid option.
+/// Missing units are asked for, a short log has no model, a constant column is refused, and two axes are an invalid
+/// option for KF-GINS.
 #[test]
 fn a_run_without_a_file_says_why() {
     let folder = Folder::new();

@@ -15,7 +15,7 @@ use zerorate_jobs::{Acquisition, CodedRefusal, CodedWarning, JobWarning};
 use zerorate_logs::LogError;
 use zerorate_record::{CaptureWriter, Format};
 
-/// A folder of its own, gone after the test.
+/// A temporary folder, which is removed after the test.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -63,7 +63,7 @@ pub fn short() -> Plan {
     Plan { average_s: 2.0, warmup_s, settle_s, offset_s: 20.0, max_u_btc_dps_per_c, ..Plan::default() }
 }
 
-/// Looks on in silence.
+/// A watch that ignores all events.
 struct Quiet;
 
 impl Watch for Quiet {
@@ -95,7 +95,7 @@ pub fn only(done: &RunResult) -> &AxisNumbers {
     done.report.only.as_ref().unwrap()
 }
 
-/// Records for so long, s. Returns what was read.
+/// Records `seconds` of the device into `path`. Returns the finished acquisition.
 pub fn record(device: &str, sampling: Sampling, seconds: f64, path: &Path) -> Acquisition {
     let mut acquisition = sampled(device, sampling);
     acquisition.initialise().unwrap();
@@ -113,7 +113,7 @@ pub fn record(device: &str, sampling: Sampling, seconds: f64, path: &Path) -> Ac
     acquisition
 }
 
-/// A correction by a line or a curve, with its last lines.
+/// A calibration file with the coefficients PBC, BTC and T3, and with the lines `more` at its end.
 pub fn calibration(schema: u32, coefficients: [f64; 3], more: &str) -> Calibration {
     let [pbc, btc, t3] = coefficients;
     let text = format!(
@@ -166,13 +166,13 @@ impl Listener for StreamLog {
 }
 
 impl StreamLog {
-    /// Rows with such a reading.
+    /// The number of rows with these fault flags.
     pub fn with(&self, flags: Flags) -> usize {
         self.rows.iter().filter(|row| row.flags.has(flags)).count()
     }
 }
 
-/// Streams for so long, s, a row every so many s; each sample for 0.
+/// Streams for `seconds`, with a row every `every_s` seconds, or a row for each sample if that is 0.
 pub fn streamed(device: &str, calibration: &Calibration, seconds: f64, every_s: f64) -> (StreamLog, Result<()>) {
     let acquisition = open(device);
     acquisition.initialise().unwrap();

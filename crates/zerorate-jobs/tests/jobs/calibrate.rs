@@ -1,4 +1,5 @@
-//! Calibrations of the twin: the truth is found within the stated uncertainty, or the measurement is refused.
+//! Calibrations of the twin, the simulated sensor: its true bias is found within the stated uncertainty, or the
+//! measurement is refused.
 
 use super::bench::{Folder, calibrate, has, keep, only, refusal, short};
 use zerorate::{Method, Plan};
@@ -20,7 +21,7 @@ fn worst_of_curve(numbers: &AxisNumbers) -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// Without noise there is only the curvature of the bias, which is off, and the drift of an unsettled part.
+/// Without noise and curvature, only the drift of an unsettled part limits the result.
 #[test]
 fn the_truth_of_the_twin_is_found() {
     let unit = "twin:noise=0,curvature=0,hysteresis=0,bias_dps=0.8,tempco_dps_per_c=0.05,warmup_s=20";
@@ -55,7 +56,7 @@ fn the_uncertainty_budget_adds_up() {
     }
 }
 
-/// 300 mV in the middle, where the temperature has settled: taken out, and said.
+/// A step of the supply by 300 mV, after the temperature has settled, is removed and reported.
 #[test]
 fn a_step_of_the_supply_is_taken_out_of_a_warm_up() {
     let unit = "twin:seed=9,curvature=0,hysteresis=0,warmup_s=20,supply_step_mv=300,fault_at_s=120";
@@ -125,9 +126,9 @@ fn a_failed_calibration_names_its_cause_and_writes_nothing() {
     }
 }
 
-/// Before an hour is spent on the content.
+/// An output that cannot be written is refused before an hour is spent on its content.
 #[test]
-fn a_place_that_takes_no_calibration_is_known_first() {
+fn an_output_that_cannot_be_written_is_refused_first() {
     let folder = Folder::new();
     let claim = |name: &str| {
         let kept = OutputOptions { output: Some(folder.path(name)), ..OutputOptions::default() };

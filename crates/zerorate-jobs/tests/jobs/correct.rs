@@ -15,9 +15,9 @@ fn capture(folder: &Folder, name: &str, rows: &str) -> PathBuf {
     folder.write(name, format!("{head}{rows}"))
 }
 
-/// The correction of the note, and a curve: d is 2 and 1 °C.
+/// The correction of AN-1042, and a curve, at 2 °C and 1 °C above T3.
 #[test]
-fn the_formula_row_by_row() {
+fn each_row_is_corrected_by_the_formula() {
     let curve = calibration(3, LINE, "btc2_dps_per_c2 = 0.01\nbtc3_dps_per_c3 = -0.001\n");
     let terms = ["# zerorate.btc2_dps_per_c2 = 0.01", "# zerorate.btc3_dps_per_c3 = -0.001"];
     for (calibration, at_26, at_25, entries) in [

@@ -1,4 +1,4 @@
-//! Plans of chambers, from a file or from what a chamber did.
+//! Plans of chambers, from a plan file or from a chamber's log.
 
 use super::bench::Folder;
 use std::path::Path;
@@ -13,7 +13,7 @@ fn read(path: &Path, of_recording: bool) -> anyhow::Result<PlanFile> {
 
 /// Two plateaus with a ramp between them become the steps of a plan, of a recording only.
 #[test]
-fn a_csv_of_what_a_chamber_did_is_a_plan_of_a_recording() {
+fn the_log_of_a_chamber_is_a_plan_for_a_recording() {
     let folder = Folder::new();
     let at = |s: f64| format!("{s},{}\n", 25.0 + ((s - 300.0) / 6.0).clamp(0.0, 20.0));
     let rows: String = (0..=72).map(|k| at(f64::from(k) * 10.0)).collect();

@@ -1,4 +1,4 @@
-//! Reading a part: `probe`, recordings and streams, of a part that is well and of one that is not.
+//! Reading a part: `probe`, recordings and streams, of a healthy part and of faulty ones.
 
 use super::bench::{
     Folder, StreamLog, calibration, cells, codes, corrected, has, open, record, refusal, replay, sampled, streamed,
@@ -37,7 +37,7 @@ fn analysed(capture: &Path) -> anyhow::Result<Vec<Record>> {
     allan(&[capture.to_owned()], &AllanOptions { columns: Columns::Single, log, temperature: None, analysis })
 }
 
-/// Whether `value` is `expected` but for this share.
+/// Whether `value` differs from `expected` by less than this share.
 fn near(value: f64, expected: f64, share: f64) -> bool {
     (value / expected - 1.0).abs() < share
 }
@@ -63,7 +63,7 @@ fn probe_tries_the_self_test_and_releases_it() {
 }
 
 #[test]
-fn the_other_edge_of_data_ready_works_where_the_line_is_other() {
+fn each_form_of_data_ready_has_an_edge_without_losses() {
     for keys in ["rdy=inverted,edge=rising", "rdy=pulse,edge=rising", "rdy=level,edge=falling"] {
         let found = found(&format!("twin:{keys}"));
         assert!(found.lost_samples == 0 && found.warnings.is_empty(), "{keys}: {found:?}");
@@ -171,9 +171,9 @@ fn flags_of_corrected(folder: &Folder, capture: &Path, code: &str) -> Vec<u8> {
     flags.collect()
 }
 
-/// A frozen part is recorded to the end and then told; a correction flags it, an analysis and a stream refuse it.
+/// A frozen part is recorded to the end and then reported. A correction flags it; an analysis and a stream refuse it.
 #[test]
-fn a_frozen_part_is_believed_by_nobody() {
+fn a_frozen_part_is_never_trusted() {
     let folder = Folder::new();
     let (device, file) = ("twin:seed=3,fault=frozen,fault_at_s=2", folder.path("f.arrows"));
     let recorded = record(device, Sampling::default(), 4.0, &file);
