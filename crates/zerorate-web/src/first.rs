@@ -1,4 +1,5 @@
-//! A preview of the twin, from a small module that loads fast. The whole session continues from it once loaded.
+//! A preview of the twin, the simulated sensor, from a small module that loads fast. The session continues from it
+//! once loaded.
 
 use crate::live::Pace;
 use crate::message::DeviceState;
@@ -53,7 +54,7 @@ impl FirstLook {
         encode(&frame, &payload)
     }
 
-    /// How long the preview has run, s of the twin's time, for [`Live::catch_up`](crate::live::Live::catch_up).
+    /// Duration of the preview, s of the twin's time, for [`Live::catch_up`](crate::live::Live::catch_up).
     #[must_use]
     pub fn shown_s(&self) -> f64 {
         self.live_view.now_s()

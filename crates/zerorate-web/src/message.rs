@@ -333,7 +333,7 @@ pub struct CheckResult {
     pub what: String,
     /// Whether the check passed.
     pub ok: bool,
-    /// What was observed, and what to do.
+    /// The observation, and the remedy if the check failed.
     pub text: String,
 }
 
@@ -430,10 +430,10 @@ pub struct SampleCounts {
 pub struct Notice {
     /// The code for `zerorate explain`; empty for a notice without a code.
     pub code: String,
-    /// What was observed, why it matters, what to do.
+    /// The observation, its consequence and the remedy.
     pub text: String,
     /// Time at which it first occurred, s after the first sample.
     pub at_s: f64,
-    /// How many times it occurred or started.
+    /// Number of times that it occurred or started.
     pub count: u32,
 }

@@ -18,7 +18,7 @@ fn twin(keys: &'static str) -> Open {
     Box::new(move |_| Ok(Box::new(TwinSource::open(keys)?) as Box<dyn Source>))
 }
 
-/// The newest frame.
+/// The header of a frame.
 fn header(bytes: &[u8]) -> Value {
     let length = u32::from_le_bytes(bytes[..4].try_into().expect("four bytes")) as usize;
     serde_json::from_slice(&bytes[4..4 + length]).expect("JSON")
@@ -28,7 +28,7 @@ fn seen(live: &mut Live) -> Value {
     header(&live.session().snapshot())
 }
 
-/// Runs turns of 33 ms for this long. In each turn, a look at the clock takes `look_ms`.
+/// Runs a turn every 33 ms, for `for_ms`. Each reading of the clock takes `look_ms`.
 fn run(live: &mut Live, now_ms: &mut f64, for_ms: f64, look_ms: f64) {
     let until_ms = *now_ms + for_ms;
     while *now_ms < until_ms {
@@ -71,7 +71,7 @@ fn rates(bytes: &[u8]) -> Vec<u32> {
 }
 
 #[test]
-fn a_session_goes_on_where_the_first_look_is() {
+fn a_session_continues_from_the_preview() {
     let mut now_ms = 1000.0;
     let mut look = FirstLook::open("seed=7,bias_dps=1.5").expect("a twin");
     while now_ms < 3000.0 {
@@ -82,7 +82,7 @@ fn a_session_goes_on_where_the_first_look_is() {
     assert!(look.frame().is_some_and(|frame| header(&frame)["device"]["state"]["is"] == "reading"));
     let shown_s = look.shown_s();
     assert!((1.9..2.1).contains(&shown_s), "{shown_s}");
-    // the module of the session took long to load: the clock of the page went on, the look did not
+    // the page's clock goes on while the module of the session loads, and the preview does not
     now_ms += 500.0;
     let mut live = Live::open(twin("seed=7,bias_dps=1.5"), now_ms).expect("the same");
     live.catch_up(shown_s, &mut || now_ms);
@@ -100,7 +100,7 @@ fn a_session_goes_on_where_the_first_look_is() {
 fn a_slow_page_keeps_its_turns_short_and_does_not_catch_up() {
     let mut now_ms = 0.0;
     let mut live = Live::open(twin("seed=7"), now_ms).expect("a twin");
-    // a look takes 5 ms, so that a turn ends after five times 64 readings
+    // each reading of the clock takes 5 ms, so that a turn ends after five times 64 samples
     run(&mut live, &mut now_ms, 1000.0, 5.0);
     let samples = seen(&mut live)["ledger"]["samples"].as_u64().expect("a count");
     assert!((1000..5694).contains(&samples), "{samples}");
@@ -209,7 +209,7 @@ fn a_bridge_is_opened_and_read_though_answers_are_lost() {
 }
 
 #[test]
-fn a_part_that_goes_dead_and_a_bridge_that_is_silent_are_said() {
+fn a_dead_part_and_a_silent_bridge_are_reported() {
     let mut page = Page::new(0);
     let spec = Spec { fault: Fault::Unplug, fault_at_s: Some(0.5), ..Spec::from_seed(7) };
     assert!(firmware::serve(&Twin::new(spec), "test 1.0", &mut page).is_err());

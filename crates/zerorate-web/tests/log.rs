@@ -204,7 +204,7 @@ fn other_files_are_refused_with_a_reason() {
     }
 }
 
-/// Over 6 °C, x follows by 0.05 °/s per °C; y does not.
+/// The rate x follows the temperature by 0.05 °/s per °C over 6 °C; the rate y does not.
 #[test]
 fn a_rate_that_follows_its_temperature_is_reported() {
     let whole = table("t_s,x_dps,y_dps,z_dps,ax_mps2,ay_mps2,az_mps2", 20_000);

@@ -1,4 +1,4 @@
-//! A session on the twin without anything between: the messages that the page would get.
+//! Tests of the session with the twin, the simulated sensor, by the messages that the page would get.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Framing, MCLK_HZ, Sampler, SamplerConfig, Width};
@@ -57,7 +57,7 @@ fn feed(session: &mut Session, device: &mut Device, seconds: f64) {
     }
 }
 
-/// Header and payload.
+/// The header and the payload of a frame.
 fn read(frame: &[u8]) -> (Value, Vec<f32>) {
     let length = u32::from_le_bytes(frame[..4].try_into().unwrap()) as usize;
     let header = serde_json::from_slice(&frame[4..4 + length]).unwrap();
@@ -77,7 +77,7 @@ fn number(value: &Value) -> f64 {
 }
 
 #[test]
-fn a_minute_of_the_twin() {
+fn a_minute_of_the_twin_fills_the_frames() {
     let mut device = Device::open("seed=3,bias_dps=0.7,roa=10nf");
     let mut session = Session::new(about());
     session.state(DeviceState::Reading);
@@ -112,7 +112,7 @@ fn a_minute_of_the_twin() {
     let (at, count) = (number(&strip["at"]) as usize, number(&strip["count"]) as usize);
     assert!(strip["level"] == 2 && count > 900);
     assert!(payload[at..at + count].iter().zip(&payload[at + count..]).all(|(low, high)| low <= high));
-    // 64 ms hold some readings, and a mean of 0.7
+    // a bin of 64 ms has about 14 readings around 0.7 °/s
     let low: f32 = payload[at..at + count].iter().sum::<f32>() / count as f32;
     let high: f32 = payload[at + count..at + 2 * count].iter().sum::<f32>() / count as f32;
     assert!(low < 0.7 && 0.7 < high && high - low < 1.5, "{low} {high}");
@@ -266,9 +266,9 @@ fn requests_that_make_no_sense_are_answered() {
     }
 }
 
-/// Runs the plan of F-57 with the oven of F-57, which turns the knobs as told.
+/// The simulated oven follows the profile of F-57, as a person does who sets a chamber by the plan `f57`.
 #[test]
-fn a_chamber_by_hand() {
+fn a_chamber_is_set_by_hand() {
     let mut session = Session::new(about());
     let begin = json!({ "id": 1, "do": "calibrate", "method": "chamber", "plan": "f57" });
     assert_eq!(session.ask(&begin.to_string()), RequestResult::Host { id: 1, command: HostCommand::Reopen });

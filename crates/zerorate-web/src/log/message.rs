@@ -83,7 +83,7 @@ pub enum LogInspection {
     },
     /// The log cannot be read.
     Refused {
-        /// What is wrong, and what to do.
+        /// The fault of the log, and the remedy.
         text: String,
     },
 }
@@ -196,7 +196,7 @@ pub struct LogPicture {
 pub struct NoiseFileCommand {
     /// The filter: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
     pub format: String,
-    /// How to combine the axes of a kind, if the filter takes one number for all: `worst` or `mean`.
+    /// The rule that combines the axes of a kind, if the filter takes one number for all: `worst` or `mean`.
     pub combine: String,
     /// Factor on all noise, above 0; 1 means as measured.
     pub inflate: f64,

@@ -44,7 +44,7 @@ pub struct Running {
     pub elapsed_s: f64,
     /// Remaining time, s.
     pub left_s: f64,
-    /// What to do now.
+    /// The instruction for the user at this moment.
     pub advice: String,
     /// The refusals that would result if the step ended now.
     pub pending_refusals: Vec<String>,
@@ -63,7 +63,7 @@ pub struct Running {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Forecast {
-    /// That time since the start, s.
+    /// Time of that end since the start, s.
     pub at_s: f64,
     /// Standard uncertainty of PBC, °/s.
     pub u_pbc_dps: f64,
@@ -133,7 +133,7 @@ pub struct CurvePoint {
     pub correction_dps: f64,
     /// Standard uncertainty, °/s.
     pub u_dps: Option<f64>,
-    /// The result of a perfect measurement, °/s; null unless the part is a twin.
+    /// The result of a perfect measurement, °/s; null unless the part is simulated.
     pub truth_dps: Option<f64>,
 }
 

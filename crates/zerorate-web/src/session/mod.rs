@@ -176,7 +176,7 @@ impl Session {
         }
     }
 
-    /// Does work at the end of a block that takes too long to be done with each reading.
+    /// Does at the end of each block the work that takes too long to be done with each reading.
     #[cold]
     fn look(&mut self) {
         let temp_c = self.live_view.temp_c();

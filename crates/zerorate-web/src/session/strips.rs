@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn silence_is_empty_bins_and_never_more_than_are_kept() {
+    fn silence_becomes_empty_bins_within_the_bound() {
         let mut strips = Strips::default();
         strips.push(0, rate(1.0));
         strips.push(5_000_000, rate(2.0));

@@ -31,7 +31,7 @@ impl FirstLook {
         self.0.snapshot()
     }
 
-    /// How long the preview has run, s of the twin's time.
+    /// Duration of the preview, s of the twin's time.
     pub fn shown_s(&self) -> f64 {
         self.0.shown_s()
     }
