@@ -110,15 +110,15 @@ pub fn is_table(text: &str) -> bool {
 /// The separator between the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
-    /// A comma.
+    /// `,`
     Comma,
-    /// A semicolon.
+    /// `;`
     Semicolon,
-    /// A tab.
+    /// The tab character.
     Tab,
-    /// A vertical bar.
+    /// `|`
     Bar,
-    /// Any run of blanks.
+    /// One or more blanks.
     Blanks,
 }
 

@@ -79,7 +79,7 @@ impl Input {
         }
     }
 
-    /// An input of remote bytes.
+    /// Reads `bytes` from the first byte on.
     #[must_use]
     pub fn remote(bytes: Arc<dyn RemoteBytes>) -> Self {
         Self::of(Kind::Remote { bytes, at: 0 })

@@ -49,7 +49,7 @@ impl<R: Read> Messages<R> {
         self.position
     }
 
-    /// Reads the next message.
+    /// Reads the next message, or reports the end of the stream or of the file.
     pub fn next_message(&mut self) -> io::Result<Message> {
         let mut bytes = Vec::new();
         let Some(metadata_len) = self.read_length(&mut bytes)? else {

@@ -5,7 +5,7 @@ use crate::{Input, InputError, arrows};
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// An opened file.
+/// A file by its form, ready to be read.
 pub enum Opened {
     /// Columns with names and types.
     Table(Box<dyn BatchSource>),

@@ -29,7 +29,6 @@ struct Batches {
     decode: Decode,
 }
 
-/// Decodes one batch at a time.
 struct Decode {
     path: PathBuf,
     reader: ParquetRecordBatchReader,

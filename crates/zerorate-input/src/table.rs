@@ -48,7 +48,7 @@ impl Stated {
     }
 }
 
-/// A source of batches.
+/// A table that is read batch by batch.
 pub trait BatchSource {
     /// Name of the file form.
     fn form(&self) -> &'static str {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-/// The quantity of a column.
+/// A quantity that a column can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The rate of a gyroscope, with results in °/s.
@@ -87,7 +87,7 @@ impl Unit {
         Self::MmPerS2,
     ];
 
-    /// The quantity of the unit.
+    /// The quantity that the unit measures: angular rate or acceleration.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::MPerS2 | Self::G | Self::MilliG | Self::MicroG | Self::CmPerS2 | Self::MmPerS2 => {
@@ -97,7 +97,7 @@ impl Unit {
         }
     }
 
-    /// The name of the unit in this program.
+    /// The symbol of the unit in options and results, such as `dps` or `m/s²`.
     pub fn name(self) -> &'static str {
         match self {
             Self::MPerS2 => "m/s²",
@@ -282,7 +282,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// The name of the unit.
+    /// The symbol of the unit, such as `us`.
     pub fn name(self) -> &'static str {
         match self {
             Self::S => "s",
