@@ -3,7 +3,7 @@
 use jiff::SignedDuration;
 use std::str::FromStr;
 
-/// A time in a log.
+/// The time at which the chosen part of a log begins or ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CutTime {
     /// Seconds since the first sample.
@@ -26,7 +26,6 @@ pub struct Cut {
 /// Longest time since the start of a log, s: ten years.
 const MAX_S: f64 = 10.0 * 365.25 * DAY_S;
 
-/// Seconds of a day.
 pub const DAY_S: f64 = 86_400.0;
 
 impl FromStr for CutTime {

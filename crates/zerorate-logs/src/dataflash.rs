@@ -83,12 +83,10 @@ fn stated(field: &str) -> Option<(Quantity, f64)> {
     Some((unit.quantity(), unit.in_results()))
 }
 
-/// Whether a field is an axis.
 fn is_axis(field: &Field) -> bool {
     stated(&field.name).is_some_and(|(quantity, _)| quantity != Quantity::Temperature)
 }
 
-/// The messages of a log.
 pub struct Messages<'a> {
     path: &'a Path,
     file: BufReader<Input>,
@@ -192,12 +190,10 @@ impl Form {
         self.fields.iter().find(|field| field.name == name)
     }
 
-    /// The number in a field.
     pub fn number(&self, name: &str, body: &[u8]) -> Option<f64> {
         self.field(name)?.number(body)
     }
 
-    /// The text in a field.
     pub fn text(&self, name: &str, body: &[u8]) -> Option<String> {
         let field = self.field(name)?;
         let bytes = body.get(field.at..field.at + size(field.kind)?)?;

@@ -16,7 +16,7 @@ pub enum LogError {
     /// The file has several candidates.
     #[error("{question}\n{table}", table = .table.join("\n"))]
     Choose {
-        /// The question.
+        /// The question to the user, with the options that answer it.
         question: String,
         /// A line for each candidate, below a header if it needs one.
         table: Vec<String>,
@@ -26,7 +26,7 @@ pub enum LogError {
     /// The rows are of several sensors, joined by time: the question, and the columns of each sensor.
     #[error("{question}\n  {}", .groups.iter().map(|names| names.join(",")).collect::<Vec<_>>().join("\n  "))]
     Merged {
-        /// The question.
+        /// The question to the user, with the options that answer it.
         question: String,
         /// The columns of each sensor.
         groups: Vec<Vec<String>>,

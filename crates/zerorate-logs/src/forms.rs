@@ -14,9 +14,7 @@ use zerorate_input::{Input, InputError, NotBuiltIn};
 pub struct Form {
     /// The marks at the start of a file. One of them suffices.
     marks: &'static [&'static [u8]],
-    /// The name of the form in words.
     pub words: &'static str,
-    /// The kind of content.
     pub content: Content,
     /// The reader of the form, or the feature that adds it.
     pub reader: Result<Reader, NotBuiltIn>,
@@ -33,7 +31,6 @@ pub enum Content {
     DescribedTable,
 }
 
-/// Reads columns of a log.
 type Reader = fn(Log<'_>, &ColumnQuery<'_>) -> Result<RawColumns>;
 
 /// The reader of a form that a feature adds.

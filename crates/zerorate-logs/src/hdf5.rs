@@ -174,7 +174,6 @@ fn end(input: &Input) -> Option<u64> {
     Some(u64::from_le_bytes(*end))
 }
 
-/// The bytes of the file.
 struct Bytes {
     input: Input,
     length: u64,
@@ -209,7 +208,6 @@ struct Set {
     set: Dataset,
 }
 
-/// The content of a file.
 #[derive(Default)]
 struct Content {
     sets: Vec<Set>,
@@ -384,7 +382,6 @@ fn number(bytes: &[u8], of: &Datatype) -> Option<Number> {
     })
 }
 
-/// A number of any type.
 #[derive(Clone, Copy)]
 struct Cell(Number);
 
@@ -402,7 +399,6 @@ impl H5Type for Cell {
     }
 }
 
-/// The bytes of a compound.
 #[derive(Clone)]
 struct CompoundRow(Vec<u8>);
 

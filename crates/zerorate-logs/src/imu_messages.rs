@@ -49,7 +49,6 @@ const MAX_MESSAGE: usize = 1 << 16;
 /// An IMU or a temperature of a bag: all messages of a topic, or a field of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// The topic of the messages.
     pub topic: String,
     /// The field with the IMU, where the messages are of another type.
     place: Option<Place>,
@@ -97,7 +96,6 @@ impl Sources {
         self.0.extend(others.0);
     }
 
-    /// The IMUs.
     pub fn imus(&self) -> impl Iterator<Item = (&String, &Source)> {
         self.0.iter().filter(|(_, source)| !source.is_temperature)
     }
@@ -145,7 +143,6 @@ fn folder(topic: &str) -> &str {
 /// The wanted quantities of an IMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantities {
-    /// The name of the IMU.
     name: String,
     /// The topic of the IMU, and its place in the messages.
     pub source: Source,

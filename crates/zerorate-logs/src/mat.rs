@@ -226,7 +226,6 @@ impl Element {
 struct Variable<'a> {
     name: String,
     kind: u32,
-    /// The bytes of the matrix.
     bytes: &'a [u8],
     /// Offset of the first number of the column, and the distance to the next.
     first: usize,

@@ -1,6 +1,5 @@
 //! The bytes of a ROS message that contains a `sensor_msgs/Imu`.
 
-/// The encoding of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Common Data Representation of OMG, as in ROS 2: numbers aligned to their size.

@@ -21,7 +21,6 @@ use zerorate_input::{Input, InputError, InputWarning, TimeUnit};
 /// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Reads columns of an array.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, mut input, room, .. } = log;
     let length = input.length().map_err(|error| InputError::io("read", path, error))?;
@@ -79,7 +78,6 @@ impl Array {
         Ok(rate)
     }
 
-    /// The number of columns.
     #[cfg(feature = "npz")]
     pub fn columns(&self) -> usize {
         self.fields.len()
@@ -254,7 +252,6 @@ impl Field {
         self.kind == Some(Kind::Float) && self.size == 8 && !self.big_endian
     }
 
-    /// Decodes the number in these bytes.
     fn decode(&self, bytes: &[u8]) -> Cell {
         // little endian, extended to eight bytes
         let mut wide = [0; 8];
@@ -379,7 +376,6 @@ fn span(fields: &[&Field]) -> u64 {
     end - fields.iter().map(|field| field.offset).min().unwrap_or_default()
 }
 
-/// The data of a file.
 struct Data<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,

@@ -12,7 +12,6 @@ const MARK: u64 = 16;
 /// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// An opened log.
 pub struct Log<'a> {
     /// The name of the log, for messages.
     pub path: &'a Path,

@@ -28,7 +28,6 @@ use zerorate_input::{Input, InputError};
 /// Rows per piece.
 const PIECE: usize = 1 << 16;
 
-/// Reads columns of a Parquet file.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input: file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;

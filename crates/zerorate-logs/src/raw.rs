@@ -16,7 +16,6 @@ use zerorate_input::{Input, InputError};
 /// `unsafe` code.)
 const BLOCK: usize = 1 << 18;
 
-/// Reads columns of the file.
 pub fn read(log: Log<'_>, raw: RawType, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, mut input, room, .. } = log;
     let setting = asked.args.names.of(Setting::Raw);

@@ -12,13 +12,13 @@ const MAX_CHANNELS: usize = 256;
 pub struct RawType {
     /// The numbers in a record, all of one type.
     pub channels: usize,
-    /// The type of each number.
+    /// The type that all numbers in the file have.
     pub number: RawNumber,
     /// Whether the first byte of a number is the highest.
     pub is_big_endian: bool,
 }
 
-/// The type of a number.
+/// The size and form of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RawNumber {
     /// 16-bit integers.
@@ -72,7 +72,7 @@ impl FromStr for RawType {
 }
 
 impl RawType {
-    /// Bytes of a record.
+    /// The size of a record in bytes.
     pub fn record(self) -> usize {
         self.channels * self.number.bytes()
     }

@@ -161,7 +161,6 @@ fn field<'a>(mut fields: &'a [u8], wanted: &[u8]) -> Option<&'a [u8]> {
     }
 }
 
-/// The records of a bag.
 struct Records<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,

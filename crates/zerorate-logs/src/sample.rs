@@ -17,7 +17,6 @@ pub const ROWS: usize = 2048;
 pub enum Cell {
     /// A finite number.
     Number(f64),
-    /// A word.
     Word(String),
     /// An empty cell, or a number that is not finite.
     Missing,
@@ -28,7 +27,6 @@ pub enum Cell {
 pub struct Sampled {
     /// The name of the column, or its number.
     pub name: String,
-    /// The cells of the column.
     pub cells: Vec<Cell>,
     /// The unit of time that the type of the column states.
     pub time_unit: Option<TimeUnit>,
@@ -40,12 +38,10 @@ impl Cell {
         if number.is_finite() { Self::Number(number) } else { Self::Missing }
     }
 
-    /// The number, if the cell holds one.
     pub fn as_number(&self) -> Option<f64> {
         if let Self::Number(number) = self { Some(*number) } else { None }
     }
 
-    /// The word, if the cell holds one.
     pub fn as_word(&self) -> Option<&str> {
         if let Self::Word(word) = self { Some(word) } else { None }
     }

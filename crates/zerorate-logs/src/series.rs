@@ -92,7 +92,6 @@ impl SeriesBuilder {
         }
     }
 
-    /// Adds an integer.
     pub fn push_integer(&mut self, value: i64) {
         self.rows += 1;
         match (&mut self.series, i32::try_from(value)) {
@@ -130,7 +129,6 @@ impl SeriesBuilder {
         }
     }
 
-    /// Adds codes.
     pub fn extend_codes(&mut self, added: impl ExactSizeIterator<Item = i32>) {
         self.rows += added.len() as u64;
         match &mut self.series {

@@ -88,7 +88,6 @@ fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> InputError) -> Result<
     Ok(bag)
 }
 
-/// A topic of the bag.
 struct Topic {
     id: i64,
     name: String,

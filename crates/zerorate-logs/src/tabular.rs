@@ -77,7 +77,6 @@ struct TableColumn {
 }
 
 impl<'a> TableColumns<'a> {
-    /// Chooses the columns.
     pub fn start(
         path: &'a Path,
         schema: &Schema,

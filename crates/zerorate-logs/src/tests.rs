@@ -64,7 +64,6 @@ impl Folder {
         path
     }
 
-    /// Reads this content with these options.
     pub fn read(&self, content: impl AsRef<[u8]>, options: &str) -> Result<Column> {
         let path = self.write("log", content);
         super::read(&path, File::open(&path).unwrap().into(), &super::tests::options(options))

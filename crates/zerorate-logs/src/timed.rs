@@ -28,13 +28,13 @@ pub struct TimedColumns {
 
 /// A column of [`TimedColumns`].
 pub struct TimedColumn {
-    /// The name of the column.
+    /// The name of the column, or its number if the log does not name it.
     pub name: String,
     /// The value of each row, NaN for an empty row.
     pub values: Vec<f64>,
     /// The quantity and the size of a step of 1 in the unit of its results, where the form of the log states them.
     pub stated: Option<(Quantity, f64)>,
-    /// Warnings about the column.
+    /// Warnings about this column alone.
     pub warnings: Vec<LogWarning>,
 }
 

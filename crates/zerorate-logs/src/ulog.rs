@@ -173,7 +173,6 @@ struct Topics {
     seen: BTreeMap<u16, (u64, i64, i64)>,
 }
 
-/// A field in a message.
 #[derive(Clone, Debug, PartialEq)]
 struct Field {
     name: String,

@@ -25,11 +25,8 @@ pub struct Block<'a> {
 
 /// The facts of a block in which each sample and the sample before are finite.
 pub struct Facts {
-    /// The largest sample.
     pub largest: f64,
-    /// The least sample.
     pub least: f64,
-    /// The sum of the samples.
     pub sum: f64,
     /// The least difference between neighbours that is not 0; infinite if all are equal.
     pub step: f64,

@@ -57,7 +57,6 @@ pub struct ColumnFacts {
 }
 
 impl ColumnChecks {
-    /// Runs all checks on a column.
     pub fn of(input: &Input<'_>) -> Self {
         let mut checks = Self::default();
         for_each_block(input, |block| checks.feed(block));

@@ -7,7 +7,6 @@ use winnow::token::take_till;
 use winnow::{Parser, Result};
 use zerorate_input::TimeUnit;
 
-/// The content of a header.
 pub struct Header {
     pub element: Element,
     /// Whether the first index runs fastest.
@@ -15,7 +14,6 @@ pub struct Header {
     pub shape: Vec<u64>,
 }
 
-/// The type of an element.
 pub struct Element {
     /// The size of the element in bytes, if it is fixed.
     pub size: Option<u64>,
@@ -32,7 +30,6 @@ pub enum Form {
     Array,
 }
 
-/// The kind of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Signed,
@@ -126,7 +123,6 @@ fn shape(literal: &Literal) -> Option<Vec<u64>> {
     lengths.iter().map(length).collect()
 }
 
-/// A literal of Python.
 #[derive(Clone)]
 enum Literal {
     Text(String),

@@ -35,7 +35,6 @@ pub struct Block {
 }
 
 impl Block {
-    /// The bytes of the lines.
     pub fn bytes(&self) -> &[u8] {
         &self.buffer[..self.end]
     }
@@ -67,7 +66,6 @@ impl Block {
     }
 }
 
-/// Reads blocks.
 pub struct Blocks<'a> {
     path: &'a Path,
     input: Input,
@@ -93,7 +91,6 @@ impl<'a> Blocks<'a> {
         Self { stamps, ..self }
     }
 
-    /// Blocks without these marks.
     pub fn without_marks(self, marks: &Marks) -> Self {
         Self { marks: marks.clone(), ..self }
     }

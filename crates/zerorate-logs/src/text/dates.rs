@@ -96,7 +96,7 @@ fn parts(cell: &str) -> Option<(Vec<&str>, i64)> {
     Some((words.iter().filter(is_date).flat_map(|word| word.split(['/', '-', '.'])).collect(), clock_ns))
 }
 
-/// A half of the day.
+/// AM or PM of a twelve-hour clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Half {
     Morning,

@@ -73,7 +73,6 @@ struct Shape {
     width: usize,
 }
 
-/// Whether a line is a comment.
 pub fn is_comment(line: &str) -> bool {
     line.starts_with(['#', '%'])
 }

@@ -38,7 +38,6 @@ use zerorate_input::{Input, InputError, TimeUnit};
 /// Number of blocks per thread. With one block per thread, the thread that reads ahead finishes late.
 const AT_ONCE: usize = 2;
 
-/// Reads columns of text.
 pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let failed = |error| InputError::io("read", path, error);
     let head = head(path, &mut input, asked)?;

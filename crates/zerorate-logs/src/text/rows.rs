@@ -17,9 +17,7 @@ use zerorate_input::delimited::Delimiter;
 
 /// The places of the wanted cells in each line of a file.
 pub struct Cut<'a> {
-    /// The file.
     pub path: &'a Path,
-    /// The delimiter of cells.
     pub delimiter: Delimiter,
     /// The number of cells of a line.
     pub width: usize,
@@ -70,7 +68,6 @@ pub struct Piece {
 /// The number of a line, and the error in it.
 pub type Wrong = (u64, String);
 
-/// The time of a row.
 #[derive(Clone, Copy)]
 pub enum Time {
     /// An integer in the unit of the column.
@@ -321,7 +318,6 @@ pub struct Broken {
     pub rows: u64,
     /// Number of broken lines.
     pub bad: u64,
-    /// The first broken line.
     pub first: Option<Wrong>,
 }
 
