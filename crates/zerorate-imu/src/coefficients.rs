@@ -7,7 +7,7 @@ use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 pub struct Named<'a> {
     /// The letter of the coefficient in IEEE Std 952-1997.
     pub letter: char,
-    /// The name of the coefficient.
+    /// The name of the coefficient in words.
     pub name: &'static str,
     /// Slope of the coefficient's line in the log-log plot.
     pub slope: f64,

@@ -4,7 +4,7 @@ use crate::increments;
 use serde::Serialize;
 use zerorate_logs::{Column, Quantity, Unit};
 
-/// The kind of an axis.
+/// The kind of sensor that an axis belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(ts_rs::TS), ts(rename = "AxisKind"))]
@@ -19,7 +19,7 @@ impl Kind {
     /// All kinds.
     pub const ALL: [Self; 2] = [Self::Gyroscope, Self::Accelerometer];
 
-    /// The word for this kind.
+    /// `gyroscope` or `accelerometer`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -44,7 +44,7 @@ impl Kind {
         }
     }
 
-    /// The kind that measures a quantity.
+    /// The kind that measures this quantity; `None` for a temperature.
     #[must_use]
     pub fn of(quantity: Quantity) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.quantity() == quantity)

@@ -28,7 +28,7 @@ pub enum Rule {
 pub struct Axis<'a> {
     /// The name of its column.
     pub name: &'a str,
-    /// The kind of axis.
+    /// Gyroscope or accelerometer.
     pub kind: Kind,
     /// Samples per second.
     pub rate_hz: f64,
@@ -85,7 +85,6 @@ const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "
 
 /// The numbers of the file, in rad, m and s.
 pub struct Numbers {
-    /// The source of the numbers.
     pub choice: NoiseFileOptions,
     /// The use of N and K in the program that reads the file.
     pub usage: Usage,
@@ -109,11 +108,9 @@ pub struct Sensor {
     pub n: SourcedNumber,
     /// K for all axes, combined by the rule.
     pub k: SourcedNumber,
-    /// The numbers of each axis.
     pub axes: Vec<AxisNumbers>,
 }
 
-/// A number and its source.
 #[derive(Clone)]
 pub struct SourcedNumber {
     /// The number, in rad, m and s.
@@ -123,14 +120,12 @@ pub struct SourcedNumber {
 }
 
 impl SourcedNumber {
-    /// Multiplies the number by a factor.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {
         Self { value: self.value * factor, from: self.from.clone() }
     }
 }
 
-/// The noise numbers of one axis.
 pub struct AxisNumbers {
     /// White noise N, rad/√s or m/s/√s.
     pub n: SourcedNumber,
@@ -151,7 +146,6 @@ pub struct CorrelationTime {
 }
 
 impl Sensor {
-    /// One number of each axis.
     pub fn by_axis(&self, of: impl Fn(&AxisNumbers) -> f64) -> Vec<f64> {
         self.axes.iter().map(of).collect()
     }
@@ -166,7 +160,6 @@ impl Axis<'_> {
         }
     }
 
-    /// N and K by a rule.
     fn n_and_k(&self, rule: Rule, usage: Usage) -> (SourcedNumber, SourcedNumber) {
         let (n, k) = (self.chosen("N", &self.fit.n), self.chosen("K", &self.fit.k));
         let covering = match rule {
@@ -263,7 +256,6 @@ const PEAK_AT: f64 = 1.89;
 const PEAK: f64 = 0.617;
 
 impl Numbers {
-    /// The noise numbers of these axes.
     pub fn new(choice: NoiseFileOptions, usage: Usage, doubts: &Rejections, axes: &[Axis<'_>]) -> Self {
         let memory = CorrelationTime::of(axes);
         let of_kind = |kind| axes.iter().filter(move |axis| axis.kind == kind);

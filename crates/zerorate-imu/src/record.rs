@@ -14,15 +14,15 @@ use zerorate_logs::{Column, LogError, LogWarning, Names, Quantity};
 
 /// A column of a log with its results.
 pub struct Record {
-    /// The log.
+    /// The path of the log.
     pub file: PathBuf,
     /// The name of the column.
     pub column: String,
     /// The quantity of the column; the deviations are in its unit of results. `None` if the unit is unknown.
     pub quantity: Option<Quantity>,
-    /// Confidence of the intervals.
+    /// The probability that an interval contains the true deviation.
     pub confidence: f64,
-    /// The deviations.
+    /// The deviations at the requested averaging times.
     pub analysis: Analysis,
     /// The deviations at the averaging times of plots, if those differ.
     finer: Option<Analysis>,
@@ -64,7 +64,7 @@ impl PlotData {
     }
 }
 
-/// The options of an analysis.
+/// The form of the column, and the results that are requested.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisOptions {
     /// Whether the column holds a phase, the integral of a rate.
@@ -244,7 +244,7 @@ impl Record {
         self.finer.as_ref().unwrap_or(&self.analysis)
     }
 
-    /// The model, if there is one.
+    /// The fitted noise model, even if it is rejected; `None` if there is none.
     pub fn model(&self) -> Option<&Fit> {
         self.fit.as_ref()?.as_ref().ok()
     }
@@ -255,7 +255,7 @@ impl Record {
         (max_freq_hz < 0.499 * self.analysis.rate_hz).then_some(max_freq_hz)
     }
 
-    /// The lines in the spectrum.
+    /// The spectral lines of the model; none without a model.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
         self.model().into_iter().flat_map(Fit::lines)
     }

@@ -25,7 +25,7 @@ pub struct Moment {
     pub at_s: f64,
     /// The names of the axes.
     pub axes: Vec<String>,
-    /// The kind of motion.
+    /// A jump of the level, or a glitch.
     pub kind: MotionKind,
 }
 

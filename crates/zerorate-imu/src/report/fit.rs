@@ -68,7 +68,7 @@ pub struct CoefficientReport {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct UnitReport {
-    /// The unit.
+    /// The symbol, such as `°/√h`.
     pub unit: String,
     /// The number of this unit in one unit of the report.
     pub factor: f64,

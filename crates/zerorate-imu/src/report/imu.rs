@@ -28,7 +28,7 @@ pub struct ImuReport {
     pub axes: Vec<AxisReport>,
 }
 
-/// A data sheet.
+/// The data sheet with which the axes are compared.
 #[derive(Clone, Debug, Serialize)]
 pub struct SheetReport {
     /// The name of the sensor.
@@ -37,13 +37,13 @@ pub struct SheetReport {
     pub source: Option<String>,
 }
 
-/// An axis.
+/// The results of an axis.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisReport {
     /// The name of its column.
     pub name: String,
-    /// The kind of axis, if it is one of an IMU.
+    /// Gyroscope or accelerometer; `None` if the axis is neither.
     pub kind: Option<Kind>,
     /// The comparison with each line of the data sheet.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -63,7 +63,7 @@ pub struct LineReport {
     pub limit: &'static str,
     /// The value that the data sheet states.
     pub value: f64,
-    /// The unit of the line.
+    /// The unit of `value` and of the measured values.
     pub unit: String,
     /// The document that prints the line, if it is not the source of the sheet.
     pub source: Option<String>,

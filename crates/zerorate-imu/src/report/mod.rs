@@ -20,7 +20,7 @@ use zerorate_logs::Quantity;
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AllanReport {
-    /// The log.
+    /// The path of the log.
     pub file: String,
     /// The name of the column.
     pub column: String,
@@ -29,10 +29,10 @@ pub struct AllanReport {
     /// Samples from the first to the last, including missing ones.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
-    /// Missing samples.
+    /// Number of missing samples.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missing: u64,
-    /// The statistic.
+    /// The estimator of the deviations.
     #[cfg_attr(feature = "types", ts(type = "string"))]
     pub stat: Stat,
     /// The unit of the deviations; `None` if the unit of the column is unknown.
@@ -91,7 +91,7 @@ pub struct PointReport {
     pub n: u64,
     /// The name of that noise; `None` if the record is too short to tell.
     pub noise: Option<&'static str>,
-    /// The deviation of the model.
+    /// The deviation that the model predicts for this record.
     pub model: Option<f64>,
     /// Lower end of the band in which the model expects 95 % of the deviations of this record.
     pub model_lo: Option<f64>,
@@ -122,7 +122,7 @@ pub struct CleanedReport {
     /// Glitches whose samples were replaced.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub glitches: u64,
-    /// Steps of the level.
+    /// Steps of the level that were removed.
     #[cfg_attr(feature = "types", ts(type = "{ at_s: number, size: number }[]"))]
     pub steps: Vec<allan::Step>,
 }
@@ -156,7 +156,7 @@ impl AllanReport {
         format!("{}, column {}", self.file, self.column)
     }
 
-    /// The model, if there is one.
+    /// The noise model; `None` if none was fitted.
     #[must_use]
     pub fn model(&self) -> Option<&FitReport> {
         self.fit.as_ref().filter(|fit| fit.model_error.is_some())
