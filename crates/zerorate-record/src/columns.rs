@@ -32,7 +32,6 @@ pub(crate) struct OpenBatch {
 }
 
 impl OpenBatch {
-    /// An empty batch.
     pub fn new(layout: &Layout) -> Self {
         Self {
             fields: layout.raw_fields(),
@@ -295,7 +294,6 @@ impl Batch<'_> {
         Ok(column.values().clone())
     }
 
-    /// A column of codes in this scale.
     fn codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
         let codes = if scale.signed {
             Codes::Signed(self.column::<Int32Type>(name)?)

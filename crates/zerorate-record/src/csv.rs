@@ -85,7 +85,6 @@ impl BlockSink for CsvSink {
     }
 }
 
-/// Reads a CSV capture.
 pub struct CsvReader {
     path: PathBuf,
     lines: Lines,
@@ -105,9 +104,7 @@ enum Entry {
     Row,
     /// The check over all rows before it.
     Check(String),
-    /// The end statement.
     End(String),
-    /// Any other comment.
     Comment,
     /// The end of the file, possibly after an incomplete line.
     Nothing,
@@ -203,7 +200,6 @@ fn statement(comment: &str) -> Option<Entry> {
 
 type NamedColumn = (String, Option<Box<dyn CellColumn>>);
 
-/// Adds the cells of a line to the columns.
 fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn]) -> Result<(), InputError> {
     let mut cells = Delimiter::Comma.cells(line);
     for (name, column) in columns {

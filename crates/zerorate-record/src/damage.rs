@@ -154,7 +154,6 @@ fn pieces_of_stream(bytes: &[u8]) -> Vec<Vec<u8>> {
     pieces
 }
 
-/// The pieces of a CSV.
 fn pieces_of_csv(bytes: &[u8]) -> Vec<Vec<u8>> {
     let text = std::str::from_utf8(bytes).unwrap();
     let rows = text.find("\n1000,").unwrap() + 1;

@@ -33,7 +33,7 @@ const AMBIENT_NOTE: &str = "zerorate.ambient_note";
 const OPERATOR: &str = "zerorate.operator";
 const HOST: &str = "zerorate.host";
 
-/// The description of a capture.
+/// The facts that a capture states about itself, besides its rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureInfo {
     /// Format version of the file.

@@ -143,7 +143,7 @@ impl Layout {
         if matches!(self.status_bits, 8 | 16 | 32) { Ok(()) } else { Err(LayoutError::Status(self.status_bits)) }
     }
 
-    /// Name of the part.
+    /// The type name of the part.
     #[must_use]
     pub fn part_name(&self) -> &str {
         &self.part

@@ -47,7 +47,7 @@ impl Row {
         Self { t_ns, edge_seq, lost: 0, status: None, temp_code: None, codes, axes: axes.min(MAX_AXES) as u8 }
     }
 
-    /// Sets the status.
+    /// Sets the status register; `None` if it was not read.
     #[must_use]
     #[inline]
     pub fn with_status(self, status: Option<u32>) -> Self {
@@ -68,7 +68,7 @@ impl Row {
         Self { lost, ..self }
     }
 
-    /// The code of each axis.
+    /// The code of each axis, in the order of the layout.
     #[must_use]
     #[inline]
     pub fn codes(&self) -> &[i64] {

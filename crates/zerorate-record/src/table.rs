@@ -91,7 +91,7 @@ pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Resu
 }
 
 impl CheckedSink {
-    /// Writes rows.
+    /// Writes the rows of a batch, cut at the ends of blocks.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
         let mut first = 0;
         while first < batch.num_rows() {
