@@ -35,7 +35,7 @@ impl fmt::Display for PlusMinus {
 /// digits of half the interval. If both limits equal the value, it shows the value alone, with three digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// The value.
+    /// The estimate.
     pub value: f64,
     /// Lower limit.
     pub lo: f64,

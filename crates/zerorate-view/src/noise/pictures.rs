@@ -66,7 +66,7 @@ impl Picture {
 
 /// Consecutive records of one quantity.
 pub struct Group<'a> {
-    /// The records.
+    /// One or more records, in the order of the logs.
     pub records: &'a [Record],
     is_of_one_log: bool,
 }

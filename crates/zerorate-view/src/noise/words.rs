@@ -48,7 +48,7 @@ pub fn predicts(report: &AllanReport) -> Option<String> {
 
 /// A table row: a coefficient or another term with its limits, in one or more units.
 pub struct TermRow {
-    /// The name.
+    /// The name of the coefficient or other term.
     pub name: String,
     /// The same value in each unit, or several different values.
     pub values: Vec<(Interval, String)>,

@@ -52,7 +52,6 @@ impl Axis {
         self.span.0 + fraction.clamp(-2.0, 3.0) * (self.span.1 - self.span.0)
     }
 
-    /// The value at a pixel.
     pub fn value(&self, pixel: f64) -> f64 {
         let fraction = (pixel - self.span.0) / (self.span.1 - self.span.0);
         if self.log {

@@ -146,7 +146,6 @@ pub fn headings(left: f64, title: Option<&str>, subtitle: Option<&str>, room: f6
     title.into_iter().chain(below).fold(Group::new(), Group::add)
 }
 
-/// A line of text.
 pub fn text(content: &str, (x, y): (f64, f64), anchor: Anchor) -> Text {
     Text::new(printable::line(content)).set("x", px(x)).set("y", px(y)).set("text-anchor", anchor.name())
 }
@@ -163,12 +162,10 @@ pub fn label(content: &str, at: (f64, f64), anchor: Anchor, colour: &str) -> Gro
     Group::new().add(halo).add(text(content, at, anchor).set("fill", colour))
 }
 
-/// A straight line.
 pub fn line((x1, y1): (f64, f64), (x2, y2): (f64, f64)) -> Line {
     Line::new().set("x1", px(x1)).set("y1", px(y1)).set("x2", px(x2)).set("y2", px(y2))
 }
 
-/// The path through these points.
 pub fn path(points: impl IntoIterator<Item = (f64, f64)>) -> Data {
     points.into_iter().fold(Data::new(), |data, (x, y)| {
         let at = (px(x), px(y));

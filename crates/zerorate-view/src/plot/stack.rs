@@ -24,7 +24,6 @@ pub struct Stack<'a> {
 }
 
 impl Stack<'_> {
-    /// The area of a panel.
     pub fn area(&self, index: usize) -> Area {
         let top = HEAD + (self.height + GAP) * index as f64;
         Area { left: LEFT, right: WIDTH - RIGHT, top, bottom: top + self.height }

@@ -13,9 +13,9 @@ pub use course::{Course, Moment};
 /// A named fact: a row of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
-    /// The name of the fact.
+    /// The text of the first cell.
     pub name: String,
-    /// The value, with its unit.
+    /// The text of the second cell: the value, with its unit.
     pub value: String,
 }
 

@@ -33,7 +33,7 @@ pub struct Measured<'a> {
     pub sensor: &'a str,
     /// Name of the axis.
     pub name: &'a str,
-    /// The kind of axis.
+    /// Gyroscope or accelerometer.
     pub kind: Kind,
     /// The requested reference temperature, °C.
     pub reference_c: Option<f64>,
@@ -50,7 +50,7 @@ pub struct AxisCurve {
     pub name: String,
     /// Name of the sensor: topic or file, and the kind.
     pub sensor: String,
-    /// The kind of axis.
+    /// Gyroscope or accelerometer.
     pub kind: Kind,
     /// Number of the IMU in its flight controller, from 0.
     #[serde(skip)]
@@ -100,9 +100,9 @@ pub struct AxisCurve {
 #[serde(untagged)]
 #[expect(missing_docs, reason = "temperature, bias and standard uncertainty, with their units")]
 pub enum CurvePoint {
-    /// For a gyroscope.
+    /// A point of a gyroscope's curve.
     Gyroscope { temp_c: f64, bias_dps: f64, u_dps: f64 },
-    /// For an accelerometer.
+    /// A point of an accelerometer's curve.
     Accelerometer { temp_c: f64, bias_mps2: f64, u_mps2: f64 },
 }
 
@@ -256,7 +256,7 @@ pub struct Points {
     pub all: Vec<MeanPoint>,
 }
 
-/// A mean of an axis.
+/// A mean of an axis over part of a log, with its residual.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanPoint {
     /// Time in its log, s.
