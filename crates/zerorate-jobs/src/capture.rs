@@ -14,9 +14,9 @@ pub struct Recording {
     pub t_ns: Vec<u64>,
     /// Running number of the edge.
     pub edge_seq: Vec<u32>,
-    /// The name of the part.
+    /// The type name of the part.
     pub part: String,
-    /// The axes.
+    /// The readings of each axis, in the order of the file.
     pub axes: Vec<RecordedAxis>,
     /// Status register (of an ADIS16130: of the channel, F-35); −1 if it was not read.
     pub status: Vec<i64>,
@@ -39,7 +39,7 @@ pub struct Recording {
 pub struct RecordedAxis {
     /// The name of the axis in the part.
     pub name: String,
-    /// Rate codes.
+    /// The rate code of each sample.
     pub codes: Vec<i64>,
     /// The scale of the codes, in °/s.
     pub scale: Scale,

@@ -9,7 +9,7 @@ use zerorate_logs::{Column, LogWarning, Names, Setting, Unit};
 /// The user's settings about the integer codes of an IMU.
 #[derive(Debug, Default)]
 pub struct CodeOptions {
-    /// The scales of the part.
+    /// The scales of the part's codes, if a part was named.
     pub part: Option<CodeScales>,
     /// The full scale of the gyroscope, °/s; `None` means the one of the part after power-up.
     pub gyro_range_dps: Option<f64>,

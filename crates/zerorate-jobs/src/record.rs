@@ -28,7 +28,7 @@ pub struct RecordOptions {
     pub notes: Notes,
 }
 
-/// The length of a recording.
+/// The duration or the number of samples of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
     /// Duration in the part's time, ns.
@@ -80,7 +80,7 @@ pub struct RecordReport {
     pub file: String,
     /// Number of samples in the file.
     pub samples: u64,
-    /// Number of lost samples.
+    /// Number of samples that were lost and that the file therefore lacks.
     pub lost_samples: u64,
     /// Samples per second.
     pub rate_hz: f64,

@@ -28,7 +28,7 @@ pub enum JobWarning {
     LogFailed {
         /// Time since the start, s.
         after_s: f64,
-        /// The error.
+        /// The text of the error.
         why: String,
     },
     /// A capture has rows before its first temperature. The number counts them.
@@ -39,7 +39,7 @@ pub enum JobWarning {
     StateAgeUnknown,
     /// The state of a tracked bias cannot be saved.
     StateNotKept {
-        /// The error.
+        /// The text of the error.
         why: String,
         /// Time between attempts, s.
         again_s: u64,
@@ -165,7 +165,7 @@ impl CodedWarning {
         Self { axis: Some(name.to_owned()), ..self }
     }
 
-    /// The code of the warning.
+    /// The code by which scripts recognise the warning, such as `lost-samples`.
     #[must_use]
     pub fn code(&self) -> &'static str {
         self.warning.code()

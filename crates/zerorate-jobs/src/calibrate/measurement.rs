@@ -42,10 +42,8 @@ pub struct Measurement<'a> {
     watch: &'a mut dyn Watch,
 }
 
-/// The result of a measurement.
 pub struct MeasurementResult {
     pub part: Part,
-    /// The outcome of each axis.
     pub outcomes: Vec<Outcome>,
     pub capture_sha256: String,
     pub truths: Vec<Truth>,

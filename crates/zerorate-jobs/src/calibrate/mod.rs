@@ -165,11 +165,11 @@ impl Job {
     }
 }
 
-/// The result of a measurement.
+/// A completed measurement.
 pub struct RunResult {
-    /// The results.
+    /// The results in numbers.
     pub report: CalibrationReport,
-    /// The calibration.
+    /// The calibration that follows from the measurement.
     pub calibration: Calibration,
     /// The failure, if a requested file could not be written.
     pub delivery: Result<(), DeliveryFailure>,
@@ -181,7 +181,7 @@ const UNNAMED: &str = "calibration.toml";
 /// A calibration whose files could not all be written where they were requested.
 #[derive(Debug)]
 pub struct DeliveryFailure {
-    /// The failure.
+    /// The error that kept a file from being written.
     pub why: anyhow::Error,
     /// The file that holds the calibration instead; `None` if no folder could be written.
     pub rescued: Option<PathBuf>,

@@ -38,7 +38,6 @@ pub struct ChamberLoop<'a> {
     watch: &'a mut dyn Watch,
 }
 
-/// The results of the loop.
 pub struct LoopResult {
     pub procedure: ChamberProcedure,
     pub acquisition: Acquisition,

@@ -214,9 +214,9 @@ fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
     (0..=most_s).for_each(|second| acquisition.mark(second * TICK_NS));
 }
 
-/// The result of a measurement.
+/// A completed measurement.
 pub struct RunResult {
-    /// The results.
+    /// The calibration, and the numbers behind it.
     pub results: ChamberResults,
     /// The failure, if a requested file could not be written.
     pub delivery: Result<(), DeliveryFailure>,
@@ -226,7 +226,7 @@ pub struct RunResult {
 pub struct ChamberResults {
     /// The results in numbers.
     pub report: ChamberReport,
-    /// The calibration.
+    /// The calibration that follows from the measurement.
     pub calibration: Calibration,
     /// The record of all measurements.
     pub record: Record,

@@ -15,7 +15,7 @@ const LARGEST: Bytes = Bytes(64 << 20);
 /// A plan and its text. The text shows whether an interrupted measurement used the same plan.
 #[derive(Debug)]
 pub struct PlanFile {
-    /// The plan.
+    /// The plan, as read from the text.
     pub plan: ChamberPlan,
     /// The text of the file.
     pub text: String,

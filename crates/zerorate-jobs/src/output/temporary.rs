@@ -58,12 +58,10 @@ impl Temporary {
         Ok(Self { file, _listed: listed })
     }
 
-    /// The temporary path.
     pub fn path(&self) -> &Path {
         self.file.path()
     }
 
-    /// The open file.
     pub fn file(&self) -> &File {
         self.file.as_file()
     }
