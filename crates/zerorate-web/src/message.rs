@@ -20,7 +20,7 @@ use ts_rs::TS;
 pub struct Request {
     /// The id of the request, chosen by the page.
     pub id: u32,
-    /// The command.
+    /// The command to carry out.
     #[serde(flatten)]
     pub command: Command,
 }
@@ -63,7 +63,7 @@ pub enum Command {
     },
     /// Restart the statistics: Allan deviation, spectrum, bias over temperature.
     Restart,
-    /// Set the angle to zero.
+    /// Set the integrated angle of each axis to zero.
     ZeroAngle,
     /// Set the speed of a simulated part, as a multiple of real time; 0: as fast as possible.
     Speed {
@@ -78,7 +78,7 @@ pub enum Command {
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CalibrateCommand {
-    /// The method.
+    /// The procedure to run.
     pub method: MethodName,
     /// Duration of steps 4 and 6 of AN-1042, s.
     #[cfg_attr(feature = "types", ts(optional))]
@@ -103,7 +103,7 @@ pub struct CalibrateCommand {
     pub plan: Option<String>,
 }
 
-/// The methods of calibration.
+/// The procedures of calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
@@ -121,7 +121,7 @@ pub enum MethodName {
 pub struct Answer {
     /// The `id` of the request.
     pub id: u32,
-    /// The outcome.
+    /// The reply, or the reason why there is none.
     #[serde(flatten)]
     pub outcome: AnswerOutcome,
 }
@@ -142,9 +142,9 @@ pub enum AnswerOutcome {
 #[serde(untagged)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub enum Reply {
-    /// No content.
+    /// A reply without content.
     Nothing {},
-    /// A file.
+    /// A file for the user to save.
     Download(Download),
     /// The calibration that was stored.
     Calibration(CalibrationEntry),
@@ -180,7 +180,7 @@ pub struct Frame {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub now: Option<Now>,
-    /// The counts of samples.
+    /// The counts of samples that arrived, were lost or have a fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub ledger: Option<SampleCounts>,
@@ -192,7 +192,7 @@ pub struct Frame {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub statistics: Option<Vec<Statistics>>,
-    /// The guided calibration.
+    /// The state of the guided calibration.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub calibration: Option<Calibrating>,
@@ -226,7 +226,7 @@ pub struct Strip {
 pub struct Device {
     /// The address, in the syntax of `zerorate --device`.
     pub name: String,
-    /// The state.
+    /// Opening, reading, ended or failed.
     pub state: DeviceState,
     /// Whether the part's time is simulated, so that its `speed` can be set.
     pub simulated: bool,
@@ -234,7 +234,7 @@ pub struct Device {
     pub speed: f64,
     /// The type of gyroscope.
     pub part: String,
-    /// The axes.
+    /// The axes of the part.
     pub axes: Vec<AxisAbout>,
     /// Length of a bin at each level, s.
     pub bins_s: Vec<f64>,
@@ -285,7 +285,7 @@ pub enum DeviceState {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisAbout {
-    /// The name.
+    /// The name of the axis in its part.
     pub name: String,
     /// Largest rate, °/s.
     pub range_dps: Option<f64>,
@@ -301,11 +301,11 @@ pub struct AxisAbout {
 pub struct Register {
     /// The name in the data sheet.
     pub name: String,
-    /// The address.
+    /// The address in the data sheet.
     pub address: u32,
     /// The bits of the register.
     pub value: u32,
-    /// The width, bits.
+    /// The width of the register in bits.
     pub bits: u32,
     /// The fields of the register.
     pub fields: Vec<Field>,
@@ -317,7 +317,7 @@ pub struct Register {
 pub struct Field {
     /// The name in the data sheet.
     pub name: String,
-    /// The value.
+    /// The bits of the field as a number.
     pub value: u32,
     /// The meaning of the value in plain words.
     pub meaning: String,
@@ -325,7 +325,7 @@ pub struct Field {
     pub wrong: bool,
 }
 
-/// A check of the connection.
+/// The outcome of one check of the connection.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CheckResult {

@@ -88,7 +88,7 @@ pub enum LogInspection {
     },
 }
 
-/// The content of a log.
+/// The facts about a log that was opened.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogAbout {
@@ -109,7 +109,7 @@ pub struct LogAbout {
     pub warnings: Vec<String>,
 }
 
-/// A column of a log.
+/// A column that will be analysed.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogColumn {
@@ -138,7 +138,7 @@ pub struct LogAxis {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogTerm {
-    /// The name of the term.
+    /// The name of the coefficient or other term.
     pub name: String,
     /// The same value with its 95 % interval in each unit, or several values.
     pub values: Vec<String>,
@@ -178,13 +178,13 @@ pub struct LogBias {
     pub why_not: Option<String>,
 }
 
-/// A plot.
+/// A plot as a file.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogPicture {
     /// The file name: `gyroscope-allan.svg`.
     pub name: String,
-    /// The title.
+    /// The title above the plot.
     pub title: String,
     /// The plot as SVG.
     pub svg: String,

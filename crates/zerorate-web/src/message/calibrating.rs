@@ -10,7 +10,7 @@ use ts_rs::TS;
 #[serde(tag = "is", rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
 pub enum Calibrating {
-    /// No calibration.
+    /// No calibration was started, or its result was dismissed.
     Idle,
     /// A calibration is running.
     Running(Running),
@@ -27,7 +27,7 @@ pub enum Calibrating {
     Aborted {
         /// The method of the calibration.
         method: MethodName,
-        /// The reason.
+        /// The reason why it ended.
         text: String,
     },
 }
@@ -36,7 +36,7 @@ pub enum Calibrating {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Running {
-    /// The method.
+    /// The procedure that runs.
     pub method: MethodName,
     /// All steps in order.
     pub steps: Vec<Step>,
@@ -75,7 +75,7 @@ pub struct Forecast {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Step {
-    /// The name.
+    /// The name that the page shows.
     pub name: String,
     /// Start of the step, s.
     pub from_s: f64,
@@ -87,7 +87,7 @@ pub struct Step {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CalibrationResult {
-    /// The method.
+    /// The procedure that was run.
     pub method: MethodName,
     /// The calibration as stored.
     pub entry: CalibrationEntry,

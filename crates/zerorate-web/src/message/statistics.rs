@@ -10,7 +10,7 @@ use ts_rs::TS;
 pub struct Statistics {
     /// Length of the record, s.
     pub duration_s: f64,
-    /// Allan deviation.
+    /// The points of the Allan deviation, by averaging time.
     pub allan: Vec<AllanPoint>,
     /// The noise coefficients; empty before there are enough samples.
     pub coefficients: Vec<Coefficient>,
@@ -54,7 +54,7 @@ pub struct Coefficient {
     pub lo: f64,
     /// Upper end of its 95 % interval.
     pub hi: f64,
-    /// Unit of the value.
+    /// Unit of the value and its interval.
     pub unit: String,
     /// Whether the value differs significantly from zero.
     pub identified: bool,

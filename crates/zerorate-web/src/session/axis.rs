@@ -236,7 +236,6 @@ impl Angle {
         }
     }
 
-    /// Sets the angle to zero.
     pub fn zero(&mut self) {
         (self.deg, self.over_s) = (0.0, 0.0);
     }

@@ -61,7 +61,6 @@ impl Session {
         }
     }
 
-    /// Restarts the statistics.
     pub(super) fn restart_statistics(&mut self) {
         self.statistics = self.live_view.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect();
         self.changed.statistics = true;

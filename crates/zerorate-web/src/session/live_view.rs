@@ -162,13 +162,11 @@ impl LiveView {
         }
     }
 
-    /// Sets the state of the device.
     pub fn state(&mut self, state: DeviceState) {
         self.state = state;
         self.changed.device = true;
     }
 
-    /// Adds a notice.
     pub fn note(&mut self, text: &NoticeText) {
         self.notices.push(text, self.now_s());
         self.changed.notices = true;

@@ -39,10 +39,8 @@ trait GuidedMethod: std::fmt::Debug + Send {
     /// Does periodic work that takes too long to be done with each reading.
     fn look(&mut self) {}
 
-    /// The progress.
     fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage;
 
-    /// Computes the result.
     fn finish(self: Box<Self>, source: &Measurement<'_>, origin: Origin) -> Result<GuidedResult, String>;
 }
 
@@ -58,14 +56,12 @@ struct Stage {
     is_enough: bool,
 }
 
-/// The result of a procedure.
 struct GuidedResult {
     calibration: Calibration,
     axes: Vec<GuidedAxis>,
     warnings: Vec<NoticeText>,
 }
 
-/// The result of one axis.
 struct GuidedAxis {
     correction: Correction,
     u_pbc_dps: f64,
