@@ -149,7 +149,7 @@ impl Axes {
         absent.into_iter().map(move |kind| ImuWarning::KindAbsent(kind, chosen_by))
     }
 
-    /// Whether any column of a log is an axis by its name or unit alone.
+    /// True if any column of a log is an axis by its name or unit alone.
     #[must_use]
     pub fn are_among(columns: &[Column]) -> bool {
         columns.iter().any(|column| Kind::is_axis(&column.name, false) && Kind::of_column(column).is_some())
@@ -231,7 +231,7 @@ impl Axes {
     }
 }
 
-/// Whether a column is a temperature, by its unit or its name: `temp_c`, `imu_temp`, `Temperature`, `T`.
+/// True if a column is a temperature, by its unit or its name: `temp_c`, `imu_temp`, `Temperature`, `T`.
 fn is_temperature(column: &Column) -> bool {
     let name = column.name.rsplit('.').next().unwrap_or_default().to_lowercase();
     let is_word =
@@ -375,7 +375,7 @@ impl ImuOptions {
         }
     }
 
-    /// Whether a column that is not listed may be an axis of this kind. If the user listed columns of the other
+    /// True if a column that is not listed may be an axis of this kind. If the user listed columns of the other
     /// kind, it may only if its unit is known.
     fn may_be(&self, kind: Kind, column: &Column) -> bool {
         let KindOptions { columns, unit, scale, .. } = self.said(kind);

@@ -45,7 +45,7 @@ pub(super) fn numbers(column: &Column) -> Vec<f64> {
     }
 }
 
-/// Whether all samples of a column are whole numbers, as codes are.
+/// True if all samples of a column are whole numbers, as codes are.
 pub(super) fn are_whole(column: &Column) -> bool {
     matches!(column.series, Series::Codes(_)) || numbers(column).iter().all(|number| number.fract() == 0.0)
 }

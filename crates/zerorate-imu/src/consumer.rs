@@ -44,7 +44,7 @@ impl Format {
         }
     }
 
-    /// Whether the format has a number for each of three axes.
+    /// True if the format has a number for each of three axes.
     #[must_use]
     pub const fn is_by_axis(self) -> bool {
         matches!(self, Self::KfGins | Self::Ros)

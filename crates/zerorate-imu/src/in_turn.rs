@@ -44,7 +44,7 @@ pub(super) fn doubt(axes: &[Column]) -> Option<String> {
     axes.iter().find_map(of_axis)
 }
 
-/// Whether samples differ by their place in each group of `several`: in the mean deviation from the mean of the
+/// True if samples differ by their place in each group of `several`: in the mean deviation from the mean of the
 /// group, or in the steps between samples at the same place of adjacent groups.
 fn differ_in_turn(samples: &[f64], several: usize) -> bool {
     let groups = || samples.chunks_exact(several);

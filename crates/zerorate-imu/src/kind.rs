@@ -60,7 +60,7 @@ impl Kind {
         Quantity::of_column(name).map_or_else(|| Self::named(name), |(quantity, _)| Self::of(quantity))
     }
 
-    /// Whether a column may be an axis by its name. Set points, biases, norms, motor speeds, and accelerations without
+    /// True if a column may be an axis by its name. Set points, biases, norms, motor speeds, and accelerations without
     /// gravity (`FreeAccX` of Movella, `userAcceleration.x` of phones) are not axes. Columns of wheels and motors are
     /// axes unless `others` are surely axes.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
@@ -90,7 +90,7 @@ impl Kind {
         !(is_beside || others && is_doubtful())
     }
 
-    /// Whether a name states another quantity than those of an IMU, such as a temperature or a velocity.
+    /// True if a name states another quantity than those of an IMU, such as a temperature or a velocity.
     pub(super) fn is_of_others(name: &str) -> bool {
         let name = name.to_lowercase();
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));

@@ -101,7 +101,7 @@ fn small_gravity(axes: &[Column]) -> Option<String> {
     })
 }
 
-/// Whether these means of three axes are gravity in m/s².
+/// True if these means of three axes are gravity in m/s².
 pub(super) fn is_gravity(means_m_s2: impl Iterator<Item = f64>) -> bool {
     let m_s2 = means_m_s2.map(|mean| mean * mean).sum::<f64>().sqrt();
     (m_s2 / GRAVITY_M_S2 - 1.0).abs() < WITHIN
@@ -123,12 +123,12 @@ fn mean(axis: &Column, has_sign: bool) -> Option<f64> {
     Some(axis.scale * axis.facts().mean()).filter(|mean| is_known && mean.is_finite())
 }
 
-/// Whether codes are signed: some are below zero.
+/// True if codes are signed: some are below zero.
 fn has_sign(axis: &Column) -> bool {
     matches!(&axis.series, Series::Codes(codes) if codes.iter().any(|code| *code < 0))
 }
 
-/// Whether all samples are multiples of a step that no sensor has, as codes without their scale are.
+/// True if all samples are multiples of a step that no sensor has, as codes without their scale are.
 fn is_whole(axis: &Column) -> bool {
     let step = match axis.quantity {
         Some(Quantity::AngularRate) => WHOLE_DPS,

@@ -67,19 +67,19 @@ impl PlotData {
 /// The form of the column, and the results that are requested.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisOptions {
-    /// Whether the column holds a phase, the integral of a rate.
+    /// True if the column holds a phase, the integral of a rate.
     pub is_phase: bool,
-    /// Whether gaps are closed up.
+    /// True if gaps are closed, as if no time had passed in them.
     pub closes_gaps: bool,
     /// The options of the deviations, in the unit of the column.
     pub deviations: Options,
-    /// Whether plots have more averaging times than `deviations` requests.
+    /// True if plots have more averaging times than `deviations` requests.
     pub draws_finely: bool,
     /// The options of the fit; `None` for no fit.
     pub fit: Option<FitOptions>,
-    /// Whether the record itself is plotted, and its spectrum.
+    /// True if the record over time and its spectrum are plotted.
     pub draws: bool,
-    /// Whether the rate is kept for a model of several records.
+    /// True if the rate is kept for a model of several records.
     pub keeps_rate: bool,
     /// The preparation: the removal of the dependence on temperature.
     pub detrending: Detrending,
@@ -229,7 +229,7 @@ impl Record {
         label(&self.file, &self.column)
     }
 
-    /// Whether the column is of the ADIS16130, the sensor of AN-1042, by the column names of its captures.
+    /// True if the column is of the ADIS16130, the sensor of AN-1042, by the column names of its captures.
     pub fn is_of_adis16130(&self) -> bool {
         matches!(self.column.as_str(), "rate_code" | "rate_corrected_dps")
     }
@@ -340,7 +340,7 @@ impl Record {
         inside.then_some((least.tau_s, least.dev))
     }
 
-    /// Whether the rate follows the temperature.
+    /// True if the rate follows the temperature.
     fn follows_temperature(&self) -> bool {
         self.of_noise().any(|warning| matches!(warning, AllanWarning::FollowsTemperature { .. }))
     }
@@ -359,7 +359,7 @@ fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<L
     Some(LogWarning::Gaps { path, missing, among, are_closed })
 }
 
-/// Whether so many samples stand out of the noise that they are not glitches: the sensor may move.
+/// True if so many samples stand out of the noise that they are not glitches: the sensor may move.
 fn stands_out(fit: &Fit) -> bool {
     fit.warnings.iter().any(|warning| matches!(warning, AllanWarning::ManyGlitches { .. }))
 }

@@ -19,7 +19,7 @@ impl Rejection {
         fit.is_rejected.then_some(Self::Rejected(fit.model_error))
     }
 
-    /// Whether another rejection has the same reason, even with another number.
+    /// True if another rejection has the same reason, even with another number.
     fn is_as(&self, other: &Self) -> bool {
         self == other || matches!((self, other), (Self::Rejected(_), Self::Rejected(_)))
     }
@@ -75,7 +75,7 @@ impl Rejections {
         self.each().next().map(Rejection::code)
     }
 
-    /// Whether a file with the numbers may be written. With `accept_rejected`, only a missing model forbids it.
+    /// True if a file with the numbers may be written. With `accept_rejected`, only a missing model forbids it.
     #[must_use]
     pub fn allow(&self, accept_rejected: bool) -> bool {
         self.each().all(|doubt| accept_rejected && matches!(doubt, Rejection::Rejected(_)))

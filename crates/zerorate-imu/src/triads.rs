@@ -53,7 +53,7 @@ const WORDS: [&str; 24] = [
 /// Parts of units in names, which may differ between axes.
 const UNITS: [&str; 14] = ["dps", "mdps", "rad", "mrad", "urad", "deg", "s", "min", "h", "m", "g", "mg", "ug", "s2"];
 
-/// Whether names may be axes of one sensor: they differ in the axis alone.
+/// True if names may be axes of one sensor: they differ in the axis alone.
 pub fn are_one_sensor(names: &[&str]) -> bool {
     let Some((first, others)) = names.split_first() else { return true };
     others.iter().all(|other| differ_in_axis(first, other))

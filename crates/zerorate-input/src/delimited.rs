@@ -28,7 +28,7 @@ pub struct Line<'a> {
     pub number: u64,
     /// Text without the line feed and without blanks around.
     pub text: &'a str,
-    /// Whether a line feed ended it.
+    /// True if a line feed ends the line.
     pub ended: bool,
 }
 
@@ -97,7 +97,7 @@ impl Lines {
     }
 }
 
-/// Whether a text looks like a table: one of its first 100 lines has several cells, at least one of them a number.
+/// True if a text looks like a table: one of its first 100 lines has several cells, at least one of them a number.
 pub fn is_table(text: &str) -> bool {
     let has_numbers = |line: &str| {
         let delimiter = Delimiter::detect(line);

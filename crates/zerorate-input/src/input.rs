@@ -91,17 +91,17 @@ impl Input {
         Self::of(Kind::Nameless(file))
     }
 
-    /// Whether the bytes are in a file. If so, they are unpacked into another file instead of memory.
+    /// True if the bytes are in a file. If so, they are unpacked into another file instead of memory.
     pub fn is_file(&self) -> bool {
         matches!(self.kind, Kind::File(_) | Kind::Nameless(_))
     }
 
-    /// Whether the file can be opened again by name.
+    /// True if the file can be opened again by name.
     pub fn has_name(&self) -> bool {
         matches!(self.kind, Kind::File(_))
     }
 
-    /// Whether the file is a directory, which can be opened but not read.
+    /// True if the file is a directory, which can be opened but not read.
     pub fn is_directory(&self) -> io::Result<bool> {
         match &self.kind {
             Kind::File(file) => Ok(file.metadata()?.is_dir()),

@@ -31,7 +31,7 @@ pub enum Message {
     Whole(MessageBytes),
     /// The end-of-stream marker, or zeros that a file system allocated and that were never filled.
     EndOfStream {
-        /// Whether it is the marker.
+        /// True for the marker, false for zeros.
         marked: bool,
     },
     /// The end of the file before the end of the stream.

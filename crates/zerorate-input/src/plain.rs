@@ -14,7 +14,7 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     escaped(text, |character| character != '\n' && acts(character))
 }
 
-/// Whether a character is a control character, a line separator or a mark of direction.
+/// True if a character is a control character, a line separator or a mark of direction.
 fn acts(character: char) -> bool {
     let is_mark = matches!(character, '\u{200E}' | '\u{200F}' | '\u{061C}');
     let is_separator_or_embedding = matches!(character, '\u{2028}'..='\u{202E}' | '\u{2066}'..='\u{2069}');

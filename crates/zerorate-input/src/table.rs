@@ -8,7 +8,7 @@ use std::path::Path;
 /// The start of the metadata keys of a table that describes itself.
 pub const DESCRIPTION: &str = "zerorate.";
 
-/// Whether the metadata of a table describe the meaning of its columns.
+/// True if the metadata of a table describe the meaning of its columns.
 pub fn describes_itself(schema: &Schema) -> bool {
     schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION))
 }
@@ -33,9 +33,9 @@ pub struct Stated {
     pub check: Option<String>,
     /// The statement at the end, once all batches were read.
     pub end: Option<String>,
-    /// Whether no batch follows.
+    /// True if no batch follows.
     pub ended: bool,
-    /// Whether the file ended before its content did.
+    /// True if the file ended before its content did.
     pub torn: bool,
     /// A warning about the end of the file, known after the last batch.
     pub warning: Option<InputWarning>,
@@ -64,7 +64,7 @@ pub trait BatchSource {
     /// Reads the next batch; `None` at the end. It is not called again after the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
-    /// Whether common software keeps the description but drops the checks of the rows when it rewrites such a file.
+    /// True if common software keeps the description but drops the checks of the rows when it rewrites such a file.
     fn may_be_stripped(&self) -> bool {
         true
     }

@@ -331,7 +331,7 @@ impl TimeUnit {
     }
 }
 
-/// Whether the name of a column states °C: in brackets or after an underscore.
+/// True if the name of a column states °C: in brackets or after an underscore.
 pub fn is_celsius(name: &str) -> bool {
     let lower = name.to_lowercase();
     match bracketed(&lower) {
@@ -348,7 +348,7 @@ fn bracketed(name: &str) -> Option<&str> {
     })
 }
 
-/// Whether `name` ends with `ending` as a separate word.
+/// True if `name` ends with `ending` as a separate word.
 fn has_ending(name: &str, ending: &str) -> bool {
     name.strip_suffix(ending).is_some_and(|rest| rest.ends_with(['_', '.', ' ', '-', '/']))
 }

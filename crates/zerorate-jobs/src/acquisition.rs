@@ -65,7 +65,7 @@ impl Acquisition {
         })
     }
 
-    /// Whether a recording is read. A recording has no bus to test.
+    /// True if a recording is read. A recording has no bus to test.
     pub fn is_recording(&self) -> bool {
         self.is_recording
     }
@@ -252,18 +252,18 @@ impl Acquisition {
         resonance::warning(&first.axis, rate_hz, edges, average_s)
     }
 
-    /// Whether to show progress at this sample: every 4096th, which is 1.4 times a second of the part's time.
+    /// True for every 4096th sample, 1.4 times a second for an ADIS16130. Progress is then shown.
     #[inline]
     pub fn is_time_to_show(&self) -> bool {
         self.tally.samples.is_multiple_of(4096)
     }
 
-    /// Whether reading was asked to stop.
+    /// True if reading was asked to stop.
     pub fn is_stopped(&self) -> bool {
         self.hub.stop().asked()
     }
 
-    /// Whether the samples come at the speed of the wall clock.
+    /// True if the samples come at the speed of the wall clock.
     pub fn is_paced(&self) -> bool {
         self.pace == Pace::RealTime || self.facts().is_real
     }

@@ -151,7 +151,7 @@ fn others(kind: Kind, scale: FullScale) -> Vec<&'static str> {
     catalogue::FILES.iter().filter(|(_, text)| has(text)).map(|(name, _)| *name).collect()
 }
 
-/// Whether a scale warning concerns these axes. Three accelerometers need none: gravity verifies their scale.
+/// True if a scale warning concerns these axes. Three accelerometers need none: gravity verifies their scale.
 #[must_use]
 pub fn concerns(kind: Kind, axes: &[Column]) -> bool {
     let count = axes.iter().filter(|axis| axis.quantity == Some(kind.quantity())).count();

@@ -24,7 +24,7 @@ pub struct Outlier {
     pub record: String,
     /// The difference to the common model, in words.
     pub why: String,
-    /// Whether the record is excluded from the common model.
+    /// True if the record is excluded from the common model.
     #[serde(rename = "left_out")]
     pub is_left_out: bool,
 }

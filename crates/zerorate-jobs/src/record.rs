@@ -88,7 +88,7 @@ pub struct RecordReport {
     pub rdy_hz: f64,
     /// From the first sample to the last, s.
     pub duration_s: f64,
-    /// Whether the recording was stopped before its requested length.
+    /// True if the recording was stopped before its requested length.
     pub interrupted: bool,
     /// Number of readings that the part cannot produce: bit errors.
     pub impossible_readings: u64,
@@ -98,7 +98,7 @@ pub struct RecordReport {
     pub out_of_range: u64,
     /// Number of readings that are too far apart in time to be checked.
     pub unjudged: u64,
-    /// Whether the readings were frozen at the end: the part had stopped measuring.
+    /// True if the readings were frozen at the end: the part had stopped measuring.
     pub frozen: bool,
     /// The warnings about the samples.
     pub warnings: Vec<CodedWarning>,

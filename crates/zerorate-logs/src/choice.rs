@@ -36,7 +36,7 @@ pub struct ColumnSpec {
     pub what: String,
     /// The name of the column.
     pub name: String,
-    /// Whether the name must match to the letter, except for a unit in brackets that the file does not have. If not,
+    /// True if the name must match to the letter, except for a unit in brackets that the file does not have. If not,
     /// `_code` or a unit may follow, as in `x_dps` or `x [rad/s]`.
     pub is_exact: bool,
 }
@@ -49,7 +49,7 @@ impl ColumnSpec {
         (Quantity::of_column(&self.name).is_some() && !name.is_empty()).then_some(name)
     }
 
-    /// Whether `column` is the described name followed by `_code` or a unit.
+    /// True if `column` is the described name followed by `_code` or a unit.
     fn fits(&self, column: &str) -> bool {
         let rest = column.strip_prefix(&self.name).filter(|_| !self.is_exact);
         let states_unit = Unit::of_column(column).is_some() || is_celsius(column);
@@ -63,9 +63,9 @@ pub struct Columns<'a> {
     pub path: &'a Path,
     /// The names of the columns, or their numbers.
     pub names: Vec<&'a str>,
-    /// Whether each column holds numbers.
+    /// True for each column that holds numbers.
     pub numeric: Vec<bool>,
-    /// Whether each column holds times by its content or its type; empty if none does.
+    /// True for each column that holds times by its content or its type; empty if none does.
     pub clocks: Vec<bool>,
     /// The names of the options in messages.
     pub settings: Names,
@@ -340,7 +340,7 @@ impl Columns<'_> {
     }
 }
 
-/// Whether the name of a column is only its number.
+/// True if the name of a column is only its number.
 fn is_number(name: &str, number: usize) -> bool {
     name.parse() == Ok(number)
 }

@@ -309,7 +309,7 @@ impl Times {
     }
 }
 
-/// Whether gaps of one sample come as evenly as the longer steps of a clock that counts in steps a little shorter than
+/// True if gaps of one sample come as evenly as the longer steps of a clock that counts in steps a little shorter than
 /// the interval. Losses that come by chance differ by several from block to block.
 fn is_even(gaps: &[Gap], rows: usize) -> bool {
     let singles: Vec<usize> = gaps.iter().filter(|gap| gap.missing == 1).map(|gap| gap.at).collect();

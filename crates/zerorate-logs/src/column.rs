@@ -88,7 +88,7 @@ impl Column {
         self.facts = None;
     }
 
-    /// Whether the column is 0 in every row that has a value.
+    /// True if the column is 0 in every row that has a value.
     pub fn is_blank(&self) -> bool {
         match &self.series {
             Series::Codes(codes) => codes.iter().all(|code| *code == 0),

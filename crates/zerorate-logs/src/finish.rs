@@ -57,7 +57,7 @@ impl Clock {
         Some(times.first() / self.unit(args)?.per_s())
     }
 
-    /// Whether only the name of the column suggests that it holds the time.
+    /// True if only the name of the column suggests that it holds the time.
     pub fn is_guess(&self, args: &ColumnOptions) -> bool {
         args.time_column.is_none() && self.unit(args).is_none()
     }

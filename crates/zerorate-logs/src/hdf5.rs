@@ -151,7 +151,7 @@ fn push_time(times: &mut Times, row: u64, cell: Number) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether MATLAB wrote the file, with its own head before the head of HDF5.
+/// True if MATLAB wrote the file, with its own head before the head of HDF5.
 fn starts_as_matlab(input: &Input) -> bool {
     input.bytes_at(0, 6).is_ok_and(|start| &start[..] == b"MATLAB")
 }
@@ -251,7 +251,7 @@ fn matlab_class(set: &Dataset) -> Option<String> {
     Some(class.trim_end_matches('\0').to_owned())
 }
 
-/// Whether a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, and marks them as such.
+/// True if a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, and marks them as such.
 fn is_of_numbers(set: &Dataset) -> bool {
     matlab_class(set).is_none_or(|class| class != "char") && set.attribute("MATLAB_empty").is_err()
 }

@@ -275,7 +275,7 @@ pub struct Collector<'a> {
     times: Times,
     /// The times at which the bag recorded the messages.
     recorded: Times,
-    /// Whether a rate was given. The stamps are then only compared with it.
+    /// True if a rate was given. The stamps are then only compared with it.
     has_rate: bool,
 }
 

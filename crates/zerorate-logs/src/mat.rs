@@ -109,7 +109,7 @@ fn damaged(path: &Path, before: usize, what: &str) -> InputError {
     InputError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
 }
 
-/// Whether numbers are big endian, as the header of the file states.
+/// True if numbers are big endian, as the header of the file states.
 fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_input::Input>) -> Result<bool, InputError> {
     let mut head = [0; HEAD];
     let damaged = |what: &str| InputError::damaged(path, "as a MATLAB file", what);

@@ -72,12 +72,12 @@ impl Presence {
         Self { name: column.name.clone(), rows }
     }
 
-    /// Whether this column belongs to another sensor than the other.
+    /// True if the two columns belong to different sensors.
     fn is_apart(&self, other: &Self) -> bool {
         self.alternates(other) || self.is_thinner(other) || other.is_thinner(self)
     }
 
-    /// Whether this column has a cell in every second row of the other, or in every third and so on.
+    /// True if this column has a cell in every second row of `other`, or in every third and so on.
     fn is_thinner(&self, other: &Self) -> bool {
         let there = |of: &Self| (0..of.rows.len()).filter(|row| of.rows[*row]).collect::<Vec<usize>>();
         let (own, others) = (there(self), there(other));
@@ -89,7 +89,7 @@ impl Presence {
         is_even && own.len() * 3 <= others.len() * 2
     }
 
-    /// Whether nearly all cells of the two columns are in rows in which the other column has none.
+    /// True if nearly all cells of the two columns are in rows in which the other column has none.
     fn alternates(&self, other: &Self) -> bool {
         let pairs = || self.rows.iter().zip(&other.rows);
         let one_alone = pairs().filter(|(one, other)| **one && !**other).count();

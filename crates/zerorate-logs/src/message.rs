@@ -19,12 +19,12 @@ impl Encoding {
     }
 }
 
-/// Whether a message type is `sensor_msgs/Imu`.
+/// True if a message type is `sensor_msgs/Imu`.
 pub fn is_imu(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
 }
 
-/// Whether a message type is `sensor_msgs/Temperature`.
+/// True if a message type is `sensor_msgs/Temperature`.
 pub fn is_temperature(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Temperature" | "sensor_msgs/Temperature")
 }
@@ -65,7 +65,7 @@ impl<'a> Body<'a> {
         if self.encoding == Encoding::Cdr { at.next_multiple_of(size) } else { at }
     }
 
-    /// Whether an offset is in the body, or at its end.
+    /// True if an offset is in the body, or at its end.
     pub fn holds(&self, at: usize) -> bool {
         at <= self.bytes.len()
     }

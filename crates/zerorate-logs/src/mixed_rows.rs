@@ -175,12 +175,12 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps })
 }
 
-/// Whether a name has one of these words.
+/// True if a name has one of these words.
 fn is_known(name: &str, known: &[&str]) -> bool {
     words(name).iter().any(|word| known.contains(&word.as_str()))
 }
 
-/// Whether the name of a column, or words as values, suggest that it tells sensors apart.
+/// True if the name of a column, or words as values, suggest that it tells sensors apart.
 fn is_id(name: &str, labels: &Labels<'_>) -> bool {
     labels.are_words() || is_known(name, &IDS) || words(name).iter().any(|word| word.ends_with("id"))
 }
@@ -301,7 +301,7 @@ impl<'a> Labels<'a> {
         (at.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect(), interrupted)
     }
 
-    /// Whether the rows of each value come in even steps of these times.
+    /// True if the rows of each value come in even steps of these times.
     fn are_even(&self, times: &[f64]) -> bool {
         (0..self.values.len()).all(|value| {
             let (steps, interrupted) = self.steps(value, times);
@@ -312,7 +312,7 @@ impl<'a> Labels<'a> {
         })
     }
 
-    /// Whether each stamp has one row of every value, as if several sensors were read at once.
+    /// True if each stamp has one row of every value, as if several sensors were read at once.
     fn share_stamps(&self, times: &[f64]) -> bool {
         let repeated = times.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64;
         let expected = 1.0 - 1.0 / self.values.len() as f64;
@@ -324,7 +324,7 @@ impl<'a> Labels<'a> {
                 .all(|(pair, values)| pair[0] != pair[1] || values[0] != values[1])
     }
 
-    /// Whether the level or the noise of these readings differs from value to value.
+    /// True if the level or the noise of these readings differs from value to value.
     fn differ(&self, cells: &[Cell]) -> bool {
         let of_value = |value: usize| {
             let rows = cells.iter().zip(&self.rows).filter(|(_, row)| **row == Some(value));

@@ -39,7 +39,7 @@ pub struct Array {
     /// Offset of the data in the file, and offset behind the data.
     start: u64,
     end: u64,
-    /// Whether the array is a single number that is called a sample rate.
+    /// True if the array is a single number that is called a sample rate.
     is_rate: bool,
 }
 
@@ -247,7 +247,7 @@ impl Field {
         Self { name, ..self }
     }
 
-    /// Whether the column holds f64 in the byte order of nearly all machines.
+    /// True if the column holds f64 in the byte order of nearly all machines.
     fn is_plain(&self) -> bool {
         self.kind == Some(Kind::Float) && self.size == 8 && !self.big_endian
     }

@@ -24,7 +24,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// Whether the cell holds a number.
+    /// True if the cell holds a number.
     pub fn is_there(self) -> bool {
         self != Self::Missing
     }
@@ -201,7 +201,7 @@ fn of_fortran(cell: &str) -> Option<f64> {
     is_one.then(|| cell.replacen(['d', 'D'], "e", 1).parse().ok())?
 }
 
-/// Whether a comma may separate thousands. It may in 1,234, but not in 0,123, 1,5 or 1,234e5.
+/// True if a comma may separate thousands. It may in 1,234, but not in 0,123, 1,5 or 1,234e5.
 fn could_be_thousands(cell: &str) -> bool {
     let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
     cell.trim_start_matches(['+', '-']).split_once(',').is_some_and(|(before, after)| {

@@ -44,7 +44,7 @@ pub struct ColumnOptions {
     /// log states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a capture.
     pub scale: Option<f64>,
 
-    /// Whether the values are increments, an angle or a velocity for each sample, in place of rates. `None` reads them
+    /// True if the values are increments, an angle or a velocity for each sample, in place of rates. `None` reads them
     /// as rates, and asks if the names of columns or the size of gravity tell otherwise. The `unit` of increments is
     /// given per second: rad/s for rad.
     pub increments: Option<bool>,

@@ -7,7 +7,7 @@ use crate::options::ColumnOptions;
 pub struct ColumnQuery<'a> {
     pub wanted: ColumnSelection<'a>,
     pub args: &'a ColumnOptions,
-    /// Whether the temperature of a capture is to be read in the same pass. It comes last.
+    /// True if the temperature of a capture is to be read in the same pass. It comes last.
     pub with_temperature: bool,
 }
 

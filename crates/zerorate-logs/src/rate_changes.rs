@@ -64,7 +64,7 @@ mod tests {
     use crate::column_checks::clipped::tests::noise;
     use crate::setting::Names;
 
-    /// Whether a log with these times is refused, or reported with a change of rate.
+    /// True if a log with these times is refused, or reported with a change of rate.
     fn said(times: &[f64]) -> bool {
         let mut clock = Times::new();
         clock.replace(times.to_vec());

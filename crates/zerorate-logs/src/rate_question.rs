@@ -92,7 +92,7 @@ fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
     Some(format!("give {rate} in Hz, which is {rate_hz:.6} if `{name}` holds the step between rows in {unit}"))
 }
 
-/// Whether a name states a unit or a scale of time that is not known, so that no unit can be proposed.
+/// True if a name states a unit or a scale of time that is not known, so that no unit can be proposed.
 fn has_other_unit(name: &str) -> bool {
     let words = ["min", "mins", "minutes", "h", "hours", "days", "ticks", "tick", "cycles", "khz", "mhz", "hz", "ps"];
     !states_time(name) && name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| words.contains(&word))

@@ -42,7 +42,7 @@ pub struct RawColumn {
     /// The size of a step of 1 in the unit of the log, as the log states it.
     pub step: f64,
     pub warnings: Vec<LogWarning>,
-    /// Whether this is an unrequested temperature beside requested columns.
+    /// True if this is an unrequested temperature beside requested columns.
     pub is_beside: bool,
 }
 

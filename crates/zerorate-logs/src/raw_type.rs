@@ -14,7 +14,7 @@ pub struct RawType {
     pub channels: usize,
     /// The type that all numbers in the file have.
     pub number: RawNumber,
-    /// Whether the first byte of a number is the highest.
+    /// True if the first byte of a number is the highest.
     pub is_big_endian: bool,
 }
 
@@ -43,7 +43,7 @@ impl RawNumber {
         }
     }
 
-    /// Whether the numbers are integers.
+    /// True if the numbers are integers.
     pub fn is_integer(self) -> bool {
         matches!(self, Self::I16 | Self::I32)
     }

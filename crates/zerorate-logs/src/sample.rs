@@ -46,7 +46,7 @@ impl Cell {
         if let Self::Word(word) = self { Some(word) } else { None }
     }
 
-    /// Whether the cell has the value that a user wrote: the same word, or the same number.
+    /// True if the cell has the value that a user wrote: the same word, or the same number.
     pub fn is(&self, value: &str) -> bool {
         match self {
             Self::Number(number) => value.parse() == Ok(*number),
@@ -119,7 +119,7 @@ pub fn cells(column: &ArrayRef) -> Vec<Cell> {
     (0..column.len()).map(|row| word(row).unwrap_or(Cell::Missing)).collect()
 }
 
-/// Whether a type is that of moments, and not of durations.
+/// True if a type is that of moments, and not of durations.
 pub fn is_time(data_type: &DataType) -> bool {
     matches!(data_type, DataType::Timestamp(..))
 }

@@ -29,7 +29,7 @@ impl Series {
         }
     }
 
-    /// Whether the series has no sample.
+    /// True if the series has no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -179,7 +179,7 @@ impl SeriesBuilder {
         Ok((self.series, gaps))
     }
 
-    /// Whether all numbers are codes so far.
+    /// True if all numbers are codes so far.
     pub fn are_codes(&self) -> bool {
         matches!(self.series, Series::Codes(_))
     }

@@ -20,7 +20,7 @@ const WORDS: [&str; 9] = [
     "odr",
 ];
 
-/// Whether a name is that of a sample rate, apart from the structure or the group that holds it.
+/// True if a name is that of a sample rate, apart from the structure or the group that holds it.
 pub fn is_rate(name: &str) -> bool {
     let own = name.rsplit(['.', '/', '@']).next().unwrap_or_default().to_lowercase();
     let word: String = own.chars().filter(|c| c.is_alphanumeric()).collect();

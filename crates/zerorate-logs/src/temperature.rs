@@ -26,7 +26,7 @@ pub fn temperature(
     }
 }
 
-/// Whether a file mentions a temperature near its beginning or its end, so that a second look is worth it.
+/// True if a file mentions a temperature near its beginning or its end, so that a second look is worth it.
 fn speaks_of_temperature(mut input: Input) -> bool {
     let mut ends = || -> std::io::Result<Vec<u8>> {
         let (mut bytes, len) = (Vec::new(), input.length()?);

@@ -2,13 +2,13 @@
 
 use zerorate_input::TimeUnit;
 
-/// Whether a column may hold the time, by its name.
+/// True if a column may hold the time, by its name.
 pub fn is_like_time(name: &str) -> bool {
     let name = name.to_lowercase();
     name == "t" || name.contains("time") || name.contains("stamp")
 }
 
-/// Whether the name of a column means the time and nothing else: `field.header.stamp`, but not `runtime`.
+/// True if the name of a column means the time and nothing else: `field.header.stamp`, but not `runtime`.
 pub fn is_named_time(name: &str) -> bool {
     let words = [
         "t",
@@ -33,7 +33,7 @@ pub fn is_named_time(name: &str) -> bool {
     is_like_time(&name) && parts.all(|part| words.contains(&part))
 }
 
-/// Whether a name that states a unit of time is this unit alone, such as `ms`. The column may then be a part of
+/// True if a name that states a unit of time is this unit alone, such as `ms`. The column may then be a part of
 /// another time.
 pub fn is_bare_unit(name: &str) -> bool {
     name.chars().all(char::is_alphanumeric) && !name.to_lowercase().contains("time")
@@ -42,12 +42,12 @@ pub fn is_bare_unit(name: &str) -> bool {
 /// The time of Xsens's sensors, whose unit depends on the sensor.
 pub const SAMPLE_TIME_FINE: &str = "SampleTimeFine";
 
-/// Whether the name of a column states that it is a time in a known unit.
+/// True if the name of a column states that it is a time in a known unit.
 pub fn states_time(name: &str) -> bool {
     !is_duration(name) && is_in_time_unit(name)
 }
 
-/// Whether a column holds a duration, and not the time of its row: `latency_us`.
+/// True if a column holds a duration, and not the time of its row: `latency_us`.
 fn is_duration(name: &str) -> bool {
     let words =
         ["latency", "exposure", "age", "period", "loop", "cpu", "delay", "duration", "jitter", "timeout", "lag"];
@@ -81,14 +81,14 @@ pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     Some((unit, step))
 }
 
-/// Whether a column may hold the time since the row before: `dt_ms`.
+/// True if a column may hold the time since the row before: `dt_ms`.
 pub fn is_step(name: &str) -> bool {
     let name = name.to_lowercase();
     let stem = name.split(['_', ' ', '[', '(']).next().unwrap_or_default();
     matches!(stem, "dt" | "deltat" | "Δt" | "δt") || name.starts_with("delta_t") || name.starts_with("time_step")
 }
 
-/// Whether a column holds the nanoseconds of the stamps whose whole seconds stand in another: `stamp.nsecs` and
+/// True if a column holds the nanoseconds of the stamps whose whole seconds stand in another: `stamp.nsecs` and
 /// `stamp.secs`.
 pub fn is_fraction(name: &str, seconds: &str) -> bool {
     let stem = |name: &str, unit: TimeUnit| {

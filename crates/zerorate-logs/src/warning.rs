@@ -177,7 +177,7 @@ impl LogWarning {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }
 
-    /// Whether the warning is about the log as a whole, and not about one of its columns.
+    /// True if the warning is about the log as a whole, and not about one of its columns.
     #[must_use]
     pub fn is_of_log(&self) -> bool {
         match self {

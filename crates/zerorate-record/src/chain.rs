@@ -118,7 +118,7 @@ pub fn checked_schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
     Arc::new(schema.with_metadata(metadata))
 }
 
-/// Whether a metadata entry is part of the description.
+/// True if a metadata entry is part of the description.
 pub fn describes(key: &str) -> bool {
     key.starts_with(DESCRIPTION) && !key.starts_with(CHECKS)
 }

@@ -99,12 +99,12 @@ impl Checked {
         &self.found
     }
 
-    /// Whether checks cover every row read so far.
+    /// True if checks cover every row read so far.
     pub fn is_checked(&self) -> bool {
         matches!(self.checks, Checks::Chained(_))
     }
 
-    /// Whether the file ends before the end of the capture, as after a power cut.
+    /// True if the file ends before the end of the capture, as after a power cut.
     pub fn is_torn(&self) -> bool {
         self.source.stated().torn
     }

@@ -44,12 +44,12 @@ impl OpenBatch {
         }
     }
 
-    /// Whether the batch has no row.
+    /// True if the batch has no row.
     pub fn is_empty(&self) -> bool {
         self.t_ns.is_empty()
     }
 
-    /// Whether a row at `t_ns` belongs to the next batch.
+    /// True if a row at `t_ns` belongs to the next batch.
     pub fn is_full_for(&self, t_ns: u64) -> bool {
         self.t_ns.len() == MAX_ROWS
             || self.t_ns.first().is_some_and(|first| t_ns.saturating_sub(*first) >= MAX_SPAN_NS)
@@ -208,7 +208,7 @@ impl Rows {
         self.t_ns.len()
     }
 
-    /// Whether there are no rows.
+    /// True if there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -90,7 +90,7 @@ pub struct CsvReader {
     lines: Lines,
     /// The name and builder of each column in the file, in order. The builder is `None` for an unknown name.
     columns: Vec<NamedColumn>,
-    /// Whether the rows have checks, as in version 2 of the format.
+    /// True if the rows have checks, as in version 2 of the format.
     is_checked: bool,
     /// Length of the file, and of its part up to the end statement once that was read, bytes.
     length: u64,

@@ -184,7 +184,7 @@ struct AxisValidation {
     start_ns: Option<u64>,
 }
 
-/// Whether each of some readings is valid.
+/// The validity of some readings, one by one.
 #[derive(Default)]
 struct Valid {
     rates: Vec<bool>,

@@ -116,7 +116,7 @@ impl CaptureInfo {
         self.divider.max(1).saturating_mul(self.divided.max(1))
     }
 
-    /// Whether the samples come from the twin, the simulated sensor, by the name of the device.
+    /// True if the samples come from the twin, the simulated sensor, by the name of the device.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         is_twin(&self.device)
@@ -293,7 +293,7 @@ fn if_stated(
     }
 }
 
-/// Whether `metadata` has entries of a capture, of any version of the format.
+/// True if `metadata` has entries of a capture, of any version of the format.
 pub fn is_capture(metadata: &Metadata) -> bool {
     metadata.iter().any(|(key, _)| key.starts_with("zerorate."))
 }

@@ -256,7 +256,7 @@ impl Layout {
         ((code - scale.zero_code) << self.dropped_bits) as i32
     }
 
-    /// Whether a reading is out of range: by a code at an end of the scale, or by an ADIS16130's status (OVR, F-35).
+    /// True if a reading is out of range: by a code at an end of the scale, or by an ADIS16130's status (OVR, F-35).
     #[inline]
     fn is_out_of_range(&self, axis: &CodedAxis, code: i64, status: Option<u32>) -> bool {
         let (first, last) = axis.scale.codes();

@@ -142,7 +142,7 @@ impl Continuity {
         pace.map_or(Ok(()), |pace| self.first_steps.iter().try_for_each(|step| pace.judge(*step)))
     }
 
-    /// Whether the rate is still being learned. If so, the result of [`Continuity::review`] may change with the next
+    /// True if the rate is still being learned. If so, the result of [`Continuity::review`] may change with the next
     /// row.
     pub fn is_learning(&self) -> bool {
         self.first_steps.len() < LEARNED

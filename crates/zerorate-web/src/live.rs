@@ -144,7 +144,7 @@ impl Live {
 /// Paces simulated time against the page's clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
-    /// Whether the part's time is simulated; false for a real part.
+    /// True if the part's time is simulated; false for a real part.
     is_simulated: bool,
     /// Multiple of real time; 0 means as fast as possible.
     factor: f64,
@@ -196,7 +196,7 @@ impl Pace {
         }
     }
 
-    /// Whether a sample at `t_ns` is ahead of the pace.
+    /// True if a sample at `t_ns` is ahead of the pace.
     fn is_ahead(&mut self, t_ns: u64, now_ms: f64) -> bool {
         let begun_ms = 1000.0 * self.begun_s;
         let &mut (from_ns, from_ms) = self.since.get_or_insert((t_ns, now_ms - begun_ms));

@@ -168,7 +168,7 @@ pub struct Download {
 pub struct Frame {
     /// The number of the frame in its session, which increases.
     pub seq: u32,
-    /// Whether the frame replaces everything that was shown before: the session is new, or the page was just opened.
+    /// True if the frame replaces everything that was shown before: the session is new, or the page was just opened.
     pub snapshot: bool,
     /// Completed bins. Their numbers are in the payload.
     pub strips: Vec<Strip>,
@@ -228,7 +228,7 @@ pub struct Device {
     pub name: String,
     /// Opening, reading, ended or failed.
     pub state: DeviceState,
-    /// Whether the part's time is simulated, so that its `speed` can be set.
+    /// True if the part's time is simulated, so that its `speed` can be set.
     pub simulated: bool,
     /// The speed as a multiple of real time; 0: as fast as possible.
     pub speed: f64,
@@ -321,7 +321,7 @@ pub struct Field {
     pub value: u32,
     /// The meaning of the value in plain words.
     pub meaning: String,
-    /// Whether the value differs from the expected one.
+    /// True if the value differs from the expected one.
     pub wrong: bool,
 }
 
@@ -331,7 +331,7 @@ pub struct Field {
 pub struct CheckResult {
     /// The subject of the check.
     pub what: String,
-    /// Whether the check passed.
+    /// True if the check passed.
     pub ok: bool,
     /// The observation, and the remedy if the check failed.
     pub text: String,
@@ -361,18 +361,18 @@ pub struct AxisNow {
     pub corrected_dps: Option<f64>,
     /// Standard uncertainty of the corrected rate, including the calibration's, °/s.
     pub u_corrected_dps: Option<f64>,
-    /// Whether the temperature is outside the range of the calibration.
+    /// True if the temperature is outside the range of the calibration.
     pub extrapolated: bool,
     /// Integral of the corrected rate, °; of the raw rate without a calibration. `zero-angle` and any change of the
     /// calibration reset it to zero.
     pub angle_deg: f64,
     /// Standard uncertainty of the angle due to noise and calibration, °.
     pub u_angle_deg: Option<f64>,
-    /// Whether the part was at rest.
+    /// The judgement whether the part was at rest.
     pub rest: Rest,
 }
 
-/// Whether the part was at rest during the last 10 s.
+/// The judgement whether the part was at rest during the last 10 s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Rest {

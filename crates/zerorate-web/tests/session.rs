@@ -382,7 +382,7 @@ fn a_part_that_does_not_bear_a_calibration_has_none_applied() {
     assert!(frame["notices"][0]["text"].as_str().unwrap().contains("no longer"), "{}", frame["notices"]);
 }
 
-/// Whether there is a notice with this code.
+/// True if there is a notice with this code.
 fn says(session: &Session, code: &str) -> bool {
     let (all, _) = read(&session.snapshot());
     all["notices"].as_array().unwrap().iter().any(|notice| notice["code"] == code)

@@ -31,7 +31,7 @@ pub struct FitReport {
     pub p_value: Option<f64>,
     /// The frequency up to which the model holds, Hz.
     pub f_max_hz: Option<f64>,
-    /// Whether the model is rejected because its error is too large. Nothing is identified then.
+    /// True if the model is rejected because its error is too large. Nothing is identified then.
     pub rejected: bool,
     /// The other terms, in the unit of the rate.
     #[cfg_attr(feature = "types", ts(type = "({ kind: string } & Record<string, unknown>)[]"))]
@@ -54,7 +54,7 @@ pub struct CoefficientReport {
     pub hi: Option<f64>,
     /// Unit of `value`, `lo` and `hi`.
     pub unit: String,
-    /// Whether the record shows this noise: zero is outside the interval. If not, only `hi` has a meaning.
+    /// True if the record shows this noise: zero is outside the interval. If not, only `hi` has a meaning.
     pub identified: bool,
     /// The length of a record that would identify it, s.
     pub needed_s: Option<f64>,

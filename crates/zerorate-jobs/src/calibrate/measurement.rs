@@ -206,7 +206,7 @@ impl<'a> Measurement<'a> {
 #[derive(Clone, Copy)]
 struct Words {
     names: SettingNames,
-    /// Whether a recording is read, which has no bus to test.
+    /// True if a recording is read, which has no bus to test.
     is_recording: bool,
 }
 

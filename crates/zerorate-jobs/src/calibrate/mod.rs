@@ -26,7 +26,7 @@ use zerorate_record::{CaptureInfo, Format};
 pub struct OutputOptions {
     /// The file of the calibration.
     pub output: Option<PathBuf>,
-    /// Whether a real part's calibration without an `output` goes to `calibration-<id>.toml` in the current folder.
+    /// True if a real part's calibration without an `output` goes to `calibration-<id>.toml` in the current folder.
     pub saves: bool,
     /// The file that records every sample.
     pub log: Option<PathBuf>,
@@ -123,7 +123,7 @@ impl Job {
         self.procedure.plan()
     }
 
-    /// Whether the calibration will be saved although no file was named for it.
+    /// True if the calibration will be saved although no file was named for it.
     #[must_use]
     pub fn saves(&self) -> bool {
         let options = &self.files.options;

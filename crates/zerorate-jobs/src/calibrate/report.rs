@@ -31,7 +31,7 @@ pub struct CalibrationReport {
     /// Time of recording, RFC 3339, or `SIMULATED` for a simulated part.
     pub created: Option<String>,
     pub calibration_id: String,
-    /// Whether the part was the twin, the simulated sensor.
+    /// True if the part was the twin, the simulated sensor.
     pub simulated: bool,
     /// The file that holds the calibration; null if none was requested.
     pub file: Option<PathBuf>,

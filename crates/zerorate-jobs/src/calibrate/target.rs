@@ -23,7 +23,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// Whether the next check is due. Checks are at whole minutes, where the twin reports its true state.
+    /// True if the next check is due. Checks are at whole minutes, where the twin reports its true state.
     #[inline]
     pub fn is_due(&self, procedure: &PartProcedure) -> bool {
         procedure.progress().elapsed_s >= whole_minutes(Reached::next_look_s(self.looked_s))

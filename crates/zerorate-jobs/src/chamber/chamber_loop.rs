@@ -223,7 +223,7 @@ impl<'a> ChamberLoop<'a> {
     }
 }
 
-/// Whether the error only means that a stop was requested.
+/// True if the error only means that a stop was requested.
 fn is_stopped(error: &anyhow::Error) -> bool {
     error.downcast_ref().map(DeviceError::cause) == Some(Cause::Stopped)
 }

@@ -24,7 +24,7 @@ pub struct FinishedSteps {
     pub part: Part,
     pub device: String,
     pub serial: String,
-    /// Whether the samples come in real time, so that the wall clock gives the time between two runs.
+    /// True if the samples come in real time, so that the wall clock gives the time between two runs.
     pub is_real: bool,
 }
 

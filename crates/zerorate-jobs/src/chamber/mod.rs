@@ -60,9 +60,9 @@ pub struct ChamberOptions {
     pub earth_dps: Option<f64>,
     /// Highest polynomial order of the bias over temperature.
     pub max_order: usize,
-    /// Whether to start anew although finished steps were saved.
+    /// True to start anew although finished steps were saved.
     pub restart: bool,
-    /// Whether the program or a person changes the air temperature, which then must stay within the part's limits.
+    /// True if the program or a person changes the air temperature, which then must stay within the part's limits.
     pub moves_air: bool,
 }
 

@@ -30,7 +30,7 @@ pub struct ChamberReport {
     /// Share of the time in which the part was not at rest. That time is excluded from the results.
     pub restless: f64,
     pub calibration_id: String,
-    /// Whether the part was the twin, the simulated sensor.
+    /// True if the part was the twin, the simulated sensor.
     pub simulated: bool,
     pub capture_sha256: Option<String>,
     pub warnings: Vec<CodedWarning>,

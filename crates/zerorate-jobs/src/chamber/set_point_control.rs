@@ -20,7 +20,7 @@ pub trait AirListener {
 /// The air temperature, as far as it is known.
 #[derive(Clone, Debug)]
 pub struct AirState {
-    /// Whether a person sets the chamber by hand.
+    /// True if a person sets the chamber by hand.
     pub by_hand: bool,
     /// The safe temperature, °C.
     pub safe_c: f64,
@@ -41,7 +41,7 @@ pub(super) enum Control {
 /// Controls the set point. Sets the safe temperature once at the end, at the latest when it is dropped.
 pub struct SetPointControl {
     pub(super) by: Control,
-    /// Whether the user must be told how the chamber was left. False for a simulated chamber.
+    /// True if the user must be told how the chamber was left. False for a simulated chamber.
     has_word: bool,
     state: AirState,
     is_left: bool,

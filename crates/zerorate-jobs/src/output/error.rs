@@ -11,7 +11,7 @@ pub enum OutputError {
     #[error("{} exists, and is not overwritten by accident: choose another name", path.display())]
     Exists {
         path: PathBuf,
-        /// Whether the command has an option to replace the file.
+        /// True if the command has an option to replace the file.
         has_force: bool,
     },
 
@@ -78,7 +78,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// Whether another name or permission to overwrite would solve the problem.
+    /// True if another name or permission to overwrite would solve the problem.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::NoFolder { .. } | Self::TakenMeanwhile { .. })

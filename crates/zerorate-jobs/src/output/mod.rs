@@ -38,7 +38,7 @@ use zerorate_record::CaptureReader;
 /// The files of one run of a command.
 #[derive(Debug)]
 pub struct Outputs {
-    /// Whether `--force` was given. `None` if the command has no such option.
+    /// True if `--force` was given. `None` if the command has no such option.
     force: Option<bool>,
     inputs: Vec<(Identity, PathBuf)>,
     /// Outputs claimed so far, and the standard streams.
@@ -176,13 +176,13 @@ impl Outputs {
     }
 }
 
-/// Whether the error is an output refusal that another name, or permission to overwrite, would solve.
+/// True if the error is an output refusal that another name, or permission to overwrite, would solve.
 #[must_use]
 pub fn is_refusal(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
 }
 
-/// Whether the `--force` option would have replaced the file. Each front end tells the user how.
+/// True if the `--force` option would have replaced the file. Each front end tells the user how.
 #[must_use]
 pub fn could_be_forced(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| matches!(cause.downcast_ref(), Some(OutputError::Exists { has_force: true, .. })))
@@ -205,7 +205,7 @@ fn refuse_capture(path: &Path) -> Result<(), OutputError> {
 /// Length of the start of a file that is searched, bytes. Every capture format has its name in it.
 const HEAD: u64 = 1 << 16;
 
-/// Whether a file that cannot be read as a capture still starts like one.
+/// True if a file that cannot be read as a capture still starts like one.
 fn was_capture(path: &Path) -> io::Result<bool> {
     let mut head = Vec::new();
     File::open(path)?.take(HEAD).read_to_end(&mut head)?;

@@ -55,7 +55,7 @@ impl Place {
         Ok(Self::Name { folder, name: name.to_owned(), replaces })
     }
 
-    /// Whether a regular file exists there and would be overwritten.
+    /// True if a regular file exists there and would be overwritten.
     pub fn exists(&self) -> bool {
         matches!(self, Self::Name { replaces: Some(_), .. })
     }

@@ -77,7 +77,7 @@ struct Store {
     calibration: Calibration,
     /// The wall-clock time at the first sample, if it is known.
     began: Option<Timestamp>,
-    /// Whether the latest state could not be saved.
+    /// True if the latest state could not be saved.
     is_behind: bool,
 }
 

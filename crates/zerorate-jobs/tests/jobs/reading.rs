@@ -37,7 +37,7 @@ fn analysed(capture: &Path) -> anyhow::Result<Vec<Record>> {
     allan(&[capture.to_owned()], &AllanOptions { columns: Columns::Single, log, temperature: None, analysis })
 }
 
-/// Whether `value` differs from `expected` by less than this share.
+/// True if `value` differs from `expected` by less than this share.
 fn near(value: f64, expected: f64, share: f64) -> bool {
     (value / expected - 1.0).abs() < share
 }

@@ -63,7 +63,7 @@ impl Default for Outermost {
 }
 
 impl Outermost {
-    /// Whether a sample is one of the largest values so far.
+    /// True if a sample is one of the largest values so far.
     #[inline]
     fn reaches(&self, sample: f64) -> bool {
         sample >= self.0[3].0

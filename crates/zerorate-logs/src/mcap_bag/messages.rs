@@ -40,7 +40,7 @@ pub enum Torn {
 }
 
 impl Torn {
-    /// Whether a check shows that bytes were changed, so that messages before may be wrong as well.
+    /// True if a check shows that bytes were changed. Earlier messages may then be wrong as well.
     pub fn is_changed(&self) -> bool {
         use McapError::{BadChunkCrc, BadDataCrc, DecompressionError};
         matches!(self, Self::Format(BadChunkCrc { .. } | BadDataCrc { .. } | DecompressionError(_)))

@@ -9,7 +9,7 @@ use zerorate_input::TimeUnit;
 
 pub struct Header {
     pub element: Element,
-    /// Whether the first index runs fastest.
+    /// True if the first index runs fastest.
     pub is_fortran: bool,
     pub shape: Vec<u64>,
 }

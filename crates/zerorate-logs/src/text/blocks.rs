@@ -30,7 +30,7 @@ pub struct Block {
     buffer: Vec<u8>,
     /// The end of the whole lines in the buffer.
     end: usize,
-    /// Whether the text ends with this block.
+    /// True if the text ends with this block.
     pub is_last: bool,
 }
 
@@ -39,7 +39,7 @@ impl Block {
         &self.buffer[..self.end]
     }
 
-    /// Whether the start has more control characters than a text that a cable broke.
+    /// True if the start has more control characters than a text that a cable broke.
     pub fn is_binary(&self) -> bool {
         let start = &self.bytes()[..self.end.min(BINARY_START)];
         let is_control = |byte: &&u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
@@ -180,7 +180,7 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Whether a line is a single number or date.
+/// True if a line is a single number or date.
 fn is_stamp(line: &[u8], delimiter: u8) -> bool {
     let line = line.trim_ascii();
     line.first().is_some_and(|first| matches!(first, b'0'..=b'9' | b'-' | b'+' | b'.')) && !line.contains(&delimiter)

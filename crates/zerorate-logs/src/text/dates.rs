@@ -14,7 +14,7 @@ pub enum DateOrder {
 /// The facts about times in a column, from its first cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DateColumn {
-    /// Whether the cells are times of day, with or without a date, that rise from row to row.
+    /// True if the cells are times of day, with or without a date, that rise from row to row.
     pub are_times: bool,
     /// The order of day and month, if a day above 12 or the points of a German date show it.
     pub order: Option<DateOrder>,
@@ -38,7 +38,7 @@ impl DateColumn {
     }
 }
 
-/// Whether a cell can only be a time: 12:30 alone may be hours and minutes, or minutes and seconds.
+/// True if a cell can only be a time: 12:30 alone may be hours and minutes, or minutes and seconds.
 fn is_clear(cell: &str) -> bool {
     let has_more = |c: char| !c.is_ascii_digit() && c != ':';
     cell.matches(':').count() > 1 || cell.contains(':') && cell.contains(has_more)
@@ -248,7 +248,7 @@ mod tests {
         assert_eq!((s("13:00:00 PM"), s("0:30:00 AM"), s("24:00:00"), s("12:60:00")), (None, None, None, None));
     }
 
-    /// Whether 5/6 is in May or in June does not matter to the time of day.
+    /// The time of day is known even if 5/6 may be in May or in June.
     #[test]
     fn a_date_without_an_order_does_not_count() {
         assert_eq!(nanoseconds("05/06/2026 07:08 PM", None), nanoseconds("19:08", None));

@@ -29,7 +29,7 @@ pub struct Head {
     pub width: usize,
     /// The names of the columns, or their numbers.
     pub names: Vec<String>,
-    /// Whether each column holds numbers.
+    /// True for each column that holds numbers.
     pub numeric: Vec<bool>,
     /// The facts about dates in each column without numbers.
     pub dates: Vec<DateColumn>,
@@ -45,9 +45,9 @@ pub struct Head {
     pub marks: Marks,
     /// The decimal mark, if these lines show it.
     pub decimal: Option<Decimal>,
-    /// Whether commas seem to cut numbers as well as rows, because a cell begins like the decimals of a number: `05`.
+    /// True if commas seem to cut numbers as well as rows, because a cell begins like the decimals of a number: `05`.
     cuts_numbers: bool,
-    /// Whether the first cell of a row is an index, which has no name.
+    /// True if the first cell of a row is an index, which has no name.
     pub index: bool,
     /// The scales in the lines above the data.
     pub scales: Scales,
@@ -263,7 +263,7 @@ impl Head {
         InputError::damaged(path, format!("line {line}"), what).into()
     }
 
-    /// Whether commas cut numbers as well as rows, where the header has one name too few.
+    /// True if commas cut numbers as well as rows, where the header has one name too few.
     pub fn has_clash(&self) -> bool {
         self.cuts_numbers && self.names.len() > 1
     }
@@ -317,9 +317,9 @@ struct Rows {
     dates: Vec<DateColumn>,
     all_integers: bool,
     decimal: Option<Decimal>,
-    /// Whether some cell begins like the decimals of a number, as [`Head`] has it.
+    /// True if a cell begins like the decimals of a number: `05`.
     cuts_numbers: bool,
-    /// Whether every second cell looks like the decimals of the cell before.
+    /// True if every second cell looks like the decimals of the cell before.
     all_are_cut: bool,
 }
 
@@ -377,12 +377,12 @@ impl Rows {
     }
 }
 
-/// Whether the names are an empty one and then 0, 1, 2 …, as pandas writes them.
+/// True if the names are an empty one and then 0, 1, 2 …, as pandas writes them.
 fn is_numbered(row: &[&str]) -> bool {
     row.len() > 1 && row[0].is_empty() && row[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at))
 }
 
-/// Whether a cell begins as only the decimals of a number do: `05`, of a `0,05` that was cut.
+/// True if a cell begins as only the decimals of a number do: `05`, of a `0,05` that was cut.
 fn is_rest_of_number(cell: &str) -> bool {
     cell.len() > 1 && cell.starts_with('0') && cell.bytes().all(|byte| byte.is_ascii_digit())
 }
@@ -404,7 +404,7 @@ fn are_names(cells: &[String], width: usize) -> bool {
     cells.len() == width && cells.iter().all(|cell| is_word(cell) || cell.is_empty())
 }
 
-/// Whether these are the units under a line of names.
+/// True if these are the units under a line of names.
 fn state_units(cells: &[String]) -> bool {
     cells.iter().any(|cell| {
         let named = format!("x [{}]", bare(cell));

@@ -24,7 +24,7 @@ pub struct Marks {
     labels: Option<(Delimiter, Vec<String>)>,
     /// A word in front of all values of a row: `Raw:` in `Raw:1,2,3`.
     word: Option<String>,
-    /// Whether rows stand in brackets: `(0.5, 0.25)`.
+    /// True if rows stand in brackets: `(0.5, 0.25)`.
     brackets: bool,
 }
 
@@ -60,7 +60,7 @@ impl Marks {
         self.arrow.map(|_| CLOCK)
     }
 
-    /// Whether the text has any marks.
+    /// True if the text has any marks.
     pub fn are_there(&self) -> bool {
         self.arrow.is_some() || self.labels.is_some() || self.word.is_some() || self.brackets
     }
@@ -116,7 +116,7 @@ fn are_in_brackets(line: &str) -> bool {
     line.len() > 1 && line.starts_with(['(', '[']) && line.ends_with([')', ']'])
 }
 
-/// Whether a line holds values, and is not a message that a board prints when it starts.
+/// True if a line holds values, and is not a message that a board prints when it starts.
 fn has_cells(line: &str, delimiter: Delimiter) -> bool {
     delimiter.byte().is_none_or(|byte| line.contains(char::from(byte))) || is_value(line)
 }

@@ -217,7 +217,7 @@ impl<'t> Reading<'_, 't> {
         Ok(())
     }
 
-    /// Whether the line is a row that is not wanted.
+    /// True if the line is a row that is not wanted.
     fn is_left_out(&self, line: &str) -> bool {
         let mut wanted = self.cut.only.iter();
         wanted.any(|(place, value)| {

@@ -45,7 +45,7 @@ impl Scales {
         scales
     }
 
-    /// Whether the log states its scales as Gyroflow does.
+    /// True if the log states its scales as Gyroflow does.
     pub fn are_of_gyroflow(&self) -> bool {
         let time_s = self.time.filter(|(column, _)| *column == TIME).map(|(_, step_s)| step_s);
         time_s.or(self.gyro_rad_s).or(self.accel_g).is_some()
@@ -82,7 +82,7 @@ fn pair(line: &str) -> Option<(String, f64)> {
     (value > 0.0 && value.is_finite()).then(|| (key.trim().to_lowercase(), value))
 }
 
-/// Whether a line has a number beside a word for a scale.
+/// True if a line has a number beside a word for a scale.
 fn states_scale(line: &str) -> bool {
     let line = line.to_lowercase();
     let is_scale = |word: &str| word.ends_with("scale") || ["scaling", "sensitivity", "lsb"].contains(&word);

@@ -44,7 +44,7 @@ pub fn most<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(tag, _)| tag.to_owned())
 }
 
-/// Whether a line is a sentence of another kind than the one that is read.
+/// True if a line is a sentence of another kind than the one that is read.
 pub fn is_other(line: &str, read: Option<&str>) -> bool {
     read.is_some() && tag(line).is_some_and(|tag| Some(tag) != read)
 }

@@ -16,20 +16,20 @@ use zerorate_input::{Input, InputError};
 /// The facts that hold for every row.
 struct Survey {
     rows: u64,
-    /// Whether the first cell counts the rows, from 0 or from 1.
+    /// True if the first cell counts the rows, from 0 or from 1.
     is_index: bool,
     start: i64,
-    /// Whether each row is one number, with or without a decimal comma.
+    /// True if each row is one number, with or without a decimal comma.
     is_decimal: bool,
-    /// Whether each row ends with a delimiter.
+    /// True if each row ends with a delimiter.
     ends_empty: bool,
-    /// Whether the first cell never falls, and whether it never rises.
+    /// True if the first cell never falls. In `falls`: true if it never rises.
     rises: bool,
     falls: bool,
     last: i64,
-    /// Whether a cell shows that the commas mark decimals: `-0,25` or `1,05`.
+    /// True if a cell shows that the commas mark decimals: `-0,25` or `1,05`.
     shows_decimals: bool,
-    /// Whether some row does not have two cells.
+    /// True if some row does not have two cells.
     uneven: bool,
 }
 

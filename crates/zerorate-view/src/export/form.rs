@@ -37,13 +37,13 @@ impl ExportForm {
         Self::ALL.into_iter().find(|form| form.row().name == name)
     }
 
-    /// Whether the format is source code, whose identifiers can have a prefix.
+    /// True if the format is source code, whose identifiers can have a prefix.
     #[must_use]
     pub const fn is_code(self) -> bool {
         matches!(self, Self::C | Self::Rust)
     }
 
-    /// Whether the format holds parameters for one gyroscope of a flight controller.
+    /// True if the format holds parameters for one gyroscope of a flight controller.
     #[must_use]
     pub const fn is_autopilot(self) -> bool {
         matches!(self, Self::Px4 | Self::Ardupilot)

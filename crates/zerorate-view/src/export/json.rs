@@ -101,7 +101,7 @@ struct Ranges {
 /// The temperature range in which the correction is valid.
 #[derive(Serialize)]
 struct Valid {
-    /// Whether the calibration states the range; otherwise it is assumed.
+    /// True if the calibration states the range; otherwise it is assumed.
     stated: bool,
     temp_min_c: f64,
     temp_max_c: f64,

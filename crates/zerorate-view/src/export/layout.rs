@@ -22,7 +22,7 @@ pub(super) struct Layout {
     /// The distance from T3 to either end of the table, °C.
     pub(super) span_c: f64,
     pub(super) valid: Validity,
-    /// Whether the calibration states the range; otherwise it is assumed.
+    /// True if the calibration states the range; otherwise it is assumed.
     pub(super) stated: bool,
 }
 

@@ -10,7 +10,7 @@ pub use words::{
 
 use zerorate_imu::Record;
 
-/// Whether there are several records, all of one log: the axes of one sensor.
+/// True if there are several records, all of one log: the axes of one sensor.
 #[must_use]
 pub fn are_axes(records: &[Record]) -> bool {
     records.len() > 1 && records.windows(2).all(|pair| pair[0].file == pair[1].file)

@@ -5,7 +5,7 @@ use crate::plot::number;
 use zerorate_allan::{Corner, Estimate, Line, Term, span};
 use zerorate_imu::{AllanReport, CoefficientReport, FitReport};
 
-/// Whether the spectrum scatters about the model no more than chance explains, to the shown number of digits.
+/// True if the spectrum scatters about the model no more than chance explains, to the shown number of digits.
 #[must_use]
 pub fn is_without_misfit(fit: &FitReport) -> bool {
     fit.model_error.is_some_and(|error| error < 0.0005)
@@ -52,7 +52,7 @@ pub struct TermRow {
     pub name: String,
     /// The same value in each unit, or several different values.
     pub values: Vec<(Interval, String)>,
-    /// Whether the value is identified; if not, only its upper limit is meaningful.
+    /// True if the value is identified; if not, only its upper limit is meaningful.
     pub is_identified: bool,
     /// A remark beside the values; may be empty.
     pub remark: String,

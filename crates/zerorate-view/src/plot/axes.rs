@@ -20,7 +20,7 @@ pub struct Tick {
     pub value: f64,
     /// The number beside the line; `None` for minor lines.
     pub label: Option<String>,
-    /// Whether the line is major: a whole decade, or any tick of a linear axis.
+    /// True if the line is major: a whole decade, or any tick of a linear axis.
     pub major: bool,
 }
 
@@ -66,7 +66,7 @@ impl Axis {
         self.span
     }
 
-    /// Whether a value is on the axis.
+    /// True if a value is on the axis.
     pub fn covers(&self, value: f64) -> bool {
         let slack = 1e-9 * (self.high - self.low);
         (self.low - slack..=self.high + slack).contains(&value)

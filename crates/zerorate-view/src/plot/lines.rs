@@ -17,7 +17,7 @@ pub struct Lines {
     pub x_name: String,
     /// Label of the vertical axes.
     pub y_name: String,
-    /// Whether the vertical axes are logarithmic. If so, values at or below zero are left out.
+    /// True if the vertical axes are logarithmic. If so, values at or below zero are left out.
     pub is_log: bool,
     /// A reference value, drawn as a dashed line.
     pub rule: Option<f64>,

@@ -11,7 +11,7 @@ pub struct ResidualPoint {
     pub x: f64,
     /// Corrected rate, °/s.
     pub residual_dps: f64,
-    /// Whether the sensor was warming (`true`) or cooling (`false`); `None` if neither.
+    /// True if the sensor was warming, false if it was cooling; `None` if neither.
     pub warming: Option<bool>,
 }
 

@@ -35,7 +35,7 @@ pub struct ScatterPanel {
 pub struct Dot {
     /// The position: x and y.
     pub at: (f64, f64),
-    /// Whether the sensor was warming.
+    /// True if the sensor was warming.
     pub is_warming: bool,
 }
 

@@ -98,7 +98,7 @@ impl Single {
         self.report.unit.unwrap_or_default()
     }
 
-    /// Whether the table also has values in °/h.
+    /// True if the table also has values in °/h.
     fn is_hourly(&self) -> bool {
         self.unit() == "°/s"
     }

@@ -267,7 +267,7 @@ pub struct MeanPoint {
     pub value: f64,
     /// Residual: the value minus the curve.
     pub left: f64,
-    /// Whether the sensor was warming.
+    /// True if the sensor was warming.
     pub is_warming: bool,
 }
 

@@ -113,7 +113,7 @@ impl Sensors {
     }
 }
 
-/// Whether two logs have the same samples.
+/// True if two logs have the same samples.
 fn is_same(one: &LogMeans, other: &LogMeans) -> bool {
     !one.blocks().is_empty() && one.blocks() == other.blocks()
 }
@@ -195,7 +195,7 @@ pub fn number_of_imu(topic: Option<&str>) -> u32 {
 const LATE_S: f64 = 60.0;
 
 impl ImuColumns {
-    /// Whether the sensor was on before the log began. `None` unless the log's clock tells: the clock of an
+    /// True if the sensor was on before the log began. `None` unless the log's clock tells: the clock of an
     /// autopilot starts at switch-on.
     fn was_on(&self, start_s: Option<f64>) -> Option<bool> {
         let of_autopilot =

@@ -142,7 +142,7 @@ pub struct LogTerm {
     pub name: String,
     /// The same value with its 95 % interval in each unit, or several values.
     pub values: Vec<String>,
-    /// Whether the value differs significantly from zero.
+    /// True if the value differs significantly from zero.
     pub identified: bool,
     /// A remark beside the values; may be empty.
     pub remark: String,
@@ -200,6 +200,6 @@ pub struct NoiseFileCommand {
     pub combine: String,
     /// Factor on all noise, above 0; 1 means as measured.
     pub inflate: f64,
-    /// Whether to make the file from rejected models too. The file then says so.
+    /// True to make the file from rejected models too. The file then says so.
     pub accept_rejected: bool,
 }

@@ -53,9 +53,9 @@ pub struct Running {
     /// The uncertainties if it had ended at the last check; only for `warmup` and `cycle`, null if it would be
     /// refused.
     pub forecast: Option<Forecast>,
-    /// Whether `finish-calibration` is allowed now.
+    /// True if `finish-calibration` is allowed now.
     pub can_finish: bool,
-    /// Whether the recording is sufficient: nothing would be refused, and the temperature of a warm-up has settled.
+    /// True if the recording is sufficient: nothing would be refused, and the temperature of a warm-up has settled.
     pub is_enough: bool,
 }
 
@@ -157,7 +157,7 @@ pub struct CalibrationEntry {
     pub t3_c: f64,
     /// The valid temperature range, °C.
     pub range_c: Option<[f64; 2]>,
-    /// Whether the calibration is applied to the readings.
+    /// True if the calibration is applied to the readings.
     pub applied: bool,
     /// The text of its file. A page without a server stores it.
     pub toml: String,

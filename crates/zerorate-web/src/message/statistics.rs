@@ -56,7 +56,7 @@ pub struct Coefficient {
     pub hi: f64,
     /// Unit of the value and its interval.
     pub unit: String,
-    /// Whether the value differs significantly from zero.
+    /// True if the value differs significantly from zero.
     pub identified: bool,
     /// Estimated seconds until it is identified, if the noise is as it appears. Null if unknown or already identified.
     pub identified_in_s: Option<f64>,

@@ -160,7 +160,7 @@ impl AxisState {
         (known.len() >= SHOWN).then(|| (known.iter().sum::<f64>() / known.len() as f64 * BLOCK_S).sqrt())
     }
 
-    /// Whether the part is at rest by the last verdict. True if there is no verdict.
+    /// False if by the last verdict the part moves, or has more white noise than its type can have.
     pub fn is_at_rest(&self) -> bool {
         !matches!(self.rest.verdict, RestVerdict::Moving | RestVerdict::Noisy)
     }

@@ -68,7 +68,7 @@ impl Session {
 }
 
 impl LiveView {
-    /// Whether anything changed.
+    /// True if anything changed since the last frame.
     pub fn is_changed(&self) -> bool {
         let ViewChanges { device, readings, notices, everything } = self.changed;
         device || readings || notices || everything

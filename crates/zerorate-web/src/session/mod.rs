@@ -31,9 +31,9 @@ pub struct About {
     pub name: String,
     /// The description of the samples as a capture.
     pub info: CaptureInfo,
-    /// The part.
+    /// The part's type, with its axes and limits.
     pub part: Part,
-    /// Whether its time is simulated or replayed.
+    /// True if the part's time is simulated or replayed.
     pub simulated: bool,
     /// Nominal conversion rate, Hz; `None` if unknown.
     pub nominal_hz: Option<f64>,
@@ -43,7 +43,7 @@ pub struct About {
     pub checks: Vec<CheckResult>,
 }
 
-/// The result of a request.
+/// The answer to a request, or a command that the owner of the device carries out before the answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RequestResult {
     /// The answer, as JSON text.
@@ -97,7 +97,7 @@ pub struct Session {
     wanted: Option<GuidedCalibration>,
     /// The id of the calibration that was measured since the device was opened. It certainly belongs to this part.
     measured: Option<String>,
-    /// Whether samples are missing right before the next one.
+    /// True if samples are missing right before the next one.
     is_torn: bool,
     truths: Vec<Truth>,
     changed: SessionChanges,

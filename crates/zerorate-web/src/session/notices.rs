@@ -18,7 +18,7 @@ pub struct Notices {
 struct NoticeEntry {
     notice: Notice,
     axis: String,
-    /// Whether this is a condition that still holds, and not an event.
+    /// True for a condition that still holds, false for an event.
     lasts: bool,
 }
 

@@ -31,7 +31,7 @@ pub trait Source {
     /// The known facts about the device. Call it again when [`Source::opened`] returns true.
     fn about(&self) -> About;
 
-    /// Whether the device was opened since the last call, so that more facts are known.
+    /// True if the device was opened since the last call, so that more facts are known.
     fn opened(&mut self) -> bool {
         false
     }

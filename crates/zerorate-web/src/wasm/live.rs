@@ -77,7 +77,7 @@ impl LiveSession {
         self.session().applied().map(Calibration::id)
     }
 
-    /// Whether a calibration is running.
+    /// True if a calibration is running.
     pub fn is_calibrating(&mut self) -> bool {
         self.session().method().is_some()
     }

@@ -114,7 +114,7 @@ impl GuidedCalibration {
         self.procedure.take(scan)
     }
 
-    /// Whether a reading was processed.
+    /// True if a reading was processed.
     pub const fn has_begun(&self) -> bool {
         self.begun
     }

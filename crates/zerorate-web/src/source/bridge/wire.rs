@@ -27,7 +27,7 @@ pub struct Wire {
     pub firmware: Option<String>,
     /// The registers of the part, as read when it was opened.
     pub registers: Vec<Register>,
-    /// Whether the part was just configured.
+    /// True if the part was just configured.
     pub is_opened: bool,
     pub rows: VecDeque<Row>,
 }
