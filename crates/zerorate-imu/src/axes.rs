@@ -32,7 +32,7 @@ pub struct KindOptions {
     pub columns: Vec<String>,
     /// The unit of these columns.
     pub unit: Option<Unit>,
-    /// The size of a step of 1 in these columns, in that unit.
+    /// The size of a step of 1 in these columns, in `unit`.
     pub scale: Option<f64>,
     /// The codes in these columns; `None` if the user does not state that they hold codes.
     pub codes: Option<Codes>,

@@ -129,7 +129,7 @@ impl SourcedNumber {
 pub struct AxisNumbers {
     /// White noise N, rad/√s or m/s/√s.
     pub n: SourcedNumber,
-    /// N as it was fitted, for a reader without a random walk, so that N and K cannot cover the noise together.
+    /// N as it was fitted, for a reader whose model has no random walk K.
     pub fitted_n: SourcedNumber,
     /// Random walk K of the bias, rad/s/√s or m/s²/√s.
     pub k: SourcedNumber,

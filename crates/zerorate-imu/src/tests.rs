@@ -241,7 +241,7 @@ fn filters_claim_their_true_error_with_the_numbers_of_their_files() {
             println!("{name}, {} {rule:?}: batch {:.2?}, filter {:.2?}", format.name(), &ratios[..2], &ratios[2..]);
         }
         let of = |format: Format| found[all.iter().position(|one| *one == (format, covers)).unwrap()];
-        // at ten times the floor, half of the noise at 0.3 Hz is flicker
+        // with ten times the usual B, half of the noise at 0.3 Hz is flicker
         let kalibr = of(Format::Kalibr);
         assert!(kalibr[..2].iter().all(|ratio| (0.5..2.5).contains(ratio)), "{name}: {kalibr:?}");
         for format in [Format::Openvins, Format::Vins, Format::Orbslam3] {

@@ -59,7 +59,7 @@ impl Input {
         Self { kind, holes: 0 }
     }
 
-    /// The same bytes, of which `holes` are in holes of a sparse file.
+    /// This input, `holes` of whose bytes are in holes of a sparse file.
     #[must_use]
     pub fn with_holes(self, holes: u64) -> Self {
         Self { holes, ..self }

@@ -21,7 +21,7 @@ pub const BLOCK: usize = 1 << 16;
 #[cfg(not(target_family = "wasm"))]
 const AHEAD: usize = 4;
 
-/// The batches of a file. A thread decodes them during the checks, which take as long. A browser has one thread.
+/// The batches of a file. Another thread decodes them, except in a browser, which has only one.
 struct Batches {
     #[cfg(not(target_family = "wasm"))]
     decoded: std::sync::mpsc::Receiver<Result<Option<RecordBatch>, InputError>>,

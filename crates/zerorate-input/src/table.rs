@@ -55,10 +55,10 @@ pub trait BatchSource {
         "table"
     }
 
-    /// What the source has stated so far beside its rows: the schema, checks, and whether it has ended.
+    /// The statements of the source so far, beside its rows.
     fn stated(&self) -> &Stated;
 
-    /// Mutable access to the same statements.
+    /// The statements of the source, to be changed.
     fn stated_mut(&mut self) -> &mut Stated;
 
     /// Reads the next batch; `None` at the end. It is not called again after the end or an error.

@@ -8,9 +8,9 @@ const PAGE: &str = include_str!("../../../docs/codes.md");
 /// Codes that belong together, under a heading.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// The heading.
+    /// The heading of the group on the page.
     pub title: &'static str,
-    /// The sections below it, in the order of the page.
+    /// The codes of the group, in the order of the page.
     pub codes: Vec<Explanation>,
 }
 
@@ -21,13 +21,13 @@ pub struct Explanation {
     pub code: &'static str,
     /// The severity: `warning`, `refusal` or `remark`, or two of them as in `warning or refusal`.
     pub says: String,
-    /// The commands of `zerorate` that print it.
+    /// The commands of `zerorate` that print the code.
     pub by: Vec<String>,
     /// The observation, in one sentence.
     pub seen: String,
     /// The consequence for the result.
     pub matters: String,
-    /// The remedy.
+    /// The action that solves or avoids the problem.
     pub remedy: String,
     /// An example command that helps or investigates further; empty if there is none.
     #[serde(skip_serializing_if = "str::is_empty")]

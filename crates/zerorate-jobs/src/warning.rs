@@ -12,15 +12,15 @@ use zerorate_view::{Seconds, SessionWarning};
 /// A warning of a job. It has a code for scripts, and its text may mention settings.
 #[derive(Clone, Debug)]
 pub enum JobWarning {
-    /// About the measurement.
+    /// A warning about the measurement.
     Measured(Warning),
-    /// About one of several axes, which is named.
+    /// A warning about one of several axes, which is named.
     OfAxis(String, Warning),
-    /// About the device, or about a calibration that is applied to it.
+    /// A warning about the device, or about a calibration that is applied to it.
     Session(SessionWarning),
-    /// About a file or a device. The text names it if there may be several.
+    /// A warning about a file or a device. The text names it if there may be several.
     Source(SourceWarning),
-    /// About readings that are not trusted.
+    /// A warning about readings that are not trusted.
     Readings(CaptureWarning),
     /// Samples were read, but lost because the queue was full. The number counts them.
     Overflowed(u64),
@@ -56,7 +56,7 @@ pub enum JobWarning {
     SlowTurn {
         /// The name of the axis.
         axis: String,
-        /// Total duration of this state, s.
+        /// Total time in which the axis was quiet at that level, s.
         doubtful_s: u32,
     },
 }

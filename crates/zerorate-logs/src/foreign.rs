@@ -100,7 +100,7 @@ fn archives_of_numpy() {
     assert!(said.contains("one of: 0 `t_ns`, 1 `gz_rad_s`, 2 `gyro.0`, 3 `gyro.1`, 4 `gyro.2`"), "{said}");
     let mut empty = b"PK\x05\x06".to_vec();
     empty.extend([0; 18]);
-    // the offset of its index
+    // the offset of the index, behind a local header of 30 bytes
     empty[16] = 30;
     let plain = [&b"PK\x03\x04"[..], &[0; 26], &empty].concat();
     assert!(folder.fails(plain, "--rate 1").contains("without arrays of NumPy"));

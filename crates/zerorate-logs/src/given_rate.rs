@@ -9,7 +9,7 @@ use std::path::Path;
 /// sensor differ by less.
 const RATE_OFF: f64 = 0.02;
 
-/// The same limit if several rows share a stamp, so that the stamps give the rate less precisely.
+/// Relative difference for a warning if several rows share a stamp, so that the stamps give the rate less precisely.
 const COARSE_RATE_OFF: f64 = 0.1;
 
 /// Least number of steps of a coarse clock from which its rate is computed.

@@ -32,7 +32,7 @@ const QUANTITIES: [(&str, usize); 6] = [
     ("linear_acceleration.z", 27),
 ];
 
-/// The quantity of a temperature message; its variance follows.
+/// The quantity of a temperature message and its place after the header. Its variance follows.
 const TEMPERATURE: [(&str, usize); 1] = [("temperature", 0)];
 
 /// Numbers after the header of an IMU and of a temperature.

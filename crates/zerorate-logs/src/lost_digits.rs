@@ -9,7 +9,7 @@ const DIGITS: usize = 7;
 /// Stamps from this size on have more than [`DIGITS`] digits.
 const LARGE: f64 = 1e9;
 
-/// Share of the rows that repeat the stamp of the row before.
+/// Least share of the rows that repeat the stamp of the row before, if digits were cut.
 const REPEATED: f64 = 0.5;
 
 /// The evidence that most stamps repeat because their last digits were cut; `None` without evidence.

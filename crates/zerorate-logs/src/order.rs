@@ -26,7 +26,7 @@ const MODULI: [f64; 13] = [
 /// The rows around a wrap of a counter lie within this many intervals of the place where it wraps.
 const AT_WRAP: f64 = 1000.0;
 
-/// The same limit as a share of the modulus. If a log was started again, its last time may be anywhere.
+/// The rows around a wrap also lie within this share of the modulus. A log that was started again may end anywhere.
 const AT_MOST: f64 = 1.0 / 16.0;
 
 /// Largest number of rows by which a row may be late: the queue of a bag reorders rows this far.

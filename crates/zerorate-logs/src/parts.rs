@@ -22,7 +22,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The same files from their start, to be read once more. Do not read both at the same time: they share one
+    /// These files from their start, to be read once more. Do not read both at the same time: they share one
     /// position in each file.
     ///
     /// # Errors

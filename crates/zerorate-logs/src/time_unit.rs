@@ -22,7 +22,7 @@ const USUAL_HZ: f64 = 100.0;
 /// The start of the years 2000 and 2100, in seconds since 1970.
 const EPOCH_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 
-/// The year 2286, in seconds since 1970.
+/// Times after this, the year 2286 in seconds since 1970, are in a finer unit.
 const TOO_LATE_S: f64 = 1e10;
 
 const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];

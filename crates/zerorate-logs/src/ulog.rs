@@ -267,7 +267,7 @@ impl Topics {
                     None => {
                         let before = *at;
                         self.expand(kind, &format!("{name}."), at, depth, fields)?;
-                        // an array of what has no bytes may state any length
+                        // an array whose elements have no bytes may state any length
                         if *at == before {
                             return None;
                         }

@@ -28,7 +28,7 @@ pub enum LogWarning {
     Hung { path: String, column: String, same: usize, len: usize, from_s: f64 },
     /// Rows were put in order, as the text says.
     TimesRepaired { path: String, column: String, how: String },
-    /// The stamps are off an even clock, as the text says.
+    /// The stamps deviate from an even clock, as the text says.
     TimesJitter { path: String, how: String },
     /// The dates in a column of times tell its unit.
     TimeUnitTaken { path: String, column: String, unit: &'static str },

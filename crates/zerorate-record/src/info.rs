@@ -22,7 +22,7 @@ const DEVICE: &str = "zerorate.device";
 const SERIAL: &str = "zerorate.serial";
 const EVERY_TEMP: &str = "zerorate.every_temp";
 const DIVIDER: &str = "zerorate.divider";
-/// Key of [`CaptureInfo::divided`]. Omitted if that is 1, as in all files of older programs.
+/// Metadata key of [`CaptureInfo::divided`]. The entry is left out for 1, as in all files of older programs.
 const DIVIDED: &str = "zerorate.divided";
 const BANDWIDTH_HZ: &str = "zerorate.bandwidth_hz";
 const EARTH: &str = "zerorate.earth_dps";
@@ -71,7 +71,7 @@ pub struct Converter {
     pub width: Width,
     /// The RATECONV register as configured: b7 chop, b6–0 FW (F-31).
     pub rate_conversion: u8,
-    /// The TEMPCONV register as configured, with the same bits.
+    /// The TEMPCONV register as configured, with bits as in RATECONV.
     pub temp_conversion: u8,
 }
 

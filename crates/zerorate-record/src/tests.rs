@@ -1,11 +1,11 @@
-//! Every form keeps every sample; files that are torn, damaged or of another kind are reported.
+//! Every format keeps every sample; files that are torn, damaged or of another kind are reported.
 
 use super::*;
 use adis16130::Width;
 use std::fs::{self, File};
 use tempfile::TempDir;
 
-/// The forms that are built in.
+/// The formats that are built in.
 pub(super) const FORMATS: &[Format] = &[
     Format::Arrows,
     Format::Csv,

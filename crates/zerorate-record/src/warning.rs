@@ -10,7 +10,7 @@ use zerorate_input::InputWarning;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum CaptureWarning {
-    /// About one of several axes.
+    /// A warning about one of several axes.
     OfAxis { axis: String, warning: Box<Self> },
     /// The readings no longer change. The text says since when and what to do.
     Frozen(String),
@@ -26,7 +26,7 @@ pub enum CaptureWarning {
     ClockStands(u64),
     /// The time of the device jumped. The number is the sum of all jumps, in samples.
     ClockJump(u64),
-    /// About the end of the file.
+    /// A warning about the end of the file.
     File(InputWarning),
     /// The file is of version 1, which has no checks.
     Unchecked { path: String },

@@ -216,7 +216,7 @@ pub struct Strip {
     pub first: u64,
     /// The number of bins.
     pub count: u32,
-    /// Index of its first number in the payload.
+    /// Index of the strip's first number in the payload.
     pub at: u32,
 }
 

@@ -250,7 +250,7 @@ fn a_part_behind_a_bridge_is_calibrated() {
     assert!(curve.iter().all(|point| point["correction_dps"].is_number()), "{calibration}");
     let id = &calibration["entry"]["id"];
     let file = format!(r#"{{"id": 2, "do": "download", "calibration": {id}, "form": "toml"}}"#);
-    // F-16: 0.00418 °/s times the sine of the latitude
+    // the Earth's rotation about the vertical is 0.00418 °/s times the sine of the latitude (F-16)
     let toml = page.live.ask(&file, page.now_ms);
     assert!(toml.contains("earth_dps = 0.00209") || toml.contains("earth_dps = 0.0020899"), "{toml}");
 }

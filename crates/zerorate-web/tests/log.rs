@@ -96,7 +96,7 @@ fn six_axes_become_coefficients_pictures_and_a_file() {
     while let Some(axis) = reader.analyse().expect("an axis") {
         axes.push(axis);
     }
-    // 0.1 °/s at 100 Hz: 0.01 °/√s, 0.6 °/√h
+    // white noise of 0.1 °/s at 100 Hz has N = 0.01 °/√s = 0.6 °/√h
     let report = &axes[0].axis.report;
     let n = &report.fit.as_ref().expect("a model").n;
     let in_use = n.in_unit(0).expect("a value").value;

@@ -128,7 +128,7 @@ fn a_minute_of_the_twin_fills_the_frames() {
     assert!(all["snapshot"] == true && all["device"]["part"] == "ADIS16130" && all["calibration"]["is"] == "idle");
 }
 
-/// At 11 minutes the page once promised a third of the uncertainty that finishing gave.
+/// The forecast at 10 minutes, while the part still warms, is the uncertainty that finishing then gives.
 #[test]
 fn the_forecast_agrees_with_the_result() {
     let keys = "seed=11";
@@ -202,7 +202,7 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     );
 }
 
-/// The calibration of `A 7` can be downloaded in all forms, and added again.
+/// The calibration of `A 7` can be downloaded in all formats, and added again.
 fn its_files_are_there(session: &mut Session, id: &Value) {
     let file = asked(session, json!({ "id": 3, "do": "download", "calibration": id, "form": "toml" }));
     assert_eq!(file["ok"]["name"], "A_7.toml");
@@ -290,7 +290,7 @@ fn a_chamber_is_set_by_hand() {
     }
 }
 
-/// A chamber that nobody sets: its step goes on after its least duration, and the other steps wait.
+/// Nobody sets the chamber: the first step goes on after its least duration, and the other steps are delayed.
 #[test]
 fn a_step_lasts_until_the_part_has_settled() {
     let mut session = Session::new(about());

@@ -33,7 +33,7 @@ pub struct ImuReport {
 pub struct SheetReport {
     /// The name of the sensor.
     pub name: String,
-    /// The document that prints its lines.
+    /// The document that prints the lines of the data sheet.
     pub source: Option<String>,
 }
 
@@ -69,9 +69,9 @@ pub struct LineReport {
     pub source: Option<String>,
     /// The measured value, in the unit of the line.
     pub measured: Option<f64>,
-    /// Lower end of its 95 % interval.
+    /// Lower end of the 95 % interval of `measured`.
     pub measured_lo: Option<f64>,
-    /// Upper end of its 95 % interval.
+    /// Upper end of the 95 % interval of `measured`.
     pub measured_hi: Option<f64>,
     /// `within`, `better`, `worse` or `cannot be told`.
     pub verdict: &'static str,

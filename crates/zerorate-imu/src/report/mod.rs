@@ -78,9 +78,9 @@ pub struct PointReport {
     pub m: u64,
     /// The deviation, in the unit of the report.
     pub dev: f64,
-    /// Lower end of its interval.
+    /// Lower end of the deviation's interval.
     pub lo: f64,
-    /// Upper end of its interval.
+    /// Upper end of the deviation's interval.
     pub hi: f64,
     /// Equivalent degrees of freedom.
     pub edf: f64,
@@ -89,19 +89,19 @@ pub struct PointReport {
     /// Number of terms in the mean square.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub n: u64,
-    /// The name of that noise; `None` if the record is too short to tell.
+    /// The name of the dominating noise; `None` if the record is too short to tell.
     pub noise: Option<&'static str>,
     /// The deviation that the model predicts for this record.
     pub model: Option<f64>,
     /// Lower end of the band in which the model expects 95 % of the deviations of this record.
     pub model_lo: Option<f64>,
-    /// Upper end of that band.
+    /// Upper end of the band around `model`.
     pub model_hi: Option<f64>,
     /// The predicted deviation of another record of this sensor, for averages up to 1/128 of the record.
     pub predicted: Option<f64>,
-    /// Lower end of the band in which 95 % of such deviations lie.
+    /// Lower end of the band in which 95 % of the deviations of other records lie.
     pub predicted_lo: Option<f64>,
-    /// Upper end of that band.
+    /// Upper end of the band around `predicted`.
     pub predicted_hi: Option<f64>,
 }
 

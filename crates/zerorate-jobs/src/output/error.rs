@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum OutputError {
-    /// A file of that name exists.
+    /// The output exists already.
     #[error("{} exists, and is not overwritten by accident: choose another name", path.display())]
     Exists {
         path: PathBuf,
@@ -15,22 +15,22 @@ pub enum OutputError {
         has_force: bool,
     },
 
-    /// The run reads that file as an input.
+    /// The output is also an input of the run.
     #[error("{} would be overwritten while it is read, since it is the same file as the input {}: choose \
              another name", path.display(), input.display())]
     IsInput { path: PathBuf, input: PathBuf },
 
-    /// The run writes that file already.
+    /// The run writes another output to the same file.
     #[error("{} is the same file as {other}, where other output of this command goes: choose another \
              name", path.display())]
     Twice { path: PathBuf, other: String },
 
-    /// A recording of that name exists, and the new file would not be a recording.
+    /// The output is an existing recording, and the new file would not be a recording.
     #[error("{} is a capture, which cannot be had again, and no option replaces it by a computed file: choose \
              another name, or remove it yourself", path.display())]
     IsCapture { path: PathBuf },
 
-    /// Another process writes that file.
+    /// Another process writes to the output.
     #[error("{} is being written by another zerorate: choose another name, or wait for it to end", path.display())]
     Busy { path: PathBuf },
 

@@ -24,14 +24,14 @@ impl Identity {
         Self::of(&metadata, path)
     }
 
-    /// The identity of what is at that path, also of a pipe.
+    /// The identity of a file or pipe with this metadata.
     #[cfg(unix)]
     pub fn of(metadata: &Metadata, _: &Path) -> Option<Self> {
         use std::os::unix::fs::MetadataExt;
         Some(Self::Inode(metadata.dev(), metadata.ino()))
     }
 
-    /// The identity of what is at that path.
+    /// The identity of the file or pipe at `path`.
     #[cfg(not(unix))]
     pub fn of(_: &Metadata, path: &Path) -> Option<Self> {
         path.canonicalize().ok().map(Self::Path)

@@ -17,7 +17,7 @@ pub enum Place {
     Name {
         folder: PathBuf,
         name: OsString,
-        /// The regular file that is there now.
+        /// The regular file that has this name now.
         replaces: Option<Identity>,
     },
     /// A pipe, terminal or device. It has no content to lose, and no file can be renamed onto it.
@@ -55,7 +55,7 @@ impl Place {
         Ok(Self::Name { folder, name: name.to_owned(), replaces })
     }
 
-    /// True if a regular file exists there and would be overwritten.
+    /// True if a regular file exists at the destination and would be overwritten.
     pub fn exists(&self) -> bool {
         matches!(self, Self::Name { replaces: Some(_), .. })
     }

@@ -21,7 +21,7 @@ pub struct Slot {
     name: OsString,
     /// The identity of the existing file; `None` if there is none.
     holds: Option<Identity>,
-    /// An empty locked file beside it, by which other runs see the claim.
+    /// An empty locked file beside the claimed one, by which other runs see the claim.
     _claim: Temporary,
 }
 

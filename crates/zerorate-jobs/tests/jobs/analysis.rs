@@ -61,7 +61,7 @@ fn a_constant_column_is_refused() {
     assert!(!notes(&noise).contains("the same"));
 }
 
-/// A capture of a part that warms for 20 minutes, from power-on: K is 1e-4 (M-04).
+/// A capture of a part that warms for 20 minutes from power-on. Its K is 1e-4 °/s/√s (M-04).
 #[test]
 fn a_rate_that_follows_its_temperature_can_be_analysed() {
     let folder = Folder::new();
@@ -197,7 +197,7 @@ fn n_and_k_of_an_imu_cover_its_noise_or_are_as_fitted() {
     assert!((mean / (0.10 / RATE_HZ.sqrt()).to_radians() - 1.0).abs() < 0.02, "{mean}");
 }
 
-/// 0.05 °/s with a correlation time of 1 s beside white noise.
+/// A Gauss–Markov process of 0.05 °/s with a correlation time of 1 s, beside white noise.
 #[test]
 fn correlated_noise_of_an_axis_is_a_gauss_markov_term() {
     let folder = Folder::new();

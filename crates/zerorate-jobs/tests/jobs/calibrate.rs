@@ -79,7 +79,8 @@ fn a_target_ends_the_recording_or_is_missed() {
     assert!(has(&missed.report.warnings, "target-missed"), "{:?}", missed.report.warnings);
 }
 
-/// 220 samples a second fold 14.3 kHz (F-07) to zero: 2 · 527 cycles at 231.88 kHz.
+/// At 220 samples a second, the resonance of 14.3 kHz (F-07) aliases to zero. A clock of 231.88 kHz gives this rate:
+/// a sample takes 2 · 527 cycles.
 #[test]
 fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
     let warnings = calibrate("twin:mclk_hz=231880", short()).unwrap().report.warnings;

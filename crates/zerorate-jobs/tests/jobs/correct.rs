@@ -68,7 +68,7 @@ fn a_bias_is_never_removed_twice() {
     };
     folder.write("unmarked.csv", without(&["calibration_id"]));
     refused("unmarked.csv", "not those that were recorded");
-    // even if a converter dropped the mark, and all checks
+    // a corrected capture is recognised even if a converter dropped its id and all checks
     let old = without(&["calibration_id", "zerorate.check", "zerorate.ax", "zerorate.temp."]);
     folder.write("unmarked.csv", old.replace("capture_schema = 2", "capture_schema = 1"));
     refused("unmarked.csv", "corrected already");

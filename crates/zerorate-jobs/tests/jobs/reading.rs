@@ -51,7 +51,7 @@ fn probe_measures_rate_noise_and_losses() {
     assert!(found.warnings.is_empty() && found.self_test.is_none(), "{found:?}");
 }
 
-/// 783 and 527 cycles (F-31), and 20 °/s under self-test.
+/// Rate and temperature take 783 + 527 clock cycles (F-31), and the self-test adds 20 °/s.
 #[test]
 fn probe_tries_the_self_test_and_releases_it() {
     let found = probed(open("twin:seed=7,framing=command,width=16,fw=9:5"), Some("")).unwrap();
@@ -68,7 +68,7 @@ fn each_form_of_data_ready_has_an_edge_without_losses() {
         let found = found(&format!("twin:{keys}"));
         assert!(found.lost_samples == 0 && found.warnings.is_empty(), "{keys}: {found:?}");
     }
-    // 26 µs before new data (F-32): each edge still finds the sample before
+    // the edge comes 26 µs before new data (F-32), so that each read gives the sample before
     for keys in ["rdy=level,edge=rising", "rdy=pulse,edge=falling", "rdy=inverted"] {
         found(&format!("twin:{keys}"));
     }
@@ -90,7 +90,8 @@ fn probe_says_what_is_wired_wrong() {
     }
 }
 
-/// 100 pairs a second fold 14.3 kHz (F-07) to zero: 2 · 527 cycles at 105.4 kHz.
+/// At 100 samples a second, the resonance of 14.3 kHz (F-07) aliases to zero. A clock of 105.4 kHz gives this rate:
+/// a sample takes 2 · 527 cycles.
 #[test]
 fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
     let folder = Folder::new();
@@ -101,7 +102,7 @@ fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
     assert!(!has(&found("twin:mclk_hz=6000000").warnings, "resonance"));
 }
 
-/// F-56: f_conv/(N + 1), f_conv = 2 · 5692.6 Hz, by a divider, by a counter in the line, and by both.
+/// The rate is f_conv/(N + 1), with f_conv = 2 · 5692.6 Hz (F-56): with a divider, a counter in the line, or both.
 #[test]
 fn a_divider_and_a_counter_lower_the_rate() {
     let folder = Folder::new();
@@ -130,7 +131,7 @@ fn a_lower_bandwidth_does_not_alias() {
     assert!(!has(&found(&replay(&file)).warnings, "aliased"));
 }
 
-/// F-50, by a line and by a curve: 0.5 + d · −0.04 with d = TEMP − 31.5.
+/// The correction at T is 0.5 °/s − 0.04 °/s/°C · (T − 31.5 °C), without and with higher terms (F-50).
 #[test]
 fn a_stream_is_corrected_row_by_row() {
     let unit = "twin:noise=0,bias_dps=0,tempco_dps_per_c=0,curvature=0,hysteresis=0,warmup_c=0";

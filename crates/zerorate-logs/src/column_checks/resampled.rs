@@ -62,7 +62,7 @@ fn doubt(samples: &[f64]) -> Option<String> {
     let repeats = share(&first, step, 0.0).or_else(|| coarse_share(samples, step));
     let of_lines = || {
         let second = samples.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
-        // rounding of two sums
+        // the rounding errors of two sums
         let size = samples.iter().fold(0.0_f64, |most, sample| most.max(sample.abs()));
         share(
             &second.filter(|step| step.is_finite()).collect::<Vec<_>>(),
@@ -153,11 +153,11 @@ mod tests {
         // codes of 131 steps in a unit, printed with four decimals
         let printed = noise(5000, 3.0).into_iter().map(|code| (code / 131.0 * 1e4).round() / 1e4);
         assert_eq!(said(printed.collect()), "");
-        // the same with a random last digit, as from printing
+        // codes with a random last digit, as printing may add
         let mut last = noise(5000, 1.0).into_iter();
         let drawn = noise(5000, 3.0).into_iter().map(|code| code * 0.0075 + 1e-4 * last.next().unwrap_or_default());
         assert_eq!(said(drawn.collect()), "");
-        // band-limited, and as codes
+        // band-limited noise, and plain noise as codes
         let slow: Vec<f64> =
             noise(5000, 1e4).windows(50).map(|part| (part.iter().sum::<f64>() / 50.0).round()).collect();
         assert_eq!(said(slow), "");

@@ -229,7 +229,8 @@ fn mcap_of_type(
     mcap_of_types(packing, &topics, encoding, |_, i| messages(i))
 }
 
-/// Topics with their types; a message by the number of its topic and its own.
+/// A bag with 20 messages of each topic; topics are given with their types. `messages` takes the number of the topic
+/// and the number of the message in it.
 fn mcap_of_types(
     packing: Option<mcap::Compression>,
     topics: &[(&str, &str)],
@@ -326,7 +327,7 @@ pub fn sqlite_bag() -> Vec<u8> {
     fs::read(&path).unwrap()
 }
 
-/// The same bytes with another message type, whose name has the same length.
+/// The bag with the type `kind` of its messages replaced by a joystick's, whose name is as long.
 fn of_joysticks(bag: &[u8], kind: &[u8]) -> Vec<u8> {
     let joy = [&kind[..kind.len() - 3], b"Joy"].concat();
     let mut bag = bag.to_vec();

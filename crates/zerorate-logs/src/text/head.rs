@@ -330,14 +330,14 @@ impl Rows {
         let count = |at: usize, what: fn(&str) -> bool| rows.iter().filter(fits).filter(|row| what(row[at])).count();
         let there = rows.iter().filter(fits).count();
         let numeric = |at: usize| match (count(at, is_number), count(at, is_word)) {
-            // empty but for its name
+            // a column without numbers is empty, apart from a name
             (0, words) => words == 0 || words == 1 && there > 1,
             (numbers, words) => words <= numbers,
         };
         let numeric: Vec<bool> = (0..shape.width).map(numeric).collect();
         let is_data = |row: &Vec<&str>| fits(&row) && row.iter().zip(&numeric).all(|(cell, n)| !n || !is_word(cell));
         let with_number = |row: &Vec<&str>| is_data(row) && row.iter().any(|cell| is_number(cell));
-        // names above columns that all hold words as well
+        // a row of words is a header, even if each column also holds words
         let is_title = |row: &[&str]| is_numbered(row) || row.len() > 1 && row.iter().all(|cell| is_word(cell));
         let found = rows.iter().position(with_number).unwrap_or_default();
         let above = rows[..found].iter().rev().take_while(|row| is_data(row) && !is_title(row)).count();

@@ -192,7 +192,7 @@ fn is_unit(word: &str) -> bool {
     Quantity::of_column(&named).is_some() || TimeUnit::of_column(&named).is_some()
 }
 
-/// The most frequent of these, and how often it comes.
+/// The most frequent item, and how often it comes.
 fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
     let mut counts: Vec<(T, usize)> = Vec::new();
     for one in all {

@@ -29,7 +29,7 @@ fn a_header_with_one_name_too_few() {
         let said = fails(&text.replace("\n9\"1\"", "\n\"9\""), "--column gy --rate 10");
         assert!(said.contains("the header has 2 names, and the rows below have 3 cells"), "{said}");
     }
-    // too many, or far too few
+    // a header with too many names, or with far too few
     let said = fails("t,x,y,z\n0,1,2\n1,2,3\n", "--column x --rate 10");
     assert!(said.contains("line 1: the header has 4 names, and the rows below have 3 cells"), "{said}");
     let said = fails("t,x\n0,1,2,4\n1,2,3,5\n", "--column x --rate 10");
@@ -38,7 +38,7 @@ fn a_header_with_one_name_too_few() {
     for text in ["t,x\n0,1,\n1,2,\n2,4,\n", "t,x,\n0,1\n1,2\n2,4\n", "t,x,\n0,1,\n1,2,\n2,4,\n"] {
         assert_eq!(numbers(&read(text, "--column x --rate 10")), [1.0, 2.0, 4.0], "{text:?}");
     }
-    // nor does the index of pandas, which has no name
+    // the index of pandas has no name, and is not a column either
     let column = read(",0\n0,0.5\n1,0.25\n2,1.5\n", "--column 1 --rate 10");
     assert_eq!(numbers(&column), [0.5, 0.25, 1.5]);
 }
@@ -55,9 +55,9 @@ fn one_column_with_decimal_commas() {
     let expected = [Some(0.5), Some(-1.25), Some(3.0), Some(2.0)];
     assert_eq!(there(&read("gz\n0,5\n-1,25\n3\n2,0\n", "--rate 10")), expected);
     assert_eq!(there(&read("gz\n0,5\n-1,25\n3\n2,0\n", "--column 0 --rate 10")), expected);
-    // without a header, where a comma can be nothing else
+    // without a header, and with commas that can only be decimal commas
     assert_eq!(there(&read("-0,5\n-0,25\n0,125\n", "--rate 10")), [Some(-0.5), Some(-0.25), Some(0.125)]);
-    // decimals, or two columns
+    // the commas may mark decimals or separate two columns
     for text in ["3,5\n1,25\n2,7\n", "3,5\n4\n2,7\n"] {
         let said = fails(text, "--column 0 --rate 10");
         assert!(said.contains("give --decimal comma or --decimal point"), "{said}");
@@ -65,9 +65,9 @@ fn one_column_with_decimal_commas() {
     }
     assert_eq!(numbers(&read("0,5\n1,25\n2,7\n", "--column 0 --rate 10")), [0.0, 1.0, 2.0], "a time before a code");
     assert_eq!(numbers(&read("3,5\n1,25\n2,7\n", "--column 1 --rate 10")), [5.0, 25.0, 7.0]);
-    // decimals, or codes behind the number of the row
+    // the commas may mark decimals or separate the row's number from a code
     assert!(fails("gz\n1,5\n2,7\n3,9\n", "--rate 10").contains("the header has one name, `gz`"));
-    // a point can only be a decimal point, and what is before a comma then another column
+    // the points can only be decimal points, so that the commas separate columns
     assert!(fails("gz\n7,0.5\n9,0.7\n8,0.9\n", "--rate 10").contains("has 1 names, and the rows below have 2 cells"));
     assert_eq!(numbers(&read("gz\n1,0.5\n2,0.7\n3,0.9\n", "--rate 10")), [0.5, 0.7, 0.9]);
     assert!(fails("gz\n1,234\n5,678\n", "--rate 10").contains("`1,234` is 1.234 or 1234; give --decimal comma"));

@@ -55,7 +55,7 @@ pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) 
     };
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;
-    // PX4's own calibration uses the middle too; it is rounded to the f32 of a parameter
+    // the middle of the range, as in PX4's own calibration, rounded to the f32 of a parameter
     let about_c = f64::from((0.5 * (temp_min_c + temp_max_c)) as f32);
     let biases = axes.map(|correction| Bias::of(&correction, about_c));
     let mut text = head(export, &format!("thermal compensation of gyroscope {sensor} of PX4"));

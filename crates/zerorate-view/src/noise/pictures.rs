@@ -46,7 +46,7 @@ fn marks(records: &[Record]) -> Vec<plot::Mark> {
 
 /// A plot of a group of records.
 pub struct Picture {
-    /// Its kind: `allan`, `spectrum` or `record`.
+    /// The kind of plot: `allan`, `spectrum` or `record`.
     pub what: &'static str,
     /// The plot as SVG.
     pub svg: String,

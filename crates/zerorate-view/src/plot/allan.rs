@@ -31,11 +31,11 @@ pub struct Curve {
 pub struct Point {
     /// Averaging time, s.
     pub tau_s: f64,
-    /// The deviation.
+    /// The deviation at this averaging time.
     pub dev: f64,
-    /// Lower end of its interval.
+    /// Lower end of the deviation's interval.
     pub lo: f64,
-    /// Upper end of its interval.
+    /// Upper end of the deviation's interval.
     pub hi: f64,
 }
 
@@ -48,7 +48,7 @@ pub struct PowerLaw {
     pub label: String,
     /// Deviation at an averaging time of 1 s.
     pub at_1s: f64,
-    /// Exponent.
+    /// The exponent of the averaging time.
     pub slope: f64,
 }
 
@@ -87,7 +87,7 @@ pub struct Mark {
 pub struct Options {
     /// The heading.
     pub title: Option<String>,
-    /// The text below it, of up to two lines.
+    /// The text below the heading, of up to two lines.
     pub subtitle: Option<String>,
     /// The label of the vertical axis.
     pub quantity: String,

@@ -37,7 +37,7 @@ impl Axis {
         Self { low, high: if high > low { high } else { low + 1.0 }, span, log: false }
     }
 
-    /// The same axis in a unit that is smaller by `factor`.
+    /// This axis in a unit that is smaller by `factor`.
     pub fn in_unit(&self, factor: f64) -> Self {
         Self { low: self.low * factor, high: self.high * factor, ..*self }
     }

@@ -24,7 +24,7 @@ pub struct Scatter {
 pub struct ScatterPanel {
     /// The name of the axis, with its unit.
     pub label: String,
-    /// The dots.
+    /// The points to draw as dots.
     pub dots: Vec<Dot>,
     /// The points of the curve: x, y, and half width of the interval.
     pub curve: Vec<(f64, f64, f64)>,

@@ -3,7 +3,7 @@
 use crate::plot::{Series, over_time};
 use zerorate::calibration::{CalibratedAxis, Calibration};
 
-/// The course of a measurement.
+/// The means of a measurement over time.
 #[derive(Clone, Debug)]
 pub struct Course {
     /// The names of the axes.

@@ -139,7 +139,7 @@ impl Triad<'_> {
             )));
         };
         let (low_c, high_c) = self.span_c();
-        // PX4's own calibration uses the middle too; it is rounded to the f32 of a parameter
+        // the middle of the range, as in PX4's own calibration, rounded to the f32 of a parameter
         let about_c = f64::from((0.5 * (low_c + high_c)) as f32);
         let _ = writeln!(text, "1\t1\t{start}ID\t{device_id}\t6");
         let mut float = |name: String, value: f64| {

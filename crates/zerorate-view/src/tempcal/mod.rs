@@ -150,7 +150,7 @@ impl CubicReport {
 pub struct CurveNoise {
     /// White noise N, in the axis's unit times √s.
     pub n: f64,
-    /// Bias instability.
+    /// Bias instability B, in the axis's unit.
     pub b: f64,
     /// Rate random walk K, in the axis's unit per √s.
     pub k: f64,

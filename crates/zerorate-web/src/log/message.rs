@@ -29,15 +29,15 @@ pub struct LogSettings {
     pub temp_column: Option<String>,
     /// The start of the analysis: a duration such as `45m` after the first sample, or a time of day.
     pub skip: Option<String>,
-    /// The end of the analysis, in the same form.
+    /// The end of the analysis, in the form of `skip`.
     pub until: Option<String>,
     /// Unit of the gyroscopes: `dps`, `rad/s` …
     pub gyro_unit: Option<String>,
-    /// The value of one digit (LSB) of the gyroscopes, in that unit.
+    /// The value of one digit (LSB) of the gyroscopes, in `gyro_unit`.
     pub gyro_scale: Option<f64>,
     /// Unit of the accelerometers: `m/s²`, `g`, `mg` …
     pub accel_unit: Option<String>,
-    /// The value of one digit (LSB) of the accelerometers, in that unit.
+    /// The value of one digit (LSB) of the accelerometers, in `accel_unit`.
     pub accel_scale: Option<f64>,
     /// The decimal mark: `point` or `comma`.
     pub decimal: Option<String>,

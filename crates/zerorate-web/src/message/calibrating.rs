@@ -50,8 +50,8 @@ pub struct Running {
     pub pending_refusals: Vec<String>,
     /// Temperatures, °C: at the start, now, the lowest and the highest.
     pub temps_c: Option<[f64; 4]>,
-    /// The uncertainties if it had ended at the last check; only for `warmup` and `cycle`, null if it would be
-    /// refused.
+    /// The uncertainties if the calibration had ended at the last check; only for `warmup` and `cycle`, null if it
+    /// would be refused.
     pub forecast: Option<Forecast>,
     /// True if `finish-calibration` is allowed now.
     pub can_finish: bool,
@@ -63,7 +63,7 @@ pub struct Running {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Forecast {
-    /// Time of that end since the start, s.
+    /// The assumed end, s after the start.
     pub at_s: f64,
     /// Standard uncertainty of PBC, °/s.
     pub u_pbc_dps: f64,
@@ -117,9 +117,9 @@ pub struct AxisResult {
     pub t3_c: f64,
     /// The correction over the temperatures that were measured.
     pub curve: Vec<CurvePoint>,
-    /// Mean rate over the last minute, °/s.
+    /// Uncorrected mean rate over the last minute, °/s.
     pub before_dps: Option<f64>,
-    /// The same mean after correction, °/s.
+    /// Corrected mean rate over the last minute, °/s.
     pub after_dps: Option<f64>,
 }
 
@@ -159,6 +159,6 @@ pub struct CalibrationEntry {
     pub range_c: Option<[f64; 2]>,
     /// True if the calibration is applied to the readings.
     pub applied: bool,
-    /// The text of its file. A page without a server stores it.
+    /// The text of the calibration file. A page without a server stores it.
     pub toml: String,
 }
