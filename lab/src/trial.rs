@@ -166,12 +166,12 @@ impl TrialEnd {
         }
     }
 
-    /// Whether there is a result without a warning.
+    /// True if there is a result without a warning.
     pub fn is_silent(&self) -> bool {
         matches!(self, Self::Calibrated { warnings, .. } if warnings.is_empty())
     }
 
-    /// Whether the result is outside the 95 % interval without a warning.
+    /// True if the result is outside the 95 % interval without a warning.
     pub fn is_wrong_and_silent(&self) -> bool {
         self.is_silent() && self.worst() > Uncertainty::FACTOR
     }

@@ -14,7 +14,7 @@ pub struct Tool {
     pub package: &'static str,
 }
 
-/// Whether all `tools` are available. On Debian as root, missing ones are installed. Elsewhere stderr names them, with
+/// True if all `tools` are available. On Debian as root, missing ones are installed. Elsewhere stderr names them, with
 /// the command that installs them, and the caller skips its work.
 pub fn available(tools: &[Tool], purpose: &str) -> Result<bool> {
     let missing: Vec<&str> = tools.iter().filter(|tool| !runs(tool.program)).map(|tool| tool.package).collect();
@@ -31,7 +31,7 @@ pub fn module_available(module: &str, package: &str, purpose: &str) -> Result<bo
 /// The Python that Debian's packages of modules belong to.
 const DEBIAN_PYTHON: &str = "/usr/bin/python3";
 
-/// Whether these packages are there in the end.
+/// True if these packages are there in the end.
 fn installed(missing: &[&str], purpose: &str) -> Result<bool> {
     if missing.is_empty() {
         return Ok(true);
@@ -53,12 +53,12 @@ fn apt_get() -> Command {
     command
 }
 
-/// Whether it can be started; not all know `--version`.
+/// True if it can be started; not all know `--version`.
 fn runs(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// Whether we may install missing packages.
+/// True if we may install missing packages.
 pub fn is_root() -> bool {
     Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n")
 }

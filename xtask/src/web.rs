@@ -134,7 +134,7 @@ impl Module {
     }
 }
 
-/// Whether web/node_modules has the packages of package.json, as the lock file says.
+/// True if web/node_modules has the packages of package.json, as the lock file says.
 fn installed() -> Result<bool> {
     let (lock, mark) = (Path::new("web/package-lock.json"), Path::new("web/node_modules/.package-lock.json"));
     let is_newer =

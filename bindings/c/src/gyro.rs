@@ -83,9 +83,9 @@ pub struct Sample {
     pub lost: u32,
     /// Width in which the codes were read: 24 or 16.
     pub bits: u8,
-    /// Whether the temperature was read.
+    /// True if the temperature was read.
     pub has_temp: u8,
-    /// Whether the status of the rate channel was read.
+    /// True if the status of the rate channel was read.
     pub has_status: u8,
     /// That status, as read; bit 0 = out of range (F-35).
     pub status: u8,

@@ -44,7 +44,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     }
 }
 
-/// Whether a folder was given where a file is wanted.
+/// True if a folder was given where a file is wanted.
 fn is_folder(cause: &(dyn Error + 'static)) -> bool {
     let log = cause
         .downcast_ref()

@@ -62,7 +62,7 @@ pub fn column_unit(name: &str) -> Option<&'static str> {
     Unit::of_column(name).map(label)
 }
 
-/// Whether the name of a column states a unit of time.
+/// True if the name of a column states a unit of time.
 #[pyfunction]
 pub fn is_time(name: &str) -> bool {
     Unit::of_column(name).is_none() && TimeUnit::of_column(name).is_some()

@@ -128,7 +128,7 @@ pub struct ColumnArgs {
 }
 
 impl ColumnArgs {
-    /// Whether the option `--column` names several columns.
+    /// True if the option `--column` names several columns.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
     }

@@ -10,8 +10,8 @@ pub use zerorate_jobs::{CodedRefusal, InvalidOptions as Usage};
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 
-/// Prints why a run failed and returns the exit code. It is no failure if the reader of stdout closed it (`zerorate
-/// … | head`), but it is one for any other pipe.
+/// Prints why a run failed and returns the exit code. If the reader of stdout closed it (`zerorate … | head`), the
+/// run succeeded. Any other closed pipe is a failure.
 pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;
@@ -59,7 +59,7 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
 }
 
-/// Whether it is a usage error: another command line, or another build, would succeed.
+/// True if it is a usage error: another command line, or another build, would succeed.
 fn is_request(capture: Option<&CaptureError>, log: Option<&LogError>) -> bool {
     let is_missing = |error: &InputError| matches!(error, InputError::NotBuiltIn { .. });
     let of_capture = capture.is_some_and(|error| match error {

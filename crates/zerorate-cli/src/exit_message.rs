@@ -6,7 +6,7 @@ use std::time::Duration;
 
 struct Last {
     text: Option<String>,
-    /// Whether unfinished work will still change the text.
+    /// True if unfinished work will still change the text.
     is_pending: bool,
 }
 

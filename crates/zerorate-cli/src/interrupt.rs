@@ -44,7 +44,7 @@ pub fn listen() {
     LISTENED_TO.store(true, Ordering::Relaxed);
 }
 
-/// Whether a stop was requested.
+/// True if a stop was requested.
 pub fn asked() -> bool {
     stop().asked()
 }
@@ -69,7 +69,7 @@ fn handle_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// Whether the parent process made this program ignore the signal. Always false outside of Linux.
+/// True if the parent process made this program ignore the signal. Always false outside of Linux.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -16,7 +16,7 @@ pub(crate) trait Address: fmt::Debug + Send + Sync {
         None
     }
 
-    /// Whether the device is simulated and follows the ambient temperature of its [`Setup`].
+    /// True if the device is simulated and follows the ambient temperature of its [`Setup`].
     fn is_simulated(&self) -> bool {
         false
     }

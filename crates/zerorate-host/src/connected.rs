@@ -25,7 +25,7 @@ pub trait Connection {
     type Edges: Edges;
     type Pin: OutputPin<Error = PinError>;
 
-    /// Whether reads go directly over an SPI bus of this computer, so that timing them is meaningful.
+    /// True if reads go directly over an SPI bus of this computer, so that timing them is meaningful.
     const IS_BUS: bool;
 
     /// The requested SPI clock, Hz.

@@ -35,7 +35,7 @@ pub enum Cause {
     Part,
     /// The recording cannot be read, or is damaged.
     File,
-    /// The samples must not become a measurement. The code states the reason.
+    /// The samples must not become a measurement. The value is the code of the reason (docs/codes.md).
     Refused(&'static str),
     /// A stop was requested.
     Stopped,

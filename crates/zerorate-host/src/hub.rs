@@ -1,7 +1,7 @@
 //! One thread reads a device and distributes the samples to all readers.
 //!
 //! A reader that needs every sample (a recorder, the procedure) uses a [`LosslessReader`], for which the thread waits.
-//! If that takes too long, samples are lost before they reach the thread, and later samples count them. The thread
+//! If the reader is too slow, samples are lost before they reach the thread, and later samples count them. The thread
 //! never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and is told their number.
 
 use crate::pace::{Pace, Speed, WallClock};
@@ -69,7 +69,7 @@ pub struct WatchedBatch {
     pub batch: Arc<Batch>,
     /// Number of samples that were dropped before this batch because the queue was full.
     pub missed: u64,
-    /// Number of samples that the device had lost before the dropped ones. It is in addition to all other counts.
+    /// Number of samples that the dropped samples had counted as lost (sum of their [`Row::lost`]).
     pub lost: u64,
 }
 
@@ -117,8 +117,8 @@ enum Request {
 }
 
 impl Hub {
-    /// Opens the device in a new thread. Nothing is sent to the part yet. `stop` ends the reading like a recording's
-    /// end.
+    /// Opens the device in a new thread. Nothing is sent to the part yet. A `stop` ends the samples without an error,
+    /// as the end of a recording does.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.

@@ -160,7 +160,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         if self.is_alive(now_ns) { Ok(()) } else { Err(self.why_silent()) }
     }
 
-    /// Whether there was a sample recently. The first edge after an initialisation counts as a sample.
+    /// True if there was a sample recently. The first edge after an initialisation counts as a sample.
     fn is_alive(&mut self, now_ns: u64) -> bool {
         let alive_ns = *self.alive_ns.get_or_insert(now_ns);
         now_ns.saturating_sub(alive_ns) < self.silence_ns()

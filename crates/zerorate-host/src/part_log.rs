@@ -10,7 +10,7 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Largest distance from a code that is a rounding error of a code written as a decimal or in a unit, in codes.
+/// Largest distance of a value from a whole code, in codes, that still is rounding of a decimal or of a unit.
 const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes and the temperature of a part.
@@ -171,9 +171,9 @@ fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Resu
 struct Coding<'a> {
     path: &'a Path,
     scale: Scale,
-    /// The column's unit in units of the scale; `None` if the column holds codes.
+    /// Size of the column's unit in the unit of the scale; `None` if the column holds codes.
     unit: Option<f64>,
-    /// The unit of the scale.
+    /// Name of the unit of the scale.
     name: &'static str,
     /// Advice on how to state the unit.
     remedy: &'static str,

@@ -111,7 +111,7 @@ pub struct DeviceInfo {
     pub part: Part,
     /// How CS frames the bytes (F-22); `None` if this program does not control CS.
     pub framing: Option<Framing>,
-    /// Whether the device runs in real time; false for simulated and replayed time.
+    /// True if the device runs in real time; false for simulated and replayed time.
     pub is_real: bool,
     /// Nominal samples per second; `None` for a recording of a part other than the ADIS16130.
     pub rate_hz: Option<f64>,
@@ -158,8 +158,8 @@ pub(crate) fn part_of(info: &CaptureInfo, known: Option<&Part>) -> Result<Part> 
     info.part_from(known).map_err(|error| UserError::request(error.to_string()).into())
 }
 
-/// The sample rate at the nominal master clock: 2/(N + 1) conversion pairs per reading on every N-th edge (F-31,
-/// F-56).
+/// The sample rate at the nominal master clock: 2/(N + 1) readings per conversion pair, with a reading on every
+/// N-th edge (F-31, F-56).
 pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
     let set = info.converter?;
     let cycles = [set.rate_conversion, set.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));

@@ -202,7 +202,7 @@ struct SpiBus {
     spi: Spidev,
     clock: Arc<AtomicU32>,
     failed: LastErrno,
-    /// Whether CS rises after every byte of a command (F-22).
+    /// True if CS rises after every byte of a command (F-22).
     split: bool,
 }
 

@@ -13,7 +13,7 @@ impl Stop {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether a stop was requested. It costs one relaxed load, so it may be called for every sample.
+    /// True if a stop was requested. It costs one relaxed load, so it may be called for every sample.
     #[inline]
     #[must_use]
     pub fn asked(&self) -> bool {

@@ -135,7 +135,7 @@ fn a_twin_may_have_several_axes() {
     assert!(rows.windows(2).all(|pair| pair[0].t_ns < pair[1].t_ns && pair[1].lost == 0));
     for (axis, truth) in truths.iter().enumerate() {
         let sum: f64 = rows.iter().map(|row| row.codes()[axis] as f64 - 32_768.0).sum();
-        // 91.75 codes per °/s; 0.2 s of 0.0125 °/s/√Hz, and what warms up meanwhile
+        // 91.75 codes per °/s; the mean of 0.2 s of 0.0125 °/s/√Hz (F-02) is good to 0.02 °/s, and the part warms up
         let off = sum / 1000.0 / 91.75 - truth.bias_dps(truth.sensor_c);
         assert!(off.abs() < 0.15, "axis {axis}: {off}");
     }

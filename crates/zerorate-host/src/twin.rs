@@ -253,7 +253,7 @@ fn told_mclk_hz(mclk_hz: f64) -> u32 {
 /// The RDY line of the twin, optionally with a counter.
 struct TwinEdges {
     twin: Twin,
-    /// Whether the driver uses rising edges.
+    /// True if the driver uses rising edges.
     rising: bool,
     /// Number of the part's edges per edge of the counter.
     divided: u32,

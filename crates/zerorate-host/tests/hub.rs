@@ -1,5 +1,4 @@
-//! One thread reads a device for everybody: who must have every sample has them all, and nobody is waited for who only
-//! looks on.
+//! One thread reads a device for all readers: lossless readers get every sample, and the thread waits for no watcher.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
@@ -15,7 +14,7 @@ fn hub(device: &str, stop: &Stop) -> Hub {
     hub
 }
 
-/// Samples, those that were lost, and the time from the first to the last, s.
+/// Number of samples, number of lost samples, and the time from the first sample to the last, s.
 fn recorded(everything: &LosslessReader, mut go_on: impl FnMut(&Batch) -> bool) -> (u64, u64, f64) {
     let (mut samples, mut lost, mut span_ns) = (0, 0, None);
     while let Some(batch) = everything.next().expect("samples") {
@@ -37,10 +36,10 @@ fn recorded(everything: &LosslessReader, mut go_on: impl FnMut(&Batch) -> bool) 
 
 const SECONDS: u64 = 10;
 const WATCHERS: usize = 20;
-/// Batches that wait for a watcher.
+/// Number of batches that can wait for a watcher.
 const QUEUE: usize = 8;
 
-/// Samples that a watcher got, and that it was told to have missed.
+/// Number of samples that a watcher got, and number that it was told it missed.
 fn watched(watcher: &Watcher) -> (u64, u64) {
     let (mut got, mut missed) = (0, 0);
     while let Some(watched) = watcher.next() {
@@ -63,7 +62,7 @@ fn resident_bytes() -> u64 {
     0
 }
 
-/// Two parts at their full rate for 10 s of the wall clock, each watched by 20, of whom one never reads.
+/// Two parts at their full rate for 10 s of wall-clock time, each with 20 watchers, one of which never reads.
 #[test]
 fn two_parts_are_recorded_whole_whoever_watches() {
     let stop = Stop::default();
@@ -92,7 +91,7 @@ fn two_parts_are_recorded_whole_whoever_watches() {
                     let (got, missed) = watcher.join().expect("a watcher");
                     assert!(got + missed <= samples + 4096 && got > 0, "{got} and {missed} of {samples}");
                 }
-                // what fits into its queue, and what was missed before the last of that
+                // the batches that fit into the queue of a watcher that never read
                 let (got, _) = watched(&idle);
                 assert!(got < samples / 20, "{got} of {samples} waited for who never read");
             });
@@ -216,7 +215,7 @@ fn a_watcher_learns_from_the_hub_why_samples_ended() {
     assert_eq!(hub.failure().expect("it was unplugged").cause(), Cause::Gone);
 }
 
-/// The configuration of F-30, typed from there.
+/// The written values are those of F-30, typed again from docs/facts.md.
 #[test]
 fn the_registers_of_the_twin_can_be_read_before_its_samples() {
     for device in ["twin:", "twin:axes=3"] {
@@ -234,7 +233,7 @@ fn the_registers_of_the_twin_can_be_read_before_its_samples() {
     }
 }
 
-/// A chamber moves the air at each mark. The clocks of these parts let a sample come 20 µs before a mark.
+/// A chamber changes the ambient temperature at each mark. With these seeds, a sample comes 20 µs before a mark.
 #[test]
 fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
     const SECOND_NS: u64 = 1_000_000_000;
@@ -245,7 +244,7 @@ fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
         let spec: DeviceSpec = format!("twin:seed={seed}").parse().expect("a device");
         let hub = Hub::open(&spec, setup, &Stop::default()).expect("a hub");
         hub.with(|source| source.initialise()).expect("a part");
-        // a hub waits for its thread, and the thread for the writer of the profile
+        // dropped before the hub, which waits for its thread, which waits for the writer
         let (everything, writer) = (hub.everything(), ambient.writer());
         hub.read(Pace::Free, (0..=400).map(|second| second * SECOND_NS).collect()).expect("it begins");
         for second in 0..400 {

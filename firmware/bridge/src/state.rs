@@ -14,7 +14,7 @@ pub enum State {
 }
 
 impl State {
-    /// Whether the LED is lit at a tick, counted from 0.
+    /// True if the LED is lit at a tick, counted from 0.
     pub const fn is_lit(self, tick: u8) -> bool {
         let pattern: u8 = match self {
             Self::Idle => 0b0000_0001,

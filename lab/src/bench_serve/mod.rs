@@ -73,7 +73,7 @@ fn program(args: &BenchServeArgs) -> Result<PathBuf> {
     }
 }
 
-/// Whether libiio clients can take part.
+/// True if libiio clients can take part.
 fn has_iio(args: &BenchServeArgs) -> Result<bool> {
     let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
     Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)

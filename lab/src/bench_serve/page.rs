@@ -73,7 +73,7 @@ pub fn ask(address: &str, request: &str) -> Result<Value> {
     }
 }
 
-/// Whether a newly opened page gets a notice with this code.
+/// True if a newly opened page gets a notice with this code.
 pub fn notice(address: &str, code: &str) -> Result<bool> {
     let mut stream = BufReader::new(connect(address)?);
     let header = header(&message(&mut stream)?.1)?;

@@ -65,7 +65,7 @@ const TELLING: [&str; 9] = [
 const WRONG: f64 = 3.0;
 
 impl Run {
-    /// Whether a coefficient is identified but wrong, and no warning tells so.
+    /// True if a coefficient is identified but wrong, and no warning tells so.
     fn is_silently_wrong(&self, truth: &[f64; 3]) -> bool {
         let is_wrong = |(c, truth): (&Coefficient, &f64)| {
             let half = if *truth > c.value { c.hi - c.value } else { c.value - c.lo };

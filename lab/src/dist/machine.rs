@@ -44,7 +44,7 @@ pub const MACHINES: [Machine; 3] = [
 ];
 
 impl Machine {
-    /// Whether its programs can be run here. If not, prints that they are skipped.
+    /// True if its programs can be run here. If not, prints that they are skipped.
     pub fn runs_here(&self) -> Result<bool> {
         let Some(program) = self.emulator else { return Ok(true) };
         available(&[Tool { program, package: "qemu-user-static" }], &format!("running programs for {}", self.name))

@@ -100,7 +100,7 @@ fn copy_all(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Whether an ELF file needs no loader for shared libraries.
+/// True if an ELF file needs no loader for shared libraries.
 fn is_static(program: &Path) -> Result<bool> {
     fn interpreted<H: FileHeader<Endian = Endianness>>(data: &[u8]) -> Result<bool> {
         let header = H::parse(data)?;

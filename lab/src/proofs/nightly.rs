@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 /// The target for the sanitizers. Because it is named explicitly, build scripts are not instrumented.
 pub const HOST: &str = "x86_64-unknown-linux-gnu";
 
-/// Whether nightly Rust with this component is installed for this computer. If not, prints what is missing to stderr.
+/// True if nightly Rust with this component is installed for this computer. If not, prints what is missing to stderr.
 pub fn available(component: &str, purpose: &str) -> bool {
     let list = ["+nightly", "component", "list", "--installed"];
     let list = Command::new("rustup").args(list).stderr(Stdio::null()).output();

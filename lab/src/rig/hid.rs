@@ -44,7 +44,7 @@ struct HidReading {
     codes: Vec<i64>,
     /// The gyroscope's clock before and after sending, ns.
     between_ns: (i64, i64),
-    /// Whether the reading was sent on request.
+    /// True if the reading was sent on request.
     asked: bool,
 }
 
@@ -53,7 +53,7 @@ struct HidReading {
 struct Stream {
     name: &'static str,
     samples: usize,
-    /// Whether the samples are the readings that were sent, in order.
+    /// True if the samples are the readings that were sent, in order.
     are_those_sent: bool,
     /// The smallest and the largest offset between both clocks that fits all times, ns.
     offset_ns: (i64, i64),

@@ -59,7 +59,7 @@ fn capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Whether there were warnings about the recording.
+/// True if there were warnings about the recording.
 fn telling(run: &Run) -> bool {
     run.json().is_ok_and(|summary| summary["warnings"].as_array().is_some_and(|warnings| !warnings.is_empty()))
 }

@@ -83,7 +83,7 @@ impl Drop for Disk {
     }
 }
 
-/// Whether images can be mounted here. It is tried once.
+/// True if images can be mounted here. It is tried once.
 fn possible() -> bool {
     static POSSIBLE: OnceLock<bool> = OnceLock::new();
     *POSSIBLE.get_or_init(|| Disk::new("try").is_ok_and(|disk| disk.is_some()))

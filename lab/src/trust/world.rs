@@ -99,7 +99,7 @@ fn record(method: Method, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Whether nothing in the hour distinguishes such conditions from good ones. The warning about the Earth's rotation,
+/// True if nothing in the hour distinguishes such conditions from good ones. The warning about the Earth's rotation,
 /// which every result has, covers them.
 fn is_unknowable(spec: &Spec) -> bool {
     let last_s = spec.fault_at_s.map_or(f64::INFINITY, |at_s| (HOUR_S - at_s).max(1.0));

@@ -51,7 +51,7 @@ const MODE_3: u8 = 0b11;
 pub trait Board {
     /// Transfers one frame of CS with the clock in mode 3. Returns the bytes that were received while `mosi` was sent.
     fn frame(&mut self, mosi: &[u8]) -> Vec<u8>;
-    /// Whether RDY is high.
+    /// True if RDY is high.
     fn rdy_high(&mut self) -> bool;
 }
 
@@ -130,7 +130,7 @@ impl Ljca {
         self.events
     }
 
-    /// Whether an edge of RDY would cause an event now.
+    /// True if an edge of RDY would cause an event now.
     pub fn wants_rdy(&self) -> bool {
         let line = self.lines[usize::from(RDY_PIN)];
         line.interrupt && line.unmasked

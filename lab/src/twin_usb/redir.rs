@@ -107,7 +107,7 @@ pub struct Control {
 }
 
 impl Control {
-    /// Whether the data go from the device to the host.
+    /// True if the data go from the device to the host.
     pub fn is_in(&self) -> bool {
         self.request_type & 0x80 != 0
     }

@@ -162,7 +162,7 @@ class Scale:
     width_bits: int
     """Bits of a code."""
     signed: bool
-    """Whether codes are two's complement; otherwise they begin at 0."""
+    """True if codes are two's complement; otherwise they begin at 0."""
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,7 @@ class Run:
     max_u_btc_dps_per_c: float
     """Largest uncertainty of BTC that was accepted, °/s/°C."""
     assume_linear: bool
-    """Whether the bias was taken for a straight line over temperature."""
+    """True if the bias was taken for a straight line over temperature."""
     earth_dps: float | None = None
     """Component of the Earth's rotation that was subtracted, °/s; None means that it is part of PBC."""
 
@@ -457,7 +457,7 @@ class Corrected:
     temp_c: NDArray[np.float64]
     """The temperature with which each rate was corrected, °C: the last one that was read."""
     extrapolated: NDArray[np.bool_]
-    """Whether this temperature lies outside the span in which the calibration holds."""
+    """True if this temperature lies outside the span in which the calibration holds."""
 
 
 class Corrector:

@@ -243,12 +243,12 @@ def columns_of(
 
 
 def is_all(column: Column) -> bool:
-    """Whether all columns are asked for."""
+    """True if all columns are asked for."""
     return isinstance(column, str) and column == ALL
 
 
 def is_several(column: Column | None) -> bool:
-    """Whether the answer has a name for each column."""
+    """True if the answer has a name for each column."""
     return column is not None and (is_all(column) or not isinstance(column, (str, int, np.integer)))
 
 

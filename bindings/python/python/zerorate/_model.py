@@ -21,7 +21,7 @@ class Coefficient:
     unit: str
     """Unit of these three."""
     identified: bool
-    """Whether the record shows this noise at all: zero is outside of the interval."""
+    """True if the record shows this noise at all: zero is outside of the interval."""
     needed_s: float | None
     """Length of a record that would identify it, s; None if it is identified."""
 
@@ -62,7 +62,7 @@ class BandShape:
     corner: tuple[float, float] | None
     """f_c in Hz and c of a second-order low-pass: c is 0 for a Butterworth one and 2 for two equal poles."""
     of_white: bool
-    """Whether it shapes the white noise alone, and slow noise joins behind it."""
+    """True if it shapes the white noise alone, and slow noise joins behind it."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ class Fit:
     """The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and `Allan.model`
     is that of the measured spectrum."""
     rejected: bool
-    """Whether the model is off by more than 10 %, so that nothing is identified."""
+    """True if the model is off by more than 10 %, so that nothing is identified."""
     terms: list[Term] = field(default_factory=list)
     """Gauss–Markov terms, the sensor's band, lines and warm-up, if significant."""
     warnings: list[str] = field(default_factory=list)

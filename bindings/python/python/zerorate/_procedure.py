@@ -96,7 +96,7 @@ class Calibrated:
     created: str | None
     """When the samples were recorded, RFC 3339; ``SIMULATED`` for a twin."""
     simulated: bool
-    """Whether the part was the software twin."""
+    """True if the part was the software twin."""
     calibration_id: str
     """Short identifier of the calibration; corrected data carry it."""
     capture_sha256: str

@@ -27,7 +27,7 @@ class Captured:
     duration_s: float
     """From the first sample to the last, s."""
     interrupted: bool
-    """Whether it ended early."""
+    """True if it ended early."""
     impossible_readings: int
     """Readings that the part cannot have made (bit errors)."""
     impossible_temps: int
@@ -37,7 +37,7 @@ class Captured:
     unjudged: int
     """Readings too far apart to be judged."""
     frozen: bool
-    """Whether the part had stopped at the end; it then is `Refused`."""
+    """True if the part had stopped at the end; it then is `Refused`."""
     warnings: list[str]
     """Warnings, each ``code: text``: what was seen and what to do."""
 

@@ -26,19 +26,19 @@ LETTERS = "xyz"
 
 
 def is_path(data: Any) -> bool:
-    """Whether the data is the path of a log."""
+    """True if the data is the path of a log."""
     return isinstance(data, (str, os.PathLike))
 
 
 def is_table(data: Any) -> bool:
-    """Whether the data has named columns: a dictionary, a DataFrame, a structured array."""
+    """True if the data has named columns: a dictionary, a DataFrame, a structured array."""
     if isinstance(data, np.ndarray):
         return data.dtype.names is not None
     return isinstance(data, Mapping) or _is_lazy(data) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
 
 
 def has_time_index(data: Any) -> bool:
-    """Whether the data is a pandas Series or DataFrame with the time in its index: instants, durations, or numbers
+    """True if the data is a pandas Series or DataFrame with the time in its index: instants, durations, or numbers
     under a name that states a unit of time."""
     index = getattr(data, "index", None)
     kind, name = getattr(getattr(index, "dtype", None), "kind", ""), getattr(index, "name", None)
@@ -46,12 +46,12 @@ def has_time_index(data: Any) -> bool:
 
 
 def is_array(data: Any) -> bool:
-    """Whether the data is numbers without names."""
+    """True if the data is numbers without names."""
     return not is_path(data) and not is_table(data) and np.ndim(data) > 0
 
 
 def is_wide(data: Any) -> bool:
-    """Whether the data is an array of several columns."""
+    """True if the data is an array of several columns."""
     return is_array(data) and not isinstance(data, (list, tuple)) and np.ndim(data) == 2
 
 
@@ -116,7 +116,7 @@ def _index(data: Any) -> tuple[str, Cells]:
 
 
 def _is_lazy(data: Any) -> bool:
-    """Whether the data is a polars LazyFrame."""
+    """True if the data is a polars LazyFrame."""
     return hasattr(data, "collect_schema") and hasattr(data, "lazy") and not hasattr(data, "to_numpy")
 
 

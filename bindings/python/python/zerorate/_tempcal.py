@@ -45,7 +45,7 @@ class BiasMeans:
     left: NDArray[np.float64]
     """The mean less the curve."""
     is_warming: NDArray[np.bool_]
-    """Whether the sensor was warming."""
+    """True if the sensor was warming."""
 
 
 @dataclass(frozen=True)

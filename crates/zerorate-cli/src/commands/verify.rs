@@ -58,21 +58,21 @@ struct Verdict {
     /// A capture's statements about its part.
     #[serde(flatten)]
     stated: Option<CaptureFacts>,
-    /// Whether the file's own checks cover its whole content.
+    /// True if the file's own checks cover its whole content.
     checked: bool,
     rows: u64,
     lost: u64,
     first_ns: Option<u64>,
     last_ns: Option<u64>,
     samples_sha256: Option<String>,
-    /// Whether the end of a capture is missing.
+    /// True if the end of a capture is missing.
     torn: bool,
     /// What is wrong, and where.
     damage: Option<String>,
     /// The remedy for a damaged file.
     remedy: Option<String>,
     notes: Vec<String>,
-    /// Whether the content is unknown, because the file does not exist or this program cannot read it.
+    /// True if the content is unknown, because the file does not exist or this program cannot read it.
     #[serde(skip)]
     unread: bool,
 }

@@ -95,7 +95,7 @@ fn marked(error: io::Error) -> io::Error {
     }
 }
 
-/// Whether the error means that the reader of stdout closed it.
+/// True if the error means that the reader of stdout closed it.
 pub fn reader_left(error: &anyhow::Error) -> bool {
     let is_mark = |error: &io::Error| error.get_ref().is_some_and(|inner| inner.is::<ReaderLeft>());
     error.chain().any(|cause| cause.downcast_ref().is_some_and(is_mark))

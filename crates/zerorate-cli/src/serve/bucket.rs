@@ -17,7 +17,7 @@ impl Bucket {
         Self { most: most.into(), per_s, left: most.into(), at: now }
     }
 
-    /// Whether an action is allowed now.
+    /// True if an action is allowed now.
     pub fn has_one(&mut self, now: Instant) -> bool {
         self.fill(now);
         self.left >= 1.0

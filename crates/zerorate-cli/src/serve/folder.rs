@@ -30,7 +30,7 @@ impl Folder {
         Self { path, ..Self::default() }
     }
 
-    /// Whether calibrations are saved at all.
+    /// True if calibrations are saved at all.
     pub fn is_there(&self) -> bool {
         self.path.is_some()
     }

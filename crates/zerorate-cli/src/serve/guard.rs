@@ -37,7 +37,7 @@ impl Token {
         Ok(Self(token.to_owned()))
     }
 
-    /// Whether `shown` is the token, in constant time.
+    /// True if `shown` is the token, in constant time.
     pub fn is(&self, shown: &str) -> bool {
         self.0.as_bytes().ct_eq(shown.as_bytes()).into()
     }

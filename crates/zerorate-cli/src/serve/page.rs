@@ -20,7 +20,7 @@ struct Asset {
 /// The files of the page that the build found; empty if there were none.
 static PAGE: &[Asset] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
-/// Whether the page is in this program.
+/// True if the page is in this program.
 pub fn is_there() -> bool {
     !PAGE.is_empty()
 }

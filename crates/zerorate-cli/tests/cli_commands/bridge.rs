@@ -1,5 +1,4 @@
-//! `bridge:` and `tcp:` devices: the program against the bridge of the emulator's firmware, run here with a socket as
-//! its port.
+//! Devices `bridge:` and `tcp:`. The firmware of the emulated bridge runs in the test, behind a TCP socket.
 
 #[path = "../../../../firmware/qemu/src/bridge.rs"]
 mod firmware;
@@ -13,19 +12,19 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::thread;
 
-/// A cable that does harm on its way to the host.
+/// Faults of the cable or of the bridge.
 #[derive(Clone, Copy, Default)]
 struct Cable {
-    /// A bit of every so many frames is flipped.
+    /// Flips a bit in every frame of this number: the N-th, the 2N-th and so on.
     damages_every: Option<u64>,
     pulled_after: Option<u64>,
-    /// No cable, but a clock of the bridge that runs by so many ns from one sample to the next.
+    /// Replaces the bridge's clock: time from one sample to the next, ns.
     clock_step_ns: Option<u64>,
-    /// No cable, but firmware from before there was anything to configure beyond Configure.
+    /// Old firmware, which does not know the command for a counter in the RDY line.
     is_old: bool,
 }
 
-/// The frame with another time in it, if it holds a sample.
+/// Replaces the time in a frame that holds a sample.
 fn with_time(frame: &[u8], clock_step_ns: u64) -> Vec<u8> {
     let mut decoder = Decoder::new();
     for byte in frame {
@@ -47,7 +46,7 @@ fn configures(frame: &[u8]) -> bool {
 }
 
 struct Socket {
-    /// Answers to Configure so far.
+    /// Number of Configure requests that were answered.
     configured: u32,
     stream: TcpStream,
     cable: Cable,
@@ -87,7 +86,7 @@ impl Port for Socket {
     }
 }
 
-/// A bridge with this part and this cable; `tcp:…` of it. It serves one host after the other.
+/// Starts a bridge with this part and this cable, for one host after the other. Returns its `tcp:` address.
 fn bridge(spec: Spec, cable: Cable) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
@@ -134,7 +133,7 @@ fn a_bridge_takes_the_options_of_the_part() {
     let arguments = ["probe", "--device", &options, "--duration", "1s", "--json", "--self-test"];
     let found = zerorate(&arguments).ended_with(0).json();
     assert_eq!((&found["framing"], &found["lost_samples"]), (&"byte".into(), &0.into()));
-    // FW = 9 takes 783 cycles (F-31)
+    // a filter word of 9 makes a conversion take 783 cycles (F-31), and a sample two conversions
     assert!((found["rate_hz"].as_f64().expect("a rate") / (6e6 / 1566.0) - 1.0).abs() < 0.02, "{found}");
     let shift_dps = found["self_test"]["shift_dps"].as_f64().expect("a shift");
     assert!((shift_dps - 20.0).abs() < 2.0, "the twin's is 20 °/s, and its sensitivity is off by 3 %: {found}");
@@ -152,7 +151,7 @@ fn a_bridge_is_told_of_a_counter_in_the_line() {
     run.ended_with(0);
     let text = text(&bench);
     assert!(text.contains("zerorate.divided = 50"), "{}", &text[..1_000]);
-    // the emulator's line has no counter, and a bridge asked again takes that back
+    // the bridge's line has no counter; a second command without the counter resets the setting
     let (run, bench) = capture(&device, "5000");
     assert_eq!(run.ended_with(0).json()["lost_samples"], 0);
     assert!(rows(&bench).len() == 5_000);
@@ -182,7 +181,7 @@ fn damaged_frames_are_counted_as_lost() {
     let summary = run.ended_with(0).json();
     assert!(summary["warnings"].to_string().contains("damaged-frames: "), "{summary}");
     let (lost, rows) = (summary["lost_samples"].as_u64().expect("a number"), rows(&bench));
-    // 99 of 100 arrive, and the first frames are answers
+    // one of 100 frames is damaged, and the first frames are answers
     assert!((100..=102).contains(&lost), "{lost}");
     assert_eq!(rows.iter().map(|row| row[5]).sum::<u64>(), lost);
     assert_eq!(rows.iter().filter(|row| row[5] == 1).count() as u64, lost, "each is told of by the sample after it");

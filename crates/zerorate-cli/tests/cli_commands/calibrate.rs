@@ -1,10 +1,10 @@
-//! `calibrate` and `recalibrate`.
+//! The commands `calibrate` and `recalibrate`.
 
 use super::{SHORT, calibrate};
 use crate::harness::{Bench, Run};
 use serde_json::Value;
 
-/// `zerorate calibrate` with the short durations, in this folder.
+/// Runs `zerorate calibrate` with the short durations in the folder of the test.
 fn calibrated(bench: &Bench, more: &str) -> Run {
     bench.zerorate(&format!("calibrate {} {more}", SHORT.join(" "))).ended_with(0)
 }
@@ -46,7 +46,7 @@ fn the_text_report_shows_values_with_units_and_what_next() {
     assert!(text.contains("-o unit.toml"), "{text}");
 }
 
-/// A calibration of the twin is saved only when asked, and says what it is wherever it goes.
+/// A calibration of the twin is saved only on request. Its file, JSON and text say that it is simulated.
 #[test]
 fn a_simulated_calibration_says_so() {
     let bench = Bench::new();
@@ -67,7 +67,7 @@ fn a_simulated_calibration_says_so() {
     assert!(header.contains("measured     SIMULATED"), "{header}");
 }
 
-/// F-16, by the latitude.
+/// `--latitude` subtracts the Earth's rotation of F-16.
 #[test]
 fn the_latitude_gives_the_earths_rotation() {
     let earth = |given: &[&str]| {
@@ -76,7 +76,7 @@ fn the_latitude_gives_the_earths_rotation() {
     };
     let (without, north, south) = (earth(&[]), earth(&["--latitude", "30"]), earth(&["--latitude", "-30"]));
     assert!((north - without - 0.00209).abs() < 1e-9 && (south - without + 0.00209).abs() < 1e-9, "{north} {south}");
-    // a twin turns only as its keys say
+    // the twin does not rotate with the Earth unless `rotation_dps` says so
     let at_rest = calibrate(&["--device", "twin:seed=7", "--latitude", "30"]).ended_with(0);
     at_rest.saying(&["twin-at-rest", "PBC is +0.00209 °/s off", "rotation_dps=0.00209"]);
     let turning = calibrate(&["--device", "twin:seed=7,rotation_dps=0.00209", "--latitude", "30"]).ended_with(0);
@@ -85,7 +85,7 @@ fn the_latitude_gives_the_earths_rotation() {
     calibrate(&["--latitude", "1", "--earth-dps", "0"]).ended_with(2);
 }
 
-/// The whole recording again, without its length being told: the same file.
+/// `recalibrate` without durations uses the whole recording, and writes the same file.
 #[test]
 fn a_recorded_warm_up_gives_the_same_file() {
     let bench = Bench::new();
@@ -102,7 +102,7 @@ fn a_recorded_warm_up_gives_the_same_file() {
     assert!(shown.iter().all(|part| page.contains(part)), "{page}");
     bench.zerorate("capture --device twin:seed=4 --samples 900 -o other.arrows").ended_with(0);
     bench.zerorate("report live.toml --capture other.arrows -o b.html").ended_with(1).saying(&["is not the capture"]);
-    // a capture that goes on after the calibration
+    // a capture that is longer than the calibration
     let short = "--average 2s --warmup 30s --settle 5s --offset 5s --max-u-btc 1";
     bench.zerorate(&format!("recalibrate log.arrows {short} -o part.toml")).ok();
     bench.zerorate("report part.toml --capture log.arrows -o part.html").ended_with(0);

@@ -1,12 +1,12 @@
-//! `chamber`: what is measured, what is kept of an interrupted measurement, and each way in which a chamber fails.
+//! `chamber`: its result, the saved steps of an interrupted measurement, and the reports of failures.
 
 use crate::harness::{Bench, PROGRAM, Run, send, start, wait_until};
 use serde_json::Value;
 use std::process::Command;
 
-/// A unit that warms itself in a minute, seen 225 times a second.
+/// A twin that warms itself in a minute, with 225 samples per second.
 const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
-/// Two soak points, in part time of four minutes.
+/// Two soak points, which take four minutes of simulated time.
 const QUICK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 
@@ -65,7 +65,7 @@ fn each_step_by_hand_is_announced() {
     bench.zerorate(&line).ended_with(0).saying(&said);
 }
 
-/// The cable is pulled in the second step; the same command goes on there, and the cable holds for long enough.
+/// The cable is pulled in the second step. The same command continues there, with a cable that holds.
 #[test]
 fn an_interrupted_measurement_goes_on_after_its_last_finished_step() {
     let bench = bench();
@@ -132,7 +132,7 @@ fn plans_and_chambers_that_make_no_sense_are_named() {
     assert!(said.contains("a picture shows one axis"), "{said}");
 }
 
-/// A run that fails leaves nothing under the names that were asked for, and goes on from its steps.
+/// A run that fails leaves no file under the requested names, and can continue from its steps.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_log_that_outgrows_its_disk_costs_neither_the_result_nor_the_steps() {

@@ -1,4 +1,5 @@
-//! A chamber that fails, in each way and at each moment: it is left safe, or the user reads that nobody knows.
+//! A chamber that fails in each way and at each time: it ends at the safe temperature, or the last line tells the user
+//! that its temperature is unknown.
 
 use crate::harness::script_chamber::{AT_END, FAULTS, ScriptChamber};
 use crate::harness::{Bench, Run, start};
@@ -11,20 +12,20 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A unit that warms itself in a minute, seen 225 times a second.
+/// A twin that warms itself in a minute, with 225 samples per second.
 const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
-/// Two soak points, in part time of four minutes.
+/// Two soak points, which take four minutes of simulated time.
 const QUICK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 300\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
-/// No run takes longer, on a machine however busy.
+/// Time limit of a run, for a busy machine.
 const MOST: Duration = Duration::from_secs(120);
 
 /// How the measurement ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Ending {
-    /// By itself, and the fault comes before.
+    /// The measurement ends by itself. The fault begins before its end.
     Running,
-    /// By itself, and the fault comes with the safe set point.
+    /// The measurement ends by itself. The fault begins with the safe set point.
     Ended,
     CtrlC,
     CtrlCTwice,
@@ -52,7 +53,7 @@ struct Cell {
 impl Cell {
     fn all() -> Vec<Self> {
         let cells = FAULTS.iter().flat_map(|fault| ENDINGS.map(|ending| Self { fault: *fault, ending }));
-        // a test of zerorate-host has this one, with shorter limits
+        // a test of zerorate-host covers this case with shorter limits
         cells.filter(|cell| (cell.fault, cell.ending) != ("dead", Ending::Running)).collect()
     }
 
@@ -60,13 +61,13 @@ impl Cell {
         if self.ending == Ending::Ended { AT_END } else { "20" }
     }
 
-    /// What comes back is waited for as long as it takes on a busy machine.
+    /// Time for retries, s. A fault that passes gets long enough for a busy machine.
     fn retry_s(&self) -> u32 {
         let comes_back = self.fault == "fails-thrice";
         if self.ending == Ending::Running && !comes_back { 1 } else { 60 }
     }
 
-    /// The exit code of a measurement that nobody interrupts.
+    /// The exit code of a measurement that is not interrupted.
     fn code(&self) -> i32 {
         match self.fault {
             _ if self.ending == Ending::Ended => 0,
@@ -76,13 +77,13 @@ impl Cell {
         }
     }
 
-    /// Runs the program through it. Returns what is wrong with how it ended.
+    /// Runs the program with this fault and ending. Returns what is wrong with the outcome.
     fn complaint(&self) -> Option<String> {
         let Self { fault, ending } = *self;
         let bench = Bench::new();
         let chamber = chamber(&bench, fault, self.onset());
         let run = measured(&bench, &chamber, self.retry_s(), ending.signals());
-        // what was sent last may still be on its way
+        // the last command to the chamber may still be running
         wait_for(|| !self.must_be_safe() || chamber.is_safe());
         let wrong = match () {
             () if ending.signals().is_empty() && run.code != Some(self.code()) => {
@@ -95,13 +96,13 @@ impl Cell {
         wrong.map(|wrong| format!("{fault}, {ending:?}: {wrong}\n{:?} {}", run.code, run.stderr))
     }
 
-    /// Whether it is not enough to say that nobody knows.
+    /// True if the chamber must end at its safe temperature; a message that it is unknown is not enough.
     fn must_be_safe(&self) -> bool {
         !matches!(self.fault, "dead" | "fails" | "refuses") && self.ending != Ending::CtrlCTwice
     }
 }
 
-/// A chamber in a folder of the bench, and the plan beside it.
+/// Makes a chamber in a subfolder of the test's folder, and writes the plan.
 fn chamber(bench: &Bench, fault: &str, onset: &str) -> ScriptChamber {
     bench.write("quick.toml", QUICK);
     let folder = bench.path("a chamber");
@@ -109,21 +110,21 @@ fn chamber(bench: &Bench, fault: &str, onset: &str) -> ScriptChamber {
     ScriptChamber::new(folder, fault, onset).expect("files")
 }
 
-/// The program in a process group of its own, as a terminal starts it.
+/// The program in its own process group, as a shell in a terminal starts it.
 fn program(bench: &Bench, chamber: &ScriptChamber, retry_s: u32) -> Command {
     let mut command = bench.command(&format!("chamber quick.toml {UNIT} -o u.toml"));
     command.args(chamber.arguments(retry_s)).process_group(0);
     command
 }
 
-/// A measurement in this chamber, with these signals once its fault is there. As Ctrl-C does, they reach the group.
+/// Runs a measurement, and sends these signals to its process group, as Ctrl-C does, once the fault has begun.
 fn measured(bench: &Bench, chamber: &ScriptChamber, retry_s: u32, signals: &[Signal]) -> Run {
     let mut child = start(&mut program(bench, chamber, retry_s));
     wait_for(|| signals.is_empty() || chamber.is_faulty() || has_ended(&mut child));
     for signal in signals {
         // signals within half a second count as one
         thread::sleep(Duration::from_millis(600));
-        // one that has ended needs none
+        // fails if the program has ended
         let _ = kill_process_group(Pid::from_child(&child), *signal);
     }
     wait_for(|| has_ended(&mut child));
@@ -142,7 +143,7 @@ fn wait_for(mut is_there: impl FnMut() -> bool) {
     }
 }
 
-/// Most cells wait for commands that hang or fail, and need no processor for that. No lock is held meanwhile.
+/// Most cases wait for commands that hang or fail and need no processor time, so many run at once.
 #[test]
 fn whatever_fails_the_chamber_is_safe_or_the_user_knows() {
     const THREADS: usize = 24;
@@ -176,7 +177,7 @@ fn each_fault_is_reported_with_its_cause() {
     }
 }
 
-/// A command that is run again for an hour, and one that hangs.
+/// One command fails and is repeated for an hour, another one hangs.
 #[test]
 fn the_first_ctrl_c_is_heeded_while_a_command_is_waited_for() {
     for fault in ["fails", "hangs"] {

@@ -1,6 +1,5 @@
-//! A run without a result: the reason on stderr, the exit code, nothing on stdout, and no file.
-//!
-//! Which fault is named how is in `zerorate-jobs/tests/jobs/`.
+//! A run without a result: the reason on stderr, the exit code, nothing on stdout, and no file. The tests of the
+//! individual faults are in `zerorate-jobs/tests/jobs/`.
 
 use super::SHORT;
 use crate::harness::Bench;

@@ -1,4 +1,4 @@
-//! Help, typos, completions, the manual page.
+//! Help, typing errors, completions and the manual page.
 
 use super::zerorate;
 

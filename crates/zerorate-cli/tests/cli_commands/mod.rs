@@ -1,4 +1,4 @@
-//! The commands on a part: what they print where, and how they end.
+//! The commands that read a part: their output and their exit codes.
 
 mod bridge;
 mod calibrate;
@@ -14,7 +14,7 @@ mod track;
 
 use crate::harness::{Run, command};
 
-/// A calibration in four minutes of part time. Its BTC is poor, which `--max-u-btc` accepts.
+/// Durations of a calibration that takes four minutes of simulated time. `--max-u-btc` accepts its uncertain BTC.
 const SHORT: &[&str] =
     &["--average", "2s", "--warmup", "60s", "--settle", "120s", "--offset", "20s", "--max-u-btc", "0.2"];
 
@@ -22,7 +22,7 @@ fn zerorate(args: &[&str]) -> Run {
     Run::of(&mut command(args))
 }
 
-/// `zerorate calibrate` with the short durations.
+/// Runs `zerorate calibrate` with the short durations.
 fn calibrate(args: &[&str]) -> Run {
     zerorate(&[&["calibrate"], SHORT, args].concat())
 }

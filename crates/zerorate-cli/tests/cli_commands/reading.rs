@@ -31,7 +31,7 @@ fn capture_ends_by_count_or_by_time_in_the_form_that_the_name_says() {
     }
 }
 
-/// Recorded to the end, and then told; readings that cannot be trusted are counted.
+/// The recording of a frozen part is completed first, then refused with exit code 3. Invalid readings are counted.
 #[test]
 fn a_recording_of_a_frozen_part_is_whole_and_3() {
     let bench = Bench::new();
@@ -86,7 +86,7 @@ fn stream_refuses_what_does_not_fit() {
     stream("unit.toml --device twin:fault=sdo_low").ended_with(1).saying(&["pin 12"]);
 }
 
-/// Every part has its own bias, and the wrong one shows in nothing: where no number is known, that is said.
+/// Every part has its own bias, so a calibration must be of the same part. A warning tells if a serial is unknown.
 #[test]
 fn stream_knows_the_part_of_a_recording() {
     let bench = bench();
@@ -120,7 +120,7 @@ fn interrupted_a_capture_is_whole_and_a_stream_ends_well() {
     let capture = start(&mut bench.command("capture --realtime -o long.arrows"));
     let mut stream = start(&mut bench.command("stream --realtime --rate 20 --cal unit.toml"));
     let mut rows = BufReader::new(stream.stdout.take().expect("a pipe")).lines();
-    // Two rows: by now the samples come. Rows are not held back until a buffer is full.
+    // the header and two rows come before the stream ends, so rows are not held back until a buffer is full
     assert!(rows.by_ref().take(3).all(|row| row.is_ok()));
     has_samples(&bench, "long.arrows");
     send("INT", &stream);
@@ -154,7 +154,7 @@ fn a_measured_calibration_streams() {
     assert_eq!(run.stderr, "", "a whole calibration needs no warning");
 }
 
-/// Waits for samples in the file: the first batch goes out within a second of part time.
+/// Waits for samples in the file. The first batch is written within a second of the part's time.
 fn has_samples(bench: &Bench, name: &str) {
     wait_until("samples", || std::fs::metadata(bench.path(name)).is_ok_and(|file| file.len() >= 10_000));
 }

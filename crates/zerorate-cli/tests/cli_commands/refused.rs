@@ -1,8 +1,8 @@
-//! Requests that cannot be met. Each says what is wrong with which option, prints no data and leaves no file.
+//! Requests that cannot be met: the error names the option and the reason; there is no data and no file.
 
 use crate::harness::Bench;
 
-/// A folder with a calibration of a part without a serial number, and a log.
+/// Makes a folder with a calibration of a part without a serial number, and a log.
 fn bench() -> Bench {
     let bench = Bench::new();
     let pair = "[correction]\npbc_dps = 0.1\nbtc_dps_per_c = 0.01\nt3_c = 25.0\n";

@@ -1,4 +1,4 @@
-//! `stream --track`: what it prints, and what becomes of its state.
+//! `stream --track`: its rows and its state file.
 
 use crate::harness::{Bench, Run, start};
 use std::fs;
@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdout};
 
 const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = -0.8\n\
     btc_dps_per_c = -0.04\nt3_c = 25.0\n";
-/// At rest, 0.004 °/s above its calibration.
+/// A part at rest whose bias is 0.004 °/s larger than calibrated.
 const DEVICE: &str = "twin:seed=7,bias_dps=0.804,tempco_dps_per_c=0.04,curvature=0,hysteresis=0,warmup_c=0";
 
 fn bench() -> Bench {
@@ -29,7 +29,7 @@ fn track(bench: &Bench, duration: &str, more: &str) -> Run {
     bench.zerorate(format!("{line} --track --state state.toml {more}").trim_end())
 }
 
-/// A run that goes no further than its rows are read: some thousand rows ahead.
+/// A stream that is ahead of its reader by a few thousand rows at most, because its pipe is full.
 struct HaltedRun {
     child: Child,
     rows: BufReader<ChildStdout>,
@@ -44,14 +44,14 @@ impl HaltedRun {
         halted
     }
 
-    /// Lets it go on for so many rows.
+    /// Reads this many rows.
     fn read(&mut self, rows: usize) {
         for _ in 0..rows {
             assert!(self.rows.read_line(&mut String::new()).expect("a row") > 0, "the rows ended");
         }
     }
 
-    /// The rows that are left, the exit code, and what it said.
+    /// Reads the rest. Returns the number of remaining rows, the exit code and stderr.
     fn end(mut self) -> (usize, Option<i32>, String) {
         let rows = self.rows.lines().collect::<Result<Vec<String>, _>>().expect("rows").len();
         let mut said = String::new();
@@ -60,7 +60,7 @@ impl HaltedRun {
     }
 }
 
-/// Rows of ten minutes at 50 Hz; the last share is not complete.
+/// Number of rows of ten minutes at 50 Hz, without the last row, whose interval is incomplete.
 const ROWS: usize = 29_999;
 
 #[cfg(unix)]
@@ -79,7 +79,7 @@ fn a_state_has_one_stream_at_a_time() {
     assert_eq!(files(&bench), 2, "nothing else is left");
 }
 
-/// A run that was killed holds nothing, and what it left goes.
+/// The state of a killed stream is not locked, and its temporary file is removed.
 #[cfg(unix)]
 #[test]
 fn a_stream_that_was_killed_leaves_its_state_free() {
@@ -92,7 +92,8 @@ fn a_stream_that_was_killed_leaves_its_state_free() {
     assert_eq!(files(&bench), 2);
 }
 
-/// The folder of the state goes away, as a full disk does: no row is lost, and where it comes back nothing else is.
+/// The folder of the state vanishes, as with a full disk. No row is lost. If the folder comes back, the state is
+/// written and the run succeeds.
 #[cfg(unix)]
 #[test]
 fn a_state_that_cannot_be_written_ends_no_stream() {
@@ -144,7 +145,7 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
     assert_eq!(row["calibration"].as_str().map(str::len), Some(12));
 }
 
-/// Damaged, cut short, written by hand, of another calibration, or no state at all: refused, said, and left as it is.
+/// The state is damaged, cut short, edited, of another calibration, or another file. It is refused and not changed.
 #[test]
 fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
     let bench = bench();

@@ -1,4 +1,4 @@
-//! Allan deviations of any log, against published figures and against each other.
+//! Allan deviations of logs, compared with published figures and with each other.
 
 use super::{Bench, SMALLEST, capture, skip};
 use lzma_rust2::XzReader;
@@ -6,14 +6,14 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::PathBuf;
 
-/// The JSON of a run, as pairs of m and deviation.
+/// The averaging factor m and the deviation of each point in the JSON.
 fn points(json: &str) -> Vec<(u64, f64)> {
     let json: serde_json::Value = serde_json::from_str(json).unwrap();
     let points = json["points"].as_array().unwrap();
     points.iter().map(|point| (point["m"].as_u64().unwrap(), point["dev"].as_f64().unwrap())).collect()
 }
 
-/// A real gyroscope, published with the R package avar: overlapping Allan variance at 18 averaging times.
+/// A real gyroscope, published with the R package avar: its overlapping Allan variance at 18 averaging times.
 #[test]
 fn published_allan_variance_of_a_real_gyroscope() {
     let Some(folder) = reference_data().map(|data| data.join("adis16405")) else {
@@ -38,7 +38,7 @@ fn published_allan_variance_of_a_real_gyroscope() {
     }
 }
 
-/// The folder with recordings that are not shipped; without it the test says so.
+/// The folder with recordings that are not in this repository. Without it, prints that the test is skipped.
 pub fn reference_data() -> Option<PathBuf> {
     let beside_project = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let folder = std::env::var_os("ZERORATE_REFERENCE_DATA").map_or_else(beside_project, PathBuf::from);
@@ -49,7 +49,7 @@ pub fn reference_data() -> Option<PathBuf> {
     Some(folder)
 }
 
-/// A capture knows its rate and its scale; corrected, it is the same noise.
+/// A capture states its rate and its scale. The corrected capture has the same noise.
 #[test]
 fn a_capture_needs_no_options() {
     let bench = Bench::new();
@@ -81,7 +81,7 @@ fn a_capture_needs_no_options() {
 #[test]
 fn gaps_are_not_closed_up_silently() {
     let bench = Bench::new();
-    // 7 before the first row do not matter: the record had not begun
+    // the 7 samples lost before the first row are not a gap, because the record had not begun
     let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
     bench.write("gap.csv", capture("A1", rows));
     let run = bench.zerorate("allan gap.csv --json");

@@ -6,7 +6,7 @@ use zerorate_allan::Stat;
 
 const LOG: &str = "white.f64 --raw f64 --rate 100";
 
-/// White noise of a quarter of an hour. N is the standard deviation times `√(1 / 100 Hz)`.
+/// Makes a folder with white noise: 15 minutes at 100 Hz. N is the standard deviation times `√(1 / 100 Hz)`.
 fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("white.f64", raw(&white(90_000, 0.06, 1)));
@@ -66,14 +66,14 @@ fn a_model_needs_fit() {
     assert!(report["fit"].is_null() && report["points"][0]["model"].is_null(), "{report}");
 }
 
-/// A log of white noise at 100 Hz. `changed` gets number, time and rate of each sample, and returns time and rate.
+/// A log of white noise at 100 Hz. `changed` maps the index, time (s) and rate of each sample to a new time and rate.
 fn log_with(samples: usize, changed: impl Fn(usize, f64, f64) -> (f64, f64)) -> String {
     let noise = white(samples, 0.05, 4).into_iter().enumerate();
     let rows = noise.map(|(at, rate_dps)| changed(at, at as f64 / 100.0, rate_dps));
     rows.fold("t_s,gz_dps\n".to_owned(), |log, (t_s, rate_dps)| log + &format!("{t_s:.2},{rate_dps:e}\n"))
 }
 
-/// Too few samples, nine tenths of them missing, or one cell that no noise explains: no number is a result.
+/// Too few samples, 90 % missing samples, or a single impossible value: the model is refused.
 #[test]
 fn a_record_without_a_model_is_refused_in_every_mode() {
     let bench = Bench::new();

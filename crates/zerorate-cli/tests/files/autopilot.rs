@@ -1,11 +1,11 @@
-//! Parameters of flight controllers, read back and evaluated by the formulas of their firmware, written here anew from
-//! what their sources state.
+//! Parameters of flight controllers, read back and evaluated by the formulas of the firmware, which are typed again
+//! from its source code.
 
 use super::Bench;
 use std::collections::BTreeMap;
 use zerorate::{Calibration, Correction, Validity};
 
-/// Three axes, not in the order of a flight controller: two curves and a line.
+/// Three axes, in another order than a flight controller's. Two have curves, and one has a line.
 const AXES: &str = r#"schema = 3
 part = "ICM-42688-P"
 serial = "IMU 7"
@@ -23,7 +23,7 @@ temp_min_c = 12.5
 temp_max_c = 47.75
 "#;
 
-/// What parameters and a firmware in f32 cost, °/h: biases of 1 °/s are known to 6·10⁻⁸ of it, and sums add to that.
+/// Largest error from f32 arithmetic, °/h: f32 rounds a bias of 1 °/s by 6·10⁻⁸ of it, and sums add to that.
 const WORST_DPH: f64 = 0.002;
 
 fn corrections() -> [Correction; 3] {
@@ -31,12 +31,12 @@ fn corrections() -> [Correction; 3] {
     ["gyro_x", "gyro_y", "gyro_z"].map(|name| calibration.axis(name).unwrap().correction)
 }
 
-/// The parameters of a file, by name; what begins with # is said to people.
+/// Parses the parameters of a file by name. Lines that begin with # are comments.
 fn parameters(text: &str, read: impl Fn(&str) -> (String, f32)) -> BTreeMap<String, f32> {
     text.lines().filter(|line| !line.starts_with('#')).map(read).collect()
 }
 
-/// Rows of QGroundControl: vehicle, component, name, value and type, between tabs.
+/// Parses rows of QGroundControl: vehicle, component, name, value and type, separated by tabs.
 pub fn of_px4(text: &str) -> BTreeMap<String, f32> {
     parameters(text, |line| match line.split('\t').collect::<Vec<_>>()[..] {
         ["1", "1", name, value, kind] => {
@@ -48,7 +48,7 @@ pub fn of_px4(text: &str) -> BTreeMap<String, f32> {
     })
 }
 
-/// Rows of Mission Planner and MAVProxy: name and value.
+/// Parses rows of Mission Planner and MAVProxy: name and value.
 pub fn of_ardupilot(text: &str) -> BTreeMap<String, f32> {
     parameters(text, |line| {
         let (name, value) = line.split_once(',').unwrap();
@@ -57,8 +57,9 @@ pub fn of_ardupilot(text: &str) -> BTreeMap<String, f32> {
     })
 }
 
-/// PX4-Autopilot, src/modules/temperature_compensation/TemperatureCompensation.cpp (calc_thermal_offsets_3D), and
-/// src/lib/sensor_calibration/Gyroscope.hpp (Correct): held to the limits, the offset is subtracted.
+/// The corrected rate by PX4-Autopilot, src/modules/temperature_compensation/TemperatureCompensation.cpp
+/// (calc_thermal_offsets_3D) and src/lib/sensor_calibration/Gyroscope.hpp (Correct). The temperature is limited, and
+/// the offset is subtracted.
 fn by_px4(of: &BTreeMap<String, f32>, sensor: u32, axis: usize, rate: f32, temp_c: f32) -> f32 {
     let get = |name: &str| of[&format!("TC_G{sensor}_{name}")];
     let held = temp_c.clamp(get("TMIN"), get("TMAX"));
@@ -67,8 +68,9 @@ fn by_px4(of: &BTreeMap<String, f32>, sensor: u32, axis: usize, rate: f32, temp_
     rate - (x(0) + x(1) * delta + x(2) * (delta * delta) + x(3) * (delta * delta * delta))
 }
 
-/// ArduPilot, libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp (polynomial_eval, correct_sensor), and
-/// AP_InertialSensor_Backend.cpp (_rotate_and_correct_gyro): no constant, about 35 °C, in millionths.
+/// The corrected rate by ArduPilot, libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp (polynomial_eval,
+/// correct_sensor) and AP_InertialSensor_Backend.cpp (_rotate_and_correct_gyro). The polynomial in T − 35 °C has no
+/// constant term, and its coefficients are in millionths.
 fn by_ardupilot(of: &BTreeMap<String, f32>, imu: u32, axis: char, rate: f32, temp_c: f32) -> f32 {
     let tcal = |name: &str| of[&format!("INS_TCAL{imu}_{name}")];
     assert_eq!(tcal("ENABLE"), 1.0);
@@ -81,8 +83,8 @@ fn by_ardupilot(of: &BTreeMap<String, f32>, imu: u32, axis: char, rate: f32, tem
     rate - poly(temp_c) + poly(of[&format!("INS_GYR{imu}_CALTEMP")]) - of[&offset]
 }
 
-/// The largest difference of a firmware from the corrections, °/h, from 20 °C below the span to 20 °C above it, where
-/// both hold the value at its ends.
+/// The largest difference of a firmware from the corrections, °/h. It is computed from 20 °C below the span to 20 °C
+/// above it; beyond the span, both hold the value at its end.
 fn worst_dph(span: Validity, firmware: impl Fn(usize, f32) -> f32) -> f64 {
     let mut worst = 0.0_f64;
     for tenth in ((span.temp_min_c - 20.0) * 10.0) as i32..=((span.temp_max_c + 20.0) * 10.0) as i32 {
@@ -115,7 +117,7 @@ fn px4_computes_what_the_calibration_says() {
     }
 }
 
-/// With 35 °C inside the span, below it and above it.
+/// The reference 35 °C of ArduPilot is inside the span, below it, or above it.
 #[test]
 fn ardupilot_computes_what_the_calibration_says() {
     let bench = Bench::new();
@@ -132,7 +134,7 @@ fn ardupilot_computes_what_the_calibration_says() {
     }
 }
 
-/// A start with INS_GYR_CAL = 1 replaces offset and CALTEMP by what is measured then: the curve stays what it is.
+/// At a start with INS_GYR_CAL = 1, ArduPilot measures a new offset and CALTEMP. The curve must not change.
 #[test]
 fn a_start_of_ardupilot_keeps_the_curve() {
     let bench = Bench::new();
@@ -169,7 +171,7 @@ fn values_that_a_flight_controller_lacks_are_refused() {
         let text = bench.zerorate(&format!("export {line}")).fails(code);
         assert!(text.contains(said), "{line}: {text}");
     }
-    // nothing says where it holds: the same nine degrees as elsewhere, with the warning
+    // no span is stated, so the file holds for nine degrees as elsewhere, with a warning
     bench.write("bare.toml", AXES.split("[validity]").next().unwrap());
     let run = bench.zerorate("export bare.toml --format ardupilot");
     assert!(run.stderr.contains("states no [validity]"), "{}", run.stderr);

@@ -1,4 +1,4 @@
-//! Another gyroscope with three axes, from a recording to corrected rates and firmware, without a line of code.
+//! Another gyroscope with three axes, from a recording to corrected rates and firmware, without code for that part.
 
 use super::{Bench, SMALLEST};
 use lzma_rust2::XzReader;
@@ -10,7 +10,7 @@ use std::path::Path;
 use zerorate::{Calibration, Part};
 use zerorate_record::{CaptureInfo, CaptureWriter, Format, Layout, Row};
 
-/// The scales are from its data sheet, and the noise is about as in its real log.
+/// The scales come from the data sheet. The noise is about that of the real log.
 const PART: &str = r#"
 schema = 1
 name = "ADIS16405"
@@ -41,16 +41,16 @@ hysteresis_dps = 0.002
 /// Bias at 25 °C, °/s, and its coefficient, °/s/°C, of each axis.
 const BIAS: [(f64, f64); 3] = [(0.8, 0.04), (-1.2, -0.02), (0.3, 0.1)];
 const RATE_HZ: f64 = 100.0;
-/// A hundredth of the hour, but for the averages.
+/// The hour of AN-1042, shortened to 150 s.
 const PLAN: &str = "--average 10s --warmup 40s --settle 30s --offset 60s";
 const ROWS: u32 = 15_200;
 
-/// Normal numbers by the central limit.
+/// A standard normal number: the sum of 12 uniform numbers, minus 6.
 fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
     (0..12).map(|_| (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64).sum::<f64>() - 6.0
 }
 
-/// A part at rest that warms by 8 °C.
+/// Records a part at rest that warms by 8 °C.
 fn record(path: &Path) {
     let layout = Layout::of_part(&Part::parse(PART).unwrap()).unwrap();
     let info = CaptureInfo { serial: Some("IMU-7".into()), ..CaptureInfo::new(layout) };
@@ -62,7 +62,7 @@ fn record(path: &Path) {
         let warmed_c = 8.0 * (1.0 - (-t_s / 25.0).exp());
         let rates = [0, 1, 2].map(|axis| {
             let (bias_dps, per_c) = BIAS[axis];
-            // 0.05 °/s/√Hz up to 50 Hz
+            // 0.05 °/s/√Hz up to 50 Hz, half the sample rate
             let noise_dps = 0.05 * 50_f64.sqrt() * normal(&mut random);
             ((bias_dps + per_c * warmed_c + noise_dps) * 20.0).round() as i64
         });
@@ -92,7 +92,7 @@ fn another_part_is_calibrated_corrected_and_exported() {
         assert!(u.u_pbc_dps < 0.02 && u.u_btc_dps_per_c < 0.01, "{u:?}");
         assert_eq!(axis.noise.as_ref().unwrap().rate_random_walk_source, "typical");
     }
-    // the recording is all there is to know
+    // a recalibration from the recording gives the same file
     bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} -o again.toml")).ok();
     assert_eq!(std::fs::read_to_string(bench.path("again.toml")).unwrap(), text);
     let json = bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} --json")).ended_with(0).json();
@@ -115,7 +115,7 @@ fn another_part_is_calibrated_corrected_and_exported() {
     bench.zerorate("report unit.toml -o unit.html").ok();
 }
 
-/// Without the part's file the numbers are the same, and what was not judged is said.
+/// Without the part file the numbers are the same, and a warning names the checks that could not be made.
 #[test]
 fn a_sensor_without_stated_noise_is_not_judged() {
     let bench = Bench::new();
@@ -140,15 +140,15 @@ fn the_wrong_part_is_named() {
     assert!(said.contains("none.toml"), "{said}");
     let said = bench.zerorate("calibrate --device twin:seed=1 --part part.toml").fails(2);
     assert!(said.contains("describes an ADIS16400") && said.contains("is an ADIS16130"), "{said}");
-    // a calibration of another part corrects nothing
+    // a calibration of another part is refused even with --force
     bench.write("unit.toml", super::calibration(-0.25, -0.04, 31.5));
     let said = bench.zerorate("correct imu.arrows --cal unit.toml --force -o corrected.csv").fails(1);
     assert!(said.contains("of an ADIS16130 (axes rate), not of an ADIS16405"), "{said}");
     assert!(!bench.path("corrected.csv").exists());
 }
 
-/// The log of a real part at rest, with a simulated temperature. Its z axis steps, and is refused by its name. A user
-/// who accepts that gets the bias of all axes, which a plain mean shows as well.
+/// The log of a real part at rest, with a simulated temperature. Its z axis has a step, so the calibration is refused
+/// and names that axis. If the user accepts it, the bias of each axis agrees with the mean.
 #[test]
 fn a_real_log_goes_all_the_way() {
     let Some(folder) = super::allan::reference_data() else { return };

@@ -2,7 +2,7 @@
 
 use super::{Bench, calibration, capture};
 
-/// 10 °/s at 26 °C, then a row without temperature, then −10 °/s at 25 °C (F-42).
+/// Readings of 10 °/s at 26 °C, 0 °/s without a temperature, and −10 °/s at 25 °C (F-42).
 const ROWS: &str = "1000000,1,8623488,8,8402701,0\n2000000,2,8388608,8,,0\n3000000,5,8153728,,8388608,1\n";
 
 #[test]

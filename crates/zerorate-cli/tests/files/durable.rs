@@ -1,11 +1,10 @@
-//! What a run that ended well has written is on the disk: the content before the name, and the name.
+//! The files of a successful run are on the disk: the content first, then the name.
 #![cfg(target_os = "linux")]
 
 use super::{Bench, FORMS, PROGRAM, calibration, capture, skip};
 use std::process::Command;
 
-/// Runs the program under strace, and gives its calls that have to do with files and disks, in order. None where it
-/// cannot be traced.
+/// Runs the program under strace. Returns its system calls on files in order, or `None` if it cannot be traced.
 fn traced(bench: &Bench, line: &str) -> Option<Vec<String>> {
     let trace = bench.path("trace");
     let mut strace = Command::new("strace");
@@ -32,14 +31,14 @@ fn traced(bench: &Bench, line: &str) -> Option<Vec<String>> {
     Some(std::fs::read_to_string(trace).unwrap().lines().map(str::to_owned).collect())
 }
 
-/// Where the last such call is, with all of these in its line.
+/// Index of the last call whose line has all of these texts.
 #[track_caller]
 fn last(calls: &[String], parts: &[&str]) -> usize {
     let found = calls.iter().rposition(|call| parts.iter().all(|part| call.contains(part)));
     found.unwrap_or_else(|| panic!("no call with {parts:?} in\n{}", calls.join("\n")))
 }
 
-/// Content, fsync, name, fsync of the folder.
+/// Checks the order: write the content, fsync, rename, fsync the folder.
 #[track_caller]
 fn is_durable(bench: &Bench, calls: &[String], name: &str) {
     let folder = format!("<{}>", bench.dir.path().canonicalize().unwrap().display());
@@ -82,8 +81,7 @@ fn a_calibration_and_its_log_are_on_the_disk() {
     assert!(last(&calls, &["write(", "/log.arrows>"]) < last(&calls, &["fsync(", "/log.arrows>"]));
 }
 
-/// As docs/formats/capture.md states: once a second while it runs, and whole at its end. The name is there from the
-/// start.
+/// A recording is synced once a second and at its end (docs/formats/capture.md). It has its name from the start.
 #[test]
 fn a_capture_is_on_the_disk_in_every_form() {
     for form in FORMS {

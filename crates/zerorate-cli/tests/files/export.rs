@@ -5,7 +5,7 @@ use std::fmt::Write;
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Axis, Calibration, Correction, CurveForm, IntegerForm, Validity};
 
-/// F-52, all thirteen rows, as text.
+/// The table of F-52, all thirteen rows as text.
 #[test]
 fn csv_is_the_table_of_the_note() {
     let bench = Bench::new();
@@ -43,7 +43,7 @@ fn json_has_coefficients_and_table() {
     }
 }
 
-/// What a curve has beside a line: its terms, the integer form of order 3, rows along it. A line has none of it.
+/// A curve adds its terms, the integer form of order 3, and a table along the curve. A line has none of these.
 #[test]
 fn json_and_csv_of_a_curve() {
     let bench = Bench::new();
@@ -87,7 +87,7 @@ fn a_curve_that_does_not_fit_codes_is_refused() {
     bench.zerorate("export unit.toml --format csv --span-c 4").ok();
 }
 
-/// Lines and curves with both signs and with large coefficients.
+/// Lines and curves, with positive and negative terms and with large ones.
 const CORRECTIONS: [Correction; 5] = [
     Correction::line(-0.25, -0.04, 31.5),
     Correction::line(1.2345, 0.0317, -12.75),
@@ -106,7 +106,7 @@ fn measured(correction: &Correction) -> String {
     calibration.to_toml()
 }
 
-/// The calibration of three axes with curves: y has both terms, z a cubic one alone, x stays a line.
+/// The calibration of three axes: x is a line, y has a quadratic and a cubic term, z only a cubic term.
 fn curved_axes() -> String {
     let file = super::AXES.replace("schema = 2", "schema = 3");
     let file = file.replace("t3_c = 31.25", "t3_c = 31.25, btc2_dps_per_c2 = 0.0015, btc3_dps_per_c3 = -2e-5");
@@ -115,20 +115,20 @@ fn curved_axes() -> String {
     file.replace("t3_c = 31.5", "t3_c = 31.53")
 }
 
-/// A unit whose export is tried, and the codes that it is tried with.
+/// An export and the codes to test it with.
 struct Trial {
     file: String,
-    /// Prefixes of the functions of each axis.
+    /// The prefix of each axis's functions.
     axes: &'static [&'static str],
     step_c: f64,
     span_c: f64,
-    /// Types of codes in C and in Rust.
+    /// The types of codes in C and in Rust.
     types: [&'static str; 2],
-    /// The temperature, then the rate of each axis.
+    /// Rows of codes: the temperature, then the rate of each axis.
     codes: Vec<Vec<i64>>,
 }
 
-/// One axis by each correction, and three axes.
+/// One export for each correction, and one for three axes.
 fn tried() -> Vec<Trial> {
     let one = |correction: &Correction| Trial {
         file: measured(correction),
@@ -157,18 +157,18 @@ fn random() -> impl FnMut() -> i64 {
     }
 }
 
-/// 10 000 random codes of 24 bits with all extremes among them.
+/// 10 000 random codes of 24 bits, and all extremes.
 fn codes() -> Vec<Vec<i64>> {
     let mut random = random();
     let extremes = [0, 1, 8_388_607, 8_388_608, 8_388_609, 16_777_214, 16_777_215];
     let corners = extremes.iter().flat_map(|rate| extremes.map(|temp| vec![temp, *rate]));
     let mut code = move || random() % 16_777_216;
-    // temperatures near T3, where the table has its rows, and all over the range
+    // temperatures near T3, where the table has its rows, then over the whole range
     let near: Vec<_> = (0..5_000).map(|_| vec![8_388_608 + code() % 200_000, code()]).collect();
     corners.chain(near).chain((0..5_000).map(|_| vec![code(), code()])).collect()
 }
 
-/// Every temperature code with rates all over each scale, and words beyond them.
+/// Every temperature code with rates over the whole scale, and codes beyond the scales.
 fn codes_of_axes() -> Vec<Vec<i64>> {
     let mut random = random();
     let mut of = |first: i64, last: i64| first + random() % (last - first + 1);
@@ -177,9 +177,9 @@ fn codes_of_axes() -> Vec<Vec<i64>> {
 }
 
 impl Trial {
-    /// The expected output: whether core and calibration know the temperature. Then the corrected code of each axis,
-    /// the row of its table nearest to the temperature, whether that holds, and the corrected code of the nearest
-    /// temperature that the calibration knows. Codes come from the core, which is tested against exact arithmetic. No
+    /// The expected output. It begins with whether core and calibration cover the temperature. Each axis follows with the
+    /// corrected code, the nearest row of the table, whether that row is valid, and the corrected code at the nearest
+    /// temperature that the calibration covers. Codes come from the core, which is tested against exact arithmetic. No
     /// temperature code lies half-way between two rows.
     fn expected(&self) -> String {
         let (calibration, _) = Calibration::parse(&self.file).unwrap();
@@ -214,18 +214,18 @@ impl Trial {
         text
     }
 
-    /// What a program in C or Rust does with each axis, given its number and its prefix.
+    /// The code of a program in C or Rust for all axes; `of` gets the number and the prefix of each axis.
     fn each(&self, of: impl Fn(usize, &str) -> String) -> String {
         self.axes.iter().enumerate().map(|(index, axis)| of(index + 1, axis)).collect()
     }
 
-    /// The codes in the brackets of the language.
+    /// The rows of codes as array literals of the language.
     fn literals(&self, [open, close]: [&str; 2]) -> String {
         let row = |codes: &Vec<i64>| codes.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
         self.codes.iter().map(|codes| format!("{open}{}{close},\n", row(codes))).collect()
     }
 
-    /// Compares line by line.
+    /// Compares the program's output with the expected output, line by line.
     #[track_caller]
     fn is_printed(&self, printed: &str) {
         let expected = self.expected();
@@ -278,7 +278,7 @@ impl Trial {
     }
 }
 
-/// The corrected code.
+/// The corrected code of the axis, computed by the core.
 fn by_the_core(calibration: &Calibration, axis: &CalibratedAxis, rate: i64, temp: i64) -> i64 {
     let (rate_scale, temp_scale) = (axis.rate.unwrap(), calibration.temp.unwrap());
     match axis.correction.is_line() {
@@ -302,7 +302,7 @@ fn c_gives_what_rust_gives() {
         let bench = Bench::new();
         bench.write("unit.toml", &tried.file);
         bench.write("main.c", tried.in_c());
-        // included alone and unused, the header must not warn either
+        // a header that is included alone and not used must not cause warnings either
         bench.write("alone.c", "#include \"unit.h\"\nint nothing;\n");
         bench.zerorate(&format!("export unit.toml --format c --span-c {} -o unit.h", tried.span_c)).ok();
         let flags = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-Wconversion", "-O1", "-ftrapv"];
@@ -317,7 +317,7 @@ fn rust_gives_what_rust_gives() {
     if !installed("rustc") {
         return;
     }
-    // a program that uses nothing of it, and one module with both units
+    // a program that uses no item of the module, and one module with both units
     let unused = "mod unit;\nmod both {\ninclude!(\"left.rs\");\ninclude!(\"right.rs\");\n}\nfn main() {}\n";
     let library =
         "#![no_std]\n#![deny(missing_docs, warnings)]\n//! The module alone.\n/// Exported.\npub mod unit;\n";
@@ -332,7 +332,7 @@ fn rust_gives_what_rust_gives() {
                 .zerorate(&format!("export unit.toml --format rust --span-c {}{prefix} -o {file}", tried.span_c))
                 .ok();
         }
-        // a line, a curve, and three axes
+        // the export of a line, of a curve, and of three axes
         if [0, 3, 5].contains(&index) {
             has_no_warning(&bench);
         }
@@ -341,7 +341,7 @@ fn rust_gives_what_rust_gives() {
     }
 }
 
-/// By compiler, clippy and rustfmt, as a module alone, unused, and twice in one module.
+/// Checks with compiler, clippy and rustfmt that the module has no warning: alone, unused, and twice in one module.
 fn has_no_warning(bench: &Bench) {
     let check = ["--emit=metadata", "-Dwarnings", "-Dunused"];
     for edition in ["--edition=2018", "--edition=2021", "--edition=2024"] {
@@ -360,7 +360,7 @@ fn has_no_warning(bench: &Bench) {
     }
 }
 
-/// Two units in one source file. A second unit under the prefix of the first is not lost silently.
+/// Two units fit into one source file. Two units with the same prefix are an error.
 #[test]
 fn two_units_fit_into_one_program() {
     if !installed("gcc") {
@@ -382,7 +382,7 @@ fn two_units_fit_into_one_program() {
     );
     let flags = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic"];
     run("gcc", &[&flags[..], &["main.c", "-o", "main"]].concat(), bench.dir.path());
-    // −0.25 °/s and 1.5 °/s in codes of 1/23 488 °/s; the table of the left one ends 9.5 °C above its T3
+    // −0.25 °/s and 1.5 °/s in codes of 1/23 488 °/s; the left table ends 9.5 °C above T3, with −0.38 °/s
     assert_eq!(run(bench.path("main"), &[], bench.dir.path()), "8382736 8423840 0 -380000\n");
     for unit in ["left", "right"] {
         bench.zerorate(&format!("export {unit}.toml --format c -o {unit}.h --force")).ok();
@@ -402,7 +402,7 @@ fn the_default_table_covers_the_calibration() {
     let export = json("export unit.toml --format json");
     let rows = export["table"]["rows"].as_array().unwrap();
     assert_eq!((rows.len(), &export["table"]["step_c"]), (791, &0.02.into()));
-    // at 25 °C: 7.4 °C below T3, row 395 + 370
+    // 25 °C is 7.4 °C below T3: row 395 + 370
     assert_eq!((&rows[765]["delta_c"], &rows[765]["correction_dps"]), (&(-7.4).into(), &0.296.into()));
     assert_eq!(export["valid"]["temp_min_code"], 8_388_608);
     assert_eq!((&export["valid"]["stated"], &export["valid"]["temp_max_c"]), (&true.into(), &32.5.into()));
@@ -411,7 +411,7 @@ fn the_default_table_covers_the_calibration() {
     assert_eq!(hand["temp_min_c"], serde_json::Value::Null);
 }
 
-/// A name in the file cannot become code.
+/// A name in the calibration cannot become code.
 #[test]
 fn text_of_the_calibration_stays_in_its_comment() {
     let bench = Bench::new();
@@ -462,8 +462,8 @@ fn csv_and_json_of_three_axes() {
     let names: Vec<_> = json["axes"].as_array().unwrap().iter().map(|axis| axis["name"].clone()).collect();
     assert_eq!((names, &json["part"]), (vec!["x".into(), "y".into(), "z".into()], &"ADIS16405".into()));
     let y = &json["axes"][1];
-    // 12 bits of temperature and 6: BTC · 20 / 7.14 · 2¹⁸ and PBC · 20 · 2¹⁸ with what T3 = 31.25 °C leaves of its
-    // code
+    // the temperature code of 12 bits gets 6 fractional bits: BTC · 20 / 7.14 · 2¹⁸. PBC · 20 · 2¹⁸ includes the
+    // fraction of the code of T3 = 31.25 °C
     let (slope, t3): (f64, f64) = (0.02 * 20.0 / 7.14 * 262_144.0, 6.25 * 7.14);
     assert_eq!((&y["integer"]["q"], &y["integer"]["t3_code"]), (&18.into(), &45.into()));
     assert_eq!(y["integer"]["slope_q"], slope.round() as i64);

@@ -9,15 +9,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A calibration in four minutes of part time.
+/// A calibration that takes four minutes of simulated time.
 const CALIBRATE: &str =
     "calibrate --device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
-/// Two soak points of a chamber, in four minutes of part time.
+/// Two soak points of a chamber, which take four minutes of simulated time.
 const SOAK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 
-/// The program, in the bench's folder, with a folder for temporary files of its own.
+/// The program in the test's folder, with its own folder for temporary files.
 fn command(bench: &Bench, line: &str) -> Command {
     let temporary = bench.path("tmp");
     fs::create_dir_all(&temporary).unwrap();
@@ -43,7 +43,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The only file there whose name begins so.
+/// The only file in the folder whose name begins with `start`.
 #[track_caller]
 fn only(folder: &Path, start: &str) -> PathBuf {
     let found: Vec<String> = names(folder).into_iter().filter(|name| name.starts_with(start)).collect();
@@ -51,8 +51,8 @@ fn only(folder: &Path, start: &str) -> PathBuf {
     folder.join(&found[0])
 }
 
-/// Waits until the program catches SIGTERM, or has ended. Where it reads files, it catches signals a moment after its
-/// child has begun.
+/// Waits until the program catches SIGTERM or has ended. A program that reads files in a child process catches signals
+/// a moment after the child has started.
 fn wait_until_it_listens(child: &Child) {
     const SIGTERM: u64 = 1 << 14;
     wait_until("SIGTERM is caught", || {
@@ -62,7 +62,7 @@ fn wait_until_it_listens(child: &Child) {
     });
 }
 
-/// The run failed with 1, printed the calibration, and kept it in this file too.
+/// Checks that the run failed with 1, printed the calibration, and saved it in a rescue file.
 #[track_caller]
 fn rescued(bench: &Bench, run: &Run, folder: &Path) {
     let said = &run.stderr;
@@ -115,10 +115,10 @@ fn a_full_device_costs_no_result() {
     let run = Run::of(&mut command(&bench, &format!("{CALIBRATE} -o /dev/full")));
     assert_eq!(run.code, Some(1));
     assert_eq!(fs::read_to_string(only(&bench.path("tmp"), "calibration.rescue-")).unwrap(), run.stdout);
-    // known before the hour: nothing is printed
+    // an unusable log is detected before the measurement, so nothing is printed
     let run = Run::of(&mut command(&bench, &format!("{CALIBRATE} --log /dev/full")));
     assert_eq!((run.code, &*run.stdout), (Some(1), ""));
-    // stdout was the only place
+    // stdout is the only output, and is full
     let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
     fs::remove_dir_all(bench.path("tmp")).unwrap();
     let run = Run::of(command(&bench, CALIBRATE).stdout(full));
@@ -127,7 +127,7 @@ fn a_full_device_costs_no_result() {
     assert!(run.stderr.contains(kept.to_str().unwrap()), "{}", run.stderr);
 }
 
-/// The run has claimed its output, and waits for somebody to read its log.
+/// Starts a run that has claimed its output and waits for a reader of its log, a named pipe.
 fn waiting(bench: &Bench, line: &str) -> (Child, PathBuf) {
     let log = fifo(bench, "log");
     let child = start(bench, &format!("{line} --log log"));
@@ -151,7 +151,7 @@ fn a_folder_that_vanishes_costs_no_result() {
     let bench = Bench::new();
     fs::create_dir(bench.path("sub")).unwrap();
     let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o sub/unit.toml"));
-    // it has its place once it waits for the reader of its log
+    // the run has claimed its output before it waits for the reader of its log
     std::thread::sleep(Duration::from_secs(1));
     fs::remove_dir_all(bench.path("sub")).unwrap();
     let run = let_it_run(child, &log);
@@ -195,7 +195,7 @@ fn a_second_recorder_of_a_capture_refuses() {
     assert_eq!(Run::ended(child).code, Some(0));
     let whole = bench.zerorate("probe --device replay:run.arrows --json");
     assert!(!whole.stderr.contains("not closed"), "{}", whole.stderr);
-    // now it is over
+    // after the recording, its name can be overwritten
     bench.zerorate("capture --samples 10 -o run.arrows --force").ok();
 }
 
@@ -233,7 +233,7 @@ fn a_broken_pipe_is_a_success_on_stdout_only() {
     assert!(run.stderr.contains("Broken pipe"), "{}", run.stderr);
 }
 
-/// `zerorate … | head -1`: the program may end as soon as its reader leaves, which must cost no file.
+/// `zerorate … | head -1`: the reader of stdout leaves, and the program may end at once. All files must be complete.
 #[test]
 fn every_file_stands_before_the_first_word_is_printed() {
     let bench = imu::bench();
@@ -269,7 +269,7 @@ fn every_file_stands_before_the_first_word_is_printed() {
     }
 }
 
-/// `rm`, a cleaning job, and `logrotate` with `copytruncate`.
+/// The file is removed, replaced, or truncated as by `logrotate` with `copytruncate`.
 #[test]
 fn the_file_of_a_running_recording_is_missed_within_a_second() {
     type Attack = fn(&Path);
@@ -302,7 +302,7 @@ fn the_file_of_a_running_recording_is_missed_within_a_second() {
     }
 }
 
-/// The measurement goes on, and its result is kept; whether it is read or recorded, the log is not.
+/// The measurement continues without its log, and its result is saved.
 #[test]
 fn a_log_that_is_removed_costs_no_result() {
     for line in [CALIBRATE, "chamber soak.toml --device twin:seed=4,warmup_s=10 --chamber sim:lag_s=15"] {
@@ -318,7 +318,7 @@ fn a_log_that_is_removed_costs_no_result() {
     }
 }
 
-/// A program that starts as if nobody had told it what to ignore.
+/// Starts the program through `starter`, which sets how signals are handled.
 fn unbiased(bench: &Bench, starter: &[&str], line: &str) -> Child {
     let mut command = Command::new(starter[0]);
     command.args(&starter[1..]).arg(PROGRAM).args(line.split(' '));
@@ -354,13 +354,13 @@ fn an_interrupted_correction_leaves_nothing() {
     let left = ["rest.arrows", "tmp", "unit.toml"];
     match run.code {
         Some(1) => assert_eq!(names(bench.dir.path()), left, "{}", run.stderr),
-        // it was faster
+        // the correction was finished before the signal
         Some(0) => assert_eq!(names(bench.dir.path()), [&["done.csv"][..], &left].concat()),
         code => panic!("{code:?}: {}", run.stderr),
     }
 }
 
-/// `timeout` sends its signal to the program and to the group of it. A Parquet file without its end is lost.
+/// `timeout` sends its signal to the program and to its process group. A Parquet file without its end would be lost.
 #[cfg(feature = "parquet")]
 #[test]
 fn two_signals_at_once_are_one() {
@@ -376,7 +376,7 @@ fn two_signals_at_once_are_one() {
     bench.zerorate("probe --device replay:run.parquet --json").ok();
 }
 
-/// A capture of hours is started with `nohup` so that it goes on when its terminal is gone.
+/// A capture that was started with `nohup` continues when its terminal closes.
 #[test]
 fn nohup_is_heeded() {
     let bench = Bench::new();
@@ -390,7 +390,7 @@ fn nohup_is_heeded() {
     assert_eq!(Run::ended(child).code, Some(0));
 }
 
-/// Where no loop looks at the flag: it ends at once, and its files are removed nevertheless.
+/// No loop checks for the stop: the run ends at once, and its files are removed.
 #[test]
 fn a_signal_ends_a_run_that_waits() {
     let bench = Bench::new();
@@ -407,7 +407,7 @@ fn a_signal_ends_a_run_that_waits() {
     assert_eq!(names(bench.dir.path()), ["tmp"]);
     let (child, _) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     send("TERM", &child);
-    // the second one, where the first cannot be heeded
+    // the second signal, which ends a run that cannot react to the first
     wait_until("the first signal was taken", || {
         send("TERM", &child);
         std::thread::sleep(Duration::from_millis(50));
@@ -417,7 +417,7 @@ fn a_signal_ends_a_run_that_waits() {
     assert_eq!(names(bench.dir.path()), ["log", "tmp"]);
 }
 
-/// A pipe may stand in for a small file of text, and nobody may ever write to it.
+/// The argument may be a pipe to which nothing is ever written.
 #[test]
 fn a_signal_ends_a_run_that_waits_for_a_pipe() {
     let bench = Bench::new();

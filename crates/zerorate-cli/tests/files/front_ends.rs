@@ -1,4 +1,4 @@
-//! What a calibration states is the same number on the terminal, in JSON, in the file, on the page and in the exports.
+//! A calibration shows the same numbers in the terminal, in JSON, in its file, on the page and in the exports.
 
 use super::{Bench, white};
 use adis16130::Width;
@@ -8,11 +8,11 @@ use zerorate::calibration::{CalibratedAxis, Calibration};
 use zerorate_record::{CaptureInfo, CaptureWriter, Converter, Format, Row};
 use zerorate_view::PlusMinus;
 
-/// Seconds of the recordings, and samples in a second.
+/// Length of the recordings, s, and samples per second.
 const LENGTH_S: usize = 600;
 const RATE_HZ: usize = 10;
 
-/// Records a unit with a bent bias that warms by 8 °C in five minutes, and then goes on or cools again.
+/// Records a part with a curved bias. It warms by 8 °C in five minutes, then stays warm or cools.
 fn record(bench: &Bench, name: &str, cools: bool) {
     let path = bench.path(name);
     let info = CaptureInfo::adis16130(Converter { width: Width::Bits24, rate_conversion: 5, temp_conversion: 5 });
@@ -30,7 +30,7 @@ fn record(bench: &Bench, name: &str, cools: bool) {
     writer.finish().unwrap();
 }
 
-/// The standard uncertainties of PBC and BTC, as the file states them.
+/// The standard uncertainties of PBC and BTC in the file.
 fn stated(axis: &CalibratedAxis) -> [f64; 2] {
     match (&axis.curve, &axis.uncertainty) {
         (Some(curve), None) => [curve.covariance[0][0].sqrt(), curve.covariance[1][1].sqrt()],
@@ -39,7 +39,7 @@ fn stated(axis: &CalibratedAxis) -> [f64; 2] {
     }
 }
 
-/// The same number to twelve digits. The reader of JSON that these tests use is off by the last bit of some.
+/// True if both are equal to twelve digits. The JSON parser of these tests may be off in the last bit.
 fn is_same(found: &Value, stated: f64) -> bool {
     found.as_f64().is_some_and(|found| (found - stated).abs() <= 1e-12 * stated.abs())
 }

@@ -1,4 +1,4 @@
-//! Files that were made to harm: each ends as an error that says what is wrong, in bounded time and memory.
+//! Hostile files: each ends in an error that states the cause, in bounded time and memory.
 
 #[cfg(feature = "full")]
 mod forms;
@@ -8,11 +8,11 @@ use std::fs::File;
 use std::io::Write;
 use std::process::Command;
 
-/// KiB of address space in which the program must end by itself: its threads and a file's room.
+/// Limit on the address space of the program, KiB. It leaves room for threads and for a file.
 const ADDRESS_SPACE_KIB: u64 = 3 << 20;
 
 impl Bench {
-    /// Runs the program with little address space. The machine survives every hostile file.
+    /// Runs the program with limited address space, so that a hostile file cannot exhaust the machine.
     fn caged(&self, line: &str) -> Run {
         let script = format!("ulimit -v {ADDRESS_SPACE_KIB}; exec \"$0\" \"$@\"");
         let mut sh = Command::new("sh");
@@ -57,7 +57,7 @@ fn the_memory_of_a_large_log_is_a_choice() {
         "allan huge.bin --raw i16 --rate 10 --max-memory 256M",
         "huge.bin: it takes more memory than the 256 MiB of max_memory: give more, or cut the log",
     );
-    // a hole takes no room on the disk, and has none in memory
+    // a hole takes no space on the disk, so it gets no memory
     File::create(bench.path("hole.bin")).unwrap().set_len(20 << 30).unwrap();
     bench.refuses("allan hole.bin --raw i16 --rate 10 --max-memory 2G", "hole.bin: it grows to more than 64 MiB in");
     for size in ["1", "63M", "many", "1.5G"] {
@@ -68,7 +68,7 @@ fn the_memory_of_a_large_log_is_a_choice() {
     bench.caged("allan some.bin --raw i16 --rate 10 --max-memory 256M --json").ok();
 }
 
-/// Four billion samples lost between two rows are not four billion rows.
+/// Four billion lost samples between two rows take no memory.
 #[test]
 fn losses_take_no_memory() {
     let bench = Bench::new();
@@ -83,7 +83,7 @@ fn losses_take_no_memory() {
     assert!(said.contains("lost.csv: 4294967295 samples are missing between its rows"), "{said}");
 }
 
-/// Nothing that a file or its name says moves the cursor or changes the colours of a terminal.
+/// Control sequences in a file or its name do not reach the terminal.
 #[test]
 fn escapes_for_terminals_are_shown() {
     let bench = Bench::new();
@@ -106,7 +106,7 @@ fn escapes_for_terminals_are_shown() {
     }
 }
 
-/// A name with a line break is no way to write into the file.
+/// A line break in a name cannot add a line to the file.
 #[test]
 fn a_name_adds_nothing_to_imu_yaml() {
     let bench = Bench::new();
@@ -154,7 +154,7 @@ fn a_calibration_holds_numbers_that_can_be() {
     assert!(said.contains("line 8: temp_min_c must be a temperature"), "{said}");
 }
 
-/// Commands that read a text.
+/// Commands that read a text file.
 #[cfg(target_os = "linux")]
 const TEXTS: &[&str] = &[
     "export FILE --format c",
@@ -190,8 +190,8 @@ const LOGS: &[&str] = &[
     "serve --listen 127.0.0.1:0 --device replay:FILE",
 ];
 
-/// Files of text are small, and a name may lead to anything: devices and pipes without an end, files that are nothing
-/// but a hole. Less address space than any of them has bytes.
+/// A path may lead to an endless device, or to a file that is one large hole. Each has more bytes than the address
+/// space of this run.
 #[cfg(target_os = "linux")]
 #[test]
 fn whatever_is_read_whole_has_a_bound() {
@@ -211,7 +211,7 @@ fn whatever_is_read_whole_has_a_bound() {
     }
 }
 
-/// To open one of these would wait for its other end.
+/// Opening a pipe would wait for its other end.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_pipe_in_place_of_a_file_is_refused_or_read_within_bounds() {

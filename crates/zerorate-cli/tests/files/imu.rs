@@ -4,11 +4,11 @@ use super::{Bench, white};
 use serde_json::Value;
 
 const RATE_HZ: f64 = 100.0;
-/// Standard deviations of single samples: °/s and m/s².
+/// Standard deviation of a sample of each axis: °/s, then m/s².
 const SIGMAS: [f64; 6] = [0.10, 0.12, 0.08, 0.020, 0.025, 0.030];
 const HEAD: &str = "t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,ax [m/s^2],ay [m/s^2],az [m/s^2],mag_x,temp_c";
 
-/// White noise of each axis; the last stands on gravity.
+/// A log of white noise. The last accelerometer axis also measures gravity.
 fn log() -> String {
     let mut text = format!("{HEAD}\n");
     for (row, noise) in white(6 * 20_000, 1.0, 7).as_chunks::<6>().0.iter().enumerate() {
@@ -20,17 +20,17 @@ fn log() -> String {
     text
 }
 
-/// Bench with the log, and the options that it takes.
+/// Makes a folder with the log.
 pub fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("imu.csv", log());
     bench
 }
 
-/// The time is in the column whose name says so.
+/// The command without options, since the header names the time column.
 const LINE: &str = "imu imu.csv";
 
-/// N in rad/√s or m/s/√s, of the axis at `index`.
+/// N of the axis at `index`, in rad/√s or m/s/√s.
 fn n(index: usize) -> f64 {
     let n = SIGMAS[index] / RATE_HZ.sqrt();
     if index < 3 { n.to_radians() } else { n }
@@ -86,8 +86,8 @@ fn columns_that_are_not_axes_are_left_out_and_named() {
     assert!(run.stderr.contains("it has: height, weight"), "{}", run.stderr);
 }
 
-/// N of the gyroscopes is 0.60, 0.72 and 0.48 °/√h, the one-sided density of the accelerometers 0.29, 0.36 and
-/// 0.43 mg/√Hz.
+/// N of the gyroscopes is 0.60, 0.72 and 0.48 °/√h. The one-sided noise density of the accelerometers is 0.29, 0.36
+/// and 0.43 mg/√Hz.
 #[test]
 fn axes_beside_a_data_sheet() {
     let bench = bench();
@@ -119,7 +119,7 @@ fn axes_beside_a_data_sheet() {
     assert!(run.contains("Beside the data sheet of ADIS16405") && run.contains("typical 0.05 °/s/√Hz"), "{run}");
 }
 
-/// A turn of 30 °/s about one axis for 6 s is motion, and not a matter of bit errors alone.
+/// A rotation of 30 °/s about one axis for 6 s is reported as motion, and not only as bit errors.
 #[test]
 fn a_slow_turn_is_motion() {
     let bench = Bench::new();
@@ -139,7 +139,7 @@ fn a_slow_turn_is_motion() {
     assert!(said.contains("so none was replaced; motion, or bit errors?"), "{said}");
 }
 
-/// What several axes have in common is one line, below the table, and the important first; `--json` has all of it.
+/// Each kind of finding on several axes is one line, the most serious first. `--json` has all of them.
 #[test]
 fn findings_are_a_line_for_each_kind() {
     let bench = Bench::new();
@@ -181,7 +181,7 @@ fn findings_are_a_line_for_each_kind() {
     }
 }
 
-/// A log of several IMUs is a table to choose from, and no text names an option that `imu` has not.
+/// A log of several IMUs is answered with a table to choose from. No text names an option that `imu` lacks.
 #[test]
 fn several_imus_are_a_table() {
     let bench = Bench::new();
@@ -206,8 +206,8 @@ fn several_imus_are_a_table() {
     assert_eq!(names.collect::<Vec<_>>(), ["gyro_x_dps", "ay [m/s^2]"]);
 }
 
-/// A gyroscope with an echo, which no model follows, beside one that is well: no file, unless it is forced, and then
-/// the file says what it is worth.
+/// One gyroscope axis has an echo, which the model cannot fit; the other axes are fine. A file is written only when
+/// forced, and states the rejection.
 #[test]
 fn a_rejected_axis_writes_a_file_only_when_forced() {
     let bench = Bench::new();
@@ -231,7 +231,7 @@ fn a_rejected_axis_writes_a_file_only_when_forced() {
     assert!(yaml.contains("# NOT A RESULT: gyro_y_dps: the noise model is off by "), "{yaml}");
 }
 
-/// Ctrl-C while a log is piped in, and does not end: as shells report it, and nothing is left behind.
+/// Ctrl-C while a log is piped in without end: the exit code is that of a signal, and no file is left.
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_nothing_behind() {
@@ -244,7 +244,7 @@ fn ctrl_c_leaves_nothing_behind() {
     // a terminal sends Ctrl-C to all processes of a group
     let mut child = start(command.process_group(0).stdin(Stdio::piped()));
     let mut pipe = child.stdin.take().unwrap();
-    // more than a pipe holds: once it is written, the program is reading
+    // more than fits into a pipe, so once this is written, the program is reading
     pipe.write_all(log().as_bytes()).unwrap();
     let sent = Command::new("sh").args(["-c", &format!("kill -INT -{}", child.id())]).status().unwrap();
     assert!(sent.success());
@@ -254,7 +254,7 @@ fn ctrl_c_leaves_nothing_behind() {
     assert_eq!(std::fs::read_dir(bench.dir.path()).unwrap().count(), 0);
 }
 
-/// Each mistake of a researcher is named with its remedy, and all that is said about the log is true.
+/// Each error in the log or the options is named with its remedy, and all statements about the log are true.
 #[test]
 fn each_mistake_is_named_with_its_remedy() {
     let bench = bench();
@@ -298,7 +298,7 @@ fn each_mistake_is_named_with_its_remedy() {
     assert!(said.contains("columns of several sensors; choose the axes of one with --gyro:\n  a_dps\n"), "{said}");
 }
 
-/// 0.05 °/s with a memory of 1 s beside white noise: text, table and picture have the Gauss–Markov term.
+/// Noise of 0.05 °/s with a correlation time of 1 s is added to white noise. Text, table and plot have the term.
 #[test]
 fn a_gauss_markov_term_is_shown() {
     let bench = Bench::new();
@@ -334,11 +334,11 @@ fn a_gyroscope_alone_leaves_the_rest_open() {
     assert!(yaml.contains("# accelerometer_noise_density:   # m/s²/√Hz: no such axes were read"), "{yaml}");
 }
 
-/// The page has curves, spectra and records of both kinds, with their lines named. A page of six axes is small enough.
+/// The page has curves, spectra and records of both kinds, with a legend, and stays small with six axes.
 #[test]
 fn the_page_shows_record_spectrum_and_curves() {
     let bench = Bench::new();
-    // 0.05 °/s rms at 12.5 Hz on the z axis
+    // a line of 0.05 °/s rms at 12.5 Hz on the z axis
     let disturbed: String = log()
         .lines()
         .enumerate()

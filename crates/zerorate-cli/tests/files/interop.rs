@@ -1,10 +1,10 @@
-//! Captures as others see them: a reader that shares no code with this one.
+//! Captures are read by pyarrow, which shares no code with this project.
 
 use super::{Bench, capture, run, skip};
 use std::process::Command;
 
-/// Prints every row and the metadata of an Arrow stream and of a Parquet file, and the rest of the stream when its
-/// tail is torn off.
+/// Prints every row and the metadata of an Arrow stream and of a Parquet file, and the rows that can be read when the
+/// stream is cut short.
 const READER: &str = r#"
 import pyarrow as pa, pyarrow.parquet as pq
 whole = pa.ipc.open_stream("rest.arrows").read_all()

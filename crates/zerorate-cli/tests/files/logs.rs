@@ -1,4 +1,4 @@
-//! Logs that are wrong: the message names the file and the place, and says what to do.
+//! Invalid logs: the message names the file and the place, and says what to do.
 
 use super::{Bench, imu};
 use crate::harness::Run;
@@ -19,7 +19,7 @@ const FILES: [(&str, &[u8]); 11] = [
     ("log.gz", b"\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33"),
 ];
 
-/// What follows `allan`, the exit code, and what is said.
+/// The arguments of `allan`, the exit code, and the expected message.
 const CASES: [(&str, i32, &str); 14] = [
     ("inf.csv --rate 9", 1, "inf.csv, line 3, column x: it is infinite"),
     (
@@ -65,7 +65,7 @@ fn an_unstated_unit_is_reported() {
     run.ok();
 }
 
-/// The folder of a bag of ROS 2, which is read in the order that it states.
+/// The folder of a ROS 2 bag, read in the order of its description.
 #[test]
 fn bags_in_folders() {
     let bench = Bench::new();
@@ -84,7 +84,7 @@ fn bags_in_folders() {
     assert!(run.stderr.contains("bag: 1 samples are missing among 20"), "{}", run.stderr);
     let report = run.ended_with(0).json();
     assert_eq!(report["rate_hz"], 200.0);
-    // rosbag2 writes the count of a topic behind its name, and the package rosbags before it
+    // rosbag2 writes the count of a topic after its name, the package rosbags before it
     let counted = |count: u32, is_first: bool| {
         let topic = |name: &str, count: u32| match is_first {
             false => format!(
@@ -112,7 +112,7 @@ fn bags_in_folders() {
     assert!(bench.zerorate("allan none --rate 1").fails(1).contains("neither a metadata.yaml nor a bag"));
 }
 
-/// What is piped in is a log like any other, in any of the forms.
+/// A log in any format can be read from standard input.
 #[test]
 fn a_log_from_standard_input() {
     let bench = Bench::new();
@@ -127,7 +127,7 @@ fn a_log_from_standard_input() {
     assert_eq!(said(&bag, "--column z")["rate_hz"], 200.0);
 }
 
-/// Gravity tells of a wrong unit of the accelerometers, and no gyroscope has a bias of hundreds of °/s.
+/// Gravity reveals a wrong unit of the accelerometers. No gyroscope has a bias of hundreds of °/s.
 #[test]
 fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
     let bench = imu::bench();

@@ -1,4 +1,4 @@
-//! Logs of other programs as readings of a part with three axes and a temperature: the same numbers in any form.
+//! Logs of other programs as readings of a part with three axes and a temperature give the same calibration.
 
 use super::Bench;
 use std::fmt::Write;
@@ -17,14 +17,14 @@ zero_code = 0
 zero_c = 25
 width_bits = 16
 "#;
-/// A twentieth of the hour.
+/// About a thirtieth of the hour of AN-1042.
 const PLAN: &str = "--average 10s --warmup 40s --settle 30s --offset 40s";
 const ROWS: u32 = 6_600;
 const RATE_HZ: f64 = 50.0;
 /// Bias at 25 °C, °/s, and its coefficient, °/s/°C, of each axis.
 const BIAS: [(f64, f64); 3] = [(0.8, 0.04), (-1.2, -0.02), (0.3, 0.1)];
 
-/// Seconds, rates in °/s and °C of each row: an exponential warm-up by 8 °C, and noise that a hash makes.
+/// Rows of time (s), rates (°/s) and temperature (°C): an exponential warm-up by 8 °C with pseudo-random noise.
 fn rows() -> impl Iterator<Item = (f64, [f64; 3], f64)> {
     (0..ROWS).map(|k| {
         let t_s = f64::from(k) / RATE_HZ;
@@ -38,7 +38,7 @@ fn rows() -> impl Iterator<Item = (f64, [f64; 3], f64)> {
     })
 }
 
-/// The part with the columns of a log.
+/// The part file, with the names of the log's columns.
 fn part(axes: [&str; 3], temp: &str) -> String {
     let part = ["x", "y", "z"].into_iter().zip(axes).fold(PART.to_owned(), |part, (name, column)| {
         part.replace(&format!("name = \"{name}\""), &format!("name = \"{name}\", column = \"{column}\""))
@@ -46,7 +46,7 @@ fn part(axes: [&str; 3], temp: &str) -> String {
     part.replace("zero_c = 25", &format!("zero_c = 25\ncolumn = \"{temp}\""))
 }
 
-/// As `mavlogdump.py --format csv --types IMU` writes the messages of one IMU.
+/// A log as `mavlogdump.py --format csv --types IMU` writes it for one IMU.
 fn of_ardupilot() -> String {
     let mut log = "timestamp,TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz\n".to_owned();
     for (t_s, rates, temp_c) in rows() {
@@ -58,7 +58,7 @@ fn of_ardupilot() -> String {
     log
 }
 
-/// A ULog with the topic of a gyroscope's driver.
+/// A ULog with one gyroscope topic.
 fn of_px4() -> Vec<u8> {
     let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
     let mut message = |kind: u8, body: &[u8]| {
@@ -93,9 +93,8 @@ fn corrections(bench: &Bench, log: &str, part: &str) -> Vec<Correction> {
     Calibration::parse(&text).unwrap().0.axes.iter().map(|axis| axis.correction).collect()
 }
 
-/// Values in rad/s with the unit in the part's file, and in the fields that PX4 defines, with and without a word of
-/// the columns.
-#[test]
+/// The rates are in rad/s: the part file states it for the columns of ArduPilot, and PX4 defines it for its fields. The
+/// PX4 log is read with and without column names in the part file.
 fn every_form_gives_the_same_calibration() {
     let bench = Bench::new();
     bench.write("ardupilot.csv", of_ardupilot());
@@ -118,7 +117,7 @@ fn every_form_gives_the_same_calibration() {
     }
 }
 
-/// The unit is one of angular rate; a bag of ROS has no temperature.
+/// The unit must be one of angular rate. A ROS bag has no temperature.
 #[test]
 fn facts_that_a_log_lacks_are_asked_for() {
     let bench = Bench::new();
@@ -136,8 +135,8 @@ fn facts_that_a_log_lacks_are_asked_for() {
     asks("imu.bag", PART.to_owned(), "a message of sensor_msgs/Imu holds no temperature");
 }
 
-/// Without `-o` the result of a real part is kept, beside no other file of its name, and said to be; not with
-/// `--no-save`.
+/// Without `-o`, the result of a real part is saved under its own name, and a message says so. `--no-save` saves
+/// nothing.
 #[test]
 fn a_finished_hour_is_kept() {
     let bench = Bench::new();
@@ -159,7 +158,7 @@ fn a_finished_hour_is_kept() {
     let text = std::fs::read_to_string(bench.path(name)).unwrap();
     let (calibration, _) = Calibration::parse(&text).unwrap();
     assert_eq!(*name, format!("calibration-{}.toml", calibration.id()));
-    // the same result once more: the file stays as it is, and the other is beside it
+    // the name is taken by another file, which stays; the result is saved beside it
     bench.write(name, "another");
     let run = bench.zerorate(&line).ended_with(2);
     assert!(run.stderr.contains("exists") && run.stderr.contains("the calibration is not lost"), "{run:?}");

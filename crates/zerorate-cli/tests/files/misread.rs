@@ -1,19 +1,19 @@
-//! Logs that look like the rates of one sensor and are something else: the right numbers, or the cause.
+//! Logs that look like rates of one sensor but are not: the result is correct, or the message states the cause.
 
 use super::{Bench, white};
 use serde_json::Value;
 
 const RATE_HZ: f64 = 100.0;
-/// Standard deviation of a sample, °/s, and the N that it makes, °/√s.
+/// Standard deviation of a sample, °/s, and the corresponding N, °/√s.
 const SIGMA: f64 = 0.05;
 const N: f64 = 0.005;
 
-/// Samples of two sensors, of which the second has three times the noise.
+/// Samples of two sensors. The second one has three times the noise.
 fn two(rows: usize) -> (Vec<f64>, Vec<f64>) {
     (white(rows, SIGMA, 7), white(rows, 3.0 * SIGMA, 11))
 }
 
-/// N in the fit of the first axis, °/√s.
+/// The fitted N of the first axis, °/√s.
 fn n(json: &Value) -> f64 {
     let fit = if json["axes"].is_array() { &json["axes"][0]["fit"] } else { &json["fit"] };
     fit["n"]["value"].as_f64().unwrap()
@@ -23,8 +23,8 @@ fn is_near(found: f64, expected: f64) -> bool {
     (found / expected - 1.0).abs() < 0.05
 }
 
-/// Equal stamps, staggered ones, overlapping blocks and names in words: the column and its values are named, and
-/// `--where` reads one sensor.
+/// Rows of several sensors, with equal, staggered or overlapping timestamps. The message names the column that
+/// distinguishes the sensors, and `--where` selects one.
 #[test]
 fn rows_of_several_sensors_are_refused_and_read_one_by_one() {
     let bench = Bench::new();
@@ -57,7 +57,7 @@ fn rows_of_several_sensors_are_refused_and_read_one_by_one() {
     assert!(bench.zerorate("imu two.csv --where add=0x68").fails(2).contains("did you mean `addr`?"));
 }
 
-/// The same in blocks, as packets come.
+/// The rows of several sensors come in blocks, as from packets.
 #[test]
 fn sensors_in_packets_are_told_apart() {
     let bench = Bench::new();
@@ -75,7 +75,7 @@ fn sensors_in_packets_are_told_apart() {
     assert!(is_near(n(&json), 3.0 * N));
 }
 
-/// A counter, a flag, a coarse clock and a temperature in codes are no sensors.
+/// A counter, a flag, a coarse clock and a temperature in codes do not look like several sensors.
 #[test]
 fn flags_counters_and_coarse_readings_are_one_sensor() {
     let bench = Bench::new();
@@ -100,7 +100,7 @@ fn flags_counters_and_coarse_readings_are_one_sensor() {
     }
 }
 
-/// What is said of the log does not depend on which column comes first.
+/// A further column before the rate does not change the warnings about the log.
 #[test]
 fn warnings_about_a_log_come_beside_any_column() {
     let bench = Bench::new();
@@ -126,7 +126,7 @@ fn warnings_about_a_log_come_beside_any_column() {
     assert_eq!(said(log("temp_c,", "25.0,")), alone);
 }
 
-/// Codes of an ICM: signed, without their sign, and as whole numbers of a unit.
+/// Codes of an ICM sensor: signed, unsigned by mistake, or without a scale.
 #[test]
 fn codes_without_sign_or_scale_are_noticed() {
     let bench = Bench::new();
@@ -161,7 +161,7 @@ fn codes_without_sign_or_scale_are_noticed() {
     assert!(said.contains("implausible: codes.csv: gx has steps of 1.000 °/s"), "{said}");
 }
 
-/// `strangers/06`: the scales of a part, or of 16 bits over a full scale, and a fraction in place of a number.
+/// The scale comes from a part, from a full scale with 16 bits, or from a fraction such as 1/131.
 #[test]
 fn codes_get_the_scale_of_their_part() {
     let bench = Bench::new();
@@ -209,7 +209,7 @@ fn codes_get_the_scale_of_their_part() {
     }
 }
 
-/// Gyroflow states its scales above the header. Other scales there are named.
+/// Gyroflow states its scales above the header. Unknown scales there are reported.
 #[test]
 fn scales_above_a_header_are_used_or_named() {
     let bench = Bench::new();
@@ -240,7 +240,8 @@ fn scales_above_a_header_are_used_or_named() {
     assert!(!said.contains("scale-unused"), "{said}");
 }
 
-/// A unit of time that makes the rate absurd, or the year, and the unit that fits; a rate that the stamps contradict.
+/// A wrong unit of time gives an absurd rate or year, and the message proposes the right unit. A given rate may
+/// contradict the timestamps.
 #[test]
 fn a_wrong_unit_of_time_or_rate_is_noticed() {
     let bench = Bench::new();
@@ -272,7 +273,7 @@ fn a_wrong_unit_of_time_or_rate_is_noticed() {
     }
 }
 
-/// Of pure white noise, K in the file is the limit of the fit unless a random walk shows, never next to zero.
+/// For pure white noise, K in the file is the upper limit of the fit, and never close to zero.
 #[test]
 fn k_is_never_next_to_zero_where_n_covers_the_curve() {
     let bench = Bench::new();
@@ -292,7 +293,7 @@ fn k_is_never_next_to_zero_where_n_covers_the_curve() {
     }
 }
 
-/// Whoever reads the file tomorrow does not see what the program said today.
+/// A reader of the file does not see the warnings of the program, so the file repeats them.
 #[test]
 fn warnings_that_matter_stand_in_the_file() {
     let bench = Bench::new();
@@ -309,7 +310,7 @@ fn warnings_that_matter_stand_in_the_file() {
     }
 }
 
-/// Angles and velocities of samples, as KF-GINS and ADIS write them.
+/// Angle and velocity increments, as KF-GINS and ADIS sensors give them.
 #[test]
 fn increments_are_asked_about_and_read() {
     let bench = Bench::new();

@@ -1,9 +1,9 @@
-//! What is not built in: one sentence says which feature and which command add it, and no file is left behind. The
-//! forms that are only read are tested where they are read, in `zerorate-logs`.
+//! Features that are not built in: a message names the feature and the command that adds it, and no file is left. The
+//! tests of `zerorate-logs` cover the formats that are only read.
 
 use super::{Bench, calibration};
 
-/// The end of the sentence.
+/// The end of each message.
 const COMMAND: &str = "`cargo install --path crates/zerorate-cli --features full` adds it\n";
 
 #[track_caller]

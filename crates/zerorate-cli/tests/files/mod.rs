@@ -1,4 +1,4 @@
-//! The commands that work on files, run as a user runs them.
+//! The commands that work on files.
 
 mod allan;
 mod analysis;
@@ -35,7 +35,7 @@ use std::process::Command;
 /// The forms of captures that are built in.
 const FORMS: &[&str] = if cfg!(feature = "parquet") { &["csv", "arrows", "parquet"] } else { &["csv", "arrows"] };
 
-/// The smallest of them.
+/// The form with the smallest files.
 const SMALLEST: &str = if cfg!(feature = "parquet") { "parquet" } else { "arrows" };
 
 /// A calibration written by hand.
@@ -81,7 +81,7 @@ fn capture(serial: &str, rows: &str) -> String {
     )
 }
 
-/// White noise of so many samples and this standard deviation: sums of twelve numbers of a congruential generator.
+/// White noise with standard deviation `sd`: sums of twelve numbers of a congruential generator.
 fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
     let mut state = seed;
     let mut uniform = move || {
@@ -91,12 +91,12 @@ fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
     (0..samples).map(|_| (0..12).map(|_| uniform()).sum::<f64>() * sd).collect()
 }
 
-/// The bytes that `--raw f64` reads.
+/// Samples as bytes for `--raw f64`.
 fn raw(rate: &[f64]) -> Vec<u8> {
     rate.iter().flat_map(|rate| rate.to_le_bytes()).collect()
 }
 
-/// Whether a program is there; the test that needs it says so when it is not.
+/// True if a program is installed. Otherwise prints that the test is skipped.
 fn installed(program: &str) -> bool {
     let found = Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
     if !found {
@@ -105,13 +105,13 @@ fn installed(program: &str) -> bool {
     found
 }
 
-/// Says that a test did not run. The test harness swallows what `eprintln!` prints, but not this.
+/// Prints that a test is skipped. The test harness captures `eprintln!`, but not this.
 fn skip(why: &str) {
     let line = format!("SKIPPED {}: {why}\n", std::thread::current().name().unwrap_or_default());
     std::io::stderr().write_all(line.as_bytes()).unwrap();
 }
 
-/// Runs a program that must succeed, and gives what it printed.
+/// Runs a program that must succeed, and returns its stdout.
 fn run(program: impl AsRef<Path>, args: &[&str], dir: &Path) -> String {
     let program = program.as_ref();
     let output = Command::new(program).args(args).current_dir(dir).output().unwrap();

@@ -1,8 +1,8 @@
 //! Noise models of real sensors at rest, against an independent implementation.
 //!
-//! The numbers come from the prototype of the method, written in Python with numpy and scipy: other code, another
-//! solver (logarithms as parameters), the same mathematics. `python3 reference.py` beside the reference data prints
-//! them, once its glitches are looked for narrowest first and replaced before the next look, as here.
+//! The numbers come from the prototype in Python with numpy and scipy, which uses the same mathematics with other code
+//! and another solver (logarithms as parameters). `python3 reference.py` in the folder of the reference data prints
+//! them, after a change: it must look for the narrowest glitches first and replace them before it looks again.
 
 use super::allan::reference_data;
 use super::{Bench, raw, white};
@@ -13,19 +13,19 @@ use std::io::Read;
 use std::path::Path;
 use zerorate_allan::{self as allan, Fit, FitOptions, Input, Stat};
 
-/// What the prototype has of an axis, in the unit of the log.
+/// The prototype's result for an axis, in the unit of the log.
 struct Axis {
     file: String,
     options: &'static str,
     n: f64,
     b: f64,
-    /// Root of the median density from 1 to 5 Hz.
+    /// Root of the median spectral density from 1 to 5 Hz.
     plateau: f64,
-    /// σ and T.
+    /// Standard deviation and correlation time of the Gauss–Markov term.
     gauss_markov: Option<(f64, f64)>,
     steps: usize,
     octaves: usize,
-    /// Model at 64 and 4096 samples.
+    /// Deviation of the model at 64 and at 4096 samples.
     model: [f64; 2],
     inside: usize,
 }
@@ -34,7 +34,7 @@ const GYRO: &str = "--raw i16 --rate 100 --scale 0.05";
 const ACCEL: &str = "--raw i16 --rate 100 --scale 3.33";
 const MTIG: &str = "--raw f32 --rate 100 --unit rad/s";
 
-/// The fields of an axis in their order; σ and T are 0 where there is no such term.
+/// The fields of each axis in order; σ and T are 0 if there is no Gauss–Markov term.
 const AXES: &str = "\
     adis16405/adis16405_imu1_gyro_x.i16le.xz  4.041479e-2 7.461984e-3 4.032305e-2 0 0 0 19 5.061622e-2 8.264997e-3 17
     adis16405/adis16405_imu1_gyro_y.i16le.xz  4.248092e-2 9.632041e-3 4.249921e-2 0 0 0 19 5.333893e-2 9.478360e-3 19
@@ -72,8 +72,8 @@ fn near(value: &Value, truth: f64, relative: f64) -> bool {
     (number(value) - truth).abs() <= relative * truth.abs()
 }
 
-/// Figures to meet: N within 1 % of the plateau, 96 % of all octaves inside the band. The prototype of this fit gave
-/// the other numbers. It had no upper end, and its N had no cosine beyond those that were chosen.
+/// Requirements: N within 1 % of the plateau, and 96 % of all octaves inside the band. The other numbers come from the
+/// prototype. Its model had no upper frequency, and its N had no cosines beyond the selected ones.
 #[test]
 fn seven_real_axes() {
     let Some(folder) = reference_data() else { return };
@@ -112,8 +112,8 @@ fn seven_real_axes() {
     assert!(inside as f64 >= 0.96 * octaves as f64, "{inside} of {octaves} octaves");
 }
 
-/// Figures to meet: the first half of each of the seven predicts 95 % of the octaves of the second, up to 1/128 of its
-/// length. `--nocapture` prints what docs/reference/allan.md states, the other way round as well.
+/// Requirement: the model of the first half of each record predicts 95 % of the octaves of the second half, up to
+/// 1/128 of its length. `--nocapture` prints the numbers of docs/reference/allan.md, also with the halves exchanged.
 #[test]
 fn a_half_predicts_the_other() {
     let Some(folder) = reference_data() else { return };
@@ -135,7 +135,7 @@ fn a_half_predicts_the_other() {
     assert!(inside * 20 >= octaves * 19, "{:?}", found[0]);
 }
 
-/// Octaves that are predicted, and those of them that lie inside.
+/// Number of predicted octaves, and number of those inside the band.
 #[derive(Clone, Copy, Debug, Default)]
 struct PredictionCount {
     inside: usize,
@@ -153,7 +153,7 @@ impl PredictionCount {
     }
 }
 
-/// In the unit of its log, times its scale.
+/// The samples in the unit of the log, times the scale.
 fn samples(axis: &Axis, folder: &Path) -> Vec<f64> {
     let mut bytes = Vec::new();
     XzReader::new(File::open(folder.join(&axis.file)).unwrap(), true).read_to_end(&mut bytes).unwrap();
@@ -165,7 +165,7 @@ fn samples(axis: &Axis, folder: &Path) -> Vec<f64> {
     }
 }
 
-/// White noise of a quarter of an hour at 100 Hz with a glitch, a step and losses.
+/// White noise, 15 minutes at 100 Hz, with a glitch, a step and losses.
 #[test]
 fn removed_glitches_and_steps_are_reported_and_can_be_kept() {
     let bench = Bench::new();
@@ -200,7 +200,7 @@ fn removed_glitches_and_steps_are_reported_and_can_be_kept() {
     assert!(dev > 0.5, "without a fit nothing is taken out: {dev}");
 }
 
-/// An echo: a comb that no term follows. Nothing of it is a result, and nothing is written.
+/// White noise with an echo, whose comb spectrum no term fits: there is no result and no file.
 #[test]
 fn a_rejected_model_gives_no_result() {
     let bench = Bench::new();

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 const ROWS: &str = "1000,1,8623488,8,8402701,0\n2000,2,8388608,8,,0\n3000,5,8153728,,8388608,1\n";
 const LOG: &str = "gz\n1\n2\n1\n3\n2\n1\n2\n3\n";
-/// Durations of a calibration that do not match these files: it would fail, but it must be refused before.
+/// Durations that do not match these captures: a calibration would fail, but must be refused before that.
 const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
-/// A part of one axis, the columns of its logs, and what its data sheet says.
+/// A part of one axis, with its column in logs and its noise by the data sheet.
 const PART: &str = r#"schema = 1
 name = "G1"
 axis = [{ name = "z", column = "gz_dps" }]
@@ -29,7 +29,7 @@ const SHEET: &str = "schema = 1\nname = \"G1\"\nsource = \"its maker\"\n[gyrosco
 const PLAN: &str = "schema = 1\nname = \"up\"\n[[step]]\nto_c = 25\n[[step]]\nto_c = 40\nc_per_min = 2\n\
     [[step]]\nto_c = 25\nc_per_min = 2\n";
 
-/// A bench with a calibration, a capture, a corrected capture and a log of another gyroscope.
+/// Makes a folder with a calibration, a capture, a corrected capture and a log of another gyroscope.
 fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
@@ -44,7 +44,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// All files with their content, by name.
+/// All files with their names and contents.
 fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<_> =
@@ -53,7 +53,7 @@ fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// The run ends with 2, says this, and every file is as it was, with none beside it.
+/// Checks that the run ends with 2 and this reason, and that no file was changed or added.
 #[track_caller]
 fn refused(bench: &Bench, line: &str, reason: &str) {
     let before = content(bench.dir.path());
@@ -62,7 +62,7 @@ fn refused(bench: &Bench, line: &str, reason: &str) {
     assert_eq!(content(bench.dir.path()), before, "zerorate {line} changed a file");
 }
 
-/// Each command with an output, which `OUT` stands for, and the inputs that it reads.
+/// Each command with an output, written as `OUT`, and its input files.
 fn commands() -> Vec<(String, &'static [&'static str])> {
     let line = |line: &str| line.to_owned();
     vec![
@@ -88,12 +88,12 @@ fn commands() -> Vec<(String, &'static [&'static str])> {
     ]
 }
 
-/// Whether `OUT` is a capture, whose form its ending states.
+/// True if `OUT` is a capture, whose extension states its form.
 fn records(command: &str) -> bool {
     command.contains("--log OUT") || command.starts_with("capture") || command.starts_with("correct")
 }
 
-/// Names of a file, links, and captures that are replaced by captures only are tested in `zerorate-jobs`.
+/// The tests of `zerorate-jobs` cover links and other names of a file, and captures that only captures may replace.
 #[test]
 fn no_input_of_a_command_is_its_output() {
     let bench = bench();
@@ -141,7 +141,7 @@ fn only_force_overwrites_a_file() {
     }
 }
 
-/// A name that promises text must not hide a binary file.
+/// A name with a text extension must not hide a binary file.
 #[test]
 fn an_unknown_ending_is_not_a_form() {
     let bench = bench();
@@ -173,7 +173,7 @@ fn two_outputs_are_two_files() {
     }
 }
 
-/// Commands without `--force` that write all the same, and files whose names they make themselves.
+/// Commands that write without `--force`, and files whose names the program makes.
 #[test]
 fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
     let bench = bench();

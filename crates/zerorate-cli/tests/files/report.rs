@@ -6,7 +6,7 @@ use zerorate::Measured;
 use zerorate::Validity;
 use zerorate::calibration::{Calibration, Run, Uncertainties};
 
-/// Everything that a measured calibration has, with texts that are not HTML.
+/// A calibration with every field, and with texts that look like HTML.
 fn measured() -> String {
     let (mut unit, _) = Calibration::parse(&calibration(-0.25, -0.04, 31.5)).unwrap();
     unit.serial = Some("<script>alert('SN17')</script>".into());
@@ -144,7 +144,7 @@ fn every_axis_has_its_section() {
     assert!(html.contains("Calibration of ADIS16405") && sections[1].contains("Warning: y &#60; alone"), "{html}");
 }
 
-/// A curve has its terms in the formula, among the quantities and in the picture's caption; a line has none of it.
+/// The page of a curve has its terms in the formula, the table and the caption. The page of a line does not.
 #[test]
 fn the_page_of_a_curve() {
     let bench = Bench::new();
@@ -172,7 +172,7 @@ fn the_page_of_a_curve() {
     assert_ne!(path(&line), path(&curve), "the picture shows the curve");
 }
 
-/// A file may be called anything, and pages are also looked at on a terminal.
+/// A file name may have control characters, and a page may be shown on a terminal.
 #[cfg(unix)]
 #[test]
 fn no_page_and_no_picture_has_control_characters() {

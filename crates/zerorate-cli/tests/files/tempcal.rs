@@ -1,5 +1,5 @@
-//! `zerorate tempcal`: curves over temperature of logs whose bias is known, and parameters of flight controllers,
-//! evaluated by the formulas of their firmware.
+//! `zerorate tempcal` on logs whose bias is known: the curves, and the parameters of flight controllers, evaluated by
+//! the formulas of their firmware.
 
 use super::autopilot::{of_ardupilot, of_px4};
 use super::{Bench, white};
@@ -10,10 +10,10 @@ const RATE_HZ: f64 = 20.0;
 const ROWS: usize = 24_000;
 /// Standard deviation of a sample, °/s.
 const SIGMA: f64 = 0.01;
-/// What the sensor sees at rest: gravity along z, m/s².
+/// Acceleration of the sensor at rest: gravity along z, m/s².
 const GRAVITY: [f64; 3] = [0.0, 0.0, 9.806_65];
 
-/// Terms of the bias over (T − 25 °C)/20 °C, in °/s and m/s².
+/// Coefficients of the bias in powers of (T − 25 °C)/20 °C, °/s and m/s².
 const GYRO: [[f64; 4]; 3] = [[0.5, 0.4, -0.08, 0.03], [-0.2, -0.3, 0.06, 0.02], [0.1, 0.05, 0.04, -0.03]];
 const ACCEL: [[f64; 4]; 3] = [[0.0, 0.05, 0.01, 0.004], [0.0, -0.03, 0.01, 0.0], [0.0, 0.02, -0.01, 0.003]];
 
@@ -30,7 +30,7 @@ struct Reading {
     accelerations: [f64; 3],
 }
 
-/// Twenty minutes of warming from 8 °C.
+/// Readings of a sensor that warms from 8 °C for twenty minutes.
 fn readings() -> Vec<Reading> {
     let noise = white(6 * ROWS, 1.0, 5);
     let reading = |(row, noise): (usize, &[f64; 6])| {
@@ -74,7 +74,7 @@ fn the_curves_of_a_table_are_the_true_ones() {
         assert!(points.len() >= 9);
         for point in points {
             let number = |key: &str| point[key].as_f64().unwrap();
-            // of an accelerometer, the change from the reference temperature
+            // the bias of an accelerometer is relative to the reference temperature
             let truth = bias(terms, number("temp_c")) - if is_gyro { 0.0 } else { bias(terms, 25.0) };
             let off = (number(bias_key) - truth).abs();
             assert!(off < 4.0 * number(u_key) + 1e-5 && off < 0.005, "{}: {point} {truth}", axis["name"]);
@@ -139,7 +139,7 @@ fn logs_of_one_unit_are_fitted_together() {
     assert!(bench.zerorate("tempcal log.csv other.csv").fails(2).contains("give logs of the same unit"));
 }
 
-/// Messages of DataFlash: FMT, PARM and IMU of two sensors, of which the first was corrected and both were turned.
+/// A DataFlash log with the messages FMT, PARM and IMU of two sensors. The first was already corrected.
 fn dataflash(enabled_after: Option<f64>) -> Vec<u8> {
     let mut log = Vec::new();
     let form = |log: &mut Vec<u8>, id: u8, length: usize, name: &str, letters: &str, labels: &str| {
@@ -167,7 +167,7 @@ fn dataflash(enabled_after: Option<f64>) -> Vec<u8> {
             if imu == 0 {
                 rates[0] -= corrected_before(temp_c);
             }
-            // turned by 180° about x, as AHRS_ORIENTATION 8 says
+            // rotated by 180° about x, as AHRS_ORIENTATION 8 says
             let turned = |[x, y, z]: [f64; 3]| [x, -y, -z];
             log.extend([0xA3, 0x95, 65]);
             log.extend(((at_s * 1e6) as u64).to_le_bytes());
@@ -188,7 +188,7 @@ const PARAMETERS: [(&str, f32); 6] = [
     ("INS_GYR1_CALTEMP", 20.0),
 ];
 
-/// What these parameters subtract from the rate about x, rad/s.
+/// The rate about x that these parameters subtract, rad/s.
 fn corrected_before(temp_c: f64) -> f64 {
     300e-6 * (temp_c.clamp(10.0, 40.0) - 20.0)
 }
@@ -203,7 +203,7 @@ fn the_parameters_of_ardupilot_remove_the_bias_of_all_sensors() {
         let tcal = |name: &str| of[&format!("INS_TCAL{imu}_{name}")];
         let per_unit = if kind == "GYR" { 1_f64.to_radians() } else { 1.0 };
         for (axis, terms) in ["X", "Y", "Z"].iter().zip(truth) {
-            // AP_InertialSensor_tempcal.cpp, polynomial_eval: no constant, about 35 °C, in millionths
+            // AP_InertialSensor_tempcal.cpp, polynomial_eval: in T − 35 °C, without constant term, in millionths
             let poly = |temp_c: f64| {
                 let d = temp_c as f32 - 35.0;
                 let of = |order: u32| tcal(&format!("{kind}{order}_{axis}"));
@@ -272,7 +272,7 @@ fn the_parameters_of_px4_remove_the_bias_of_all_sensors() {
         let is_gyro = sensor.starts_with('G');
         let per_unit = if is_gyro { 1_f64.to_radians() } else { 1.0 };
         for (axis, terms) in truth.iter().enumerate() {
-            // TemperatureCompensation.cpp, calc_thermal_offsets_3D
+            // by TemperatureCompensation.cpp, calc_thermal_offsets_3D
             let offset = |temp_c: f64| {
                 let d = temp_c as f32 - tc("TREF");
                 let x = |order: u32| tc(&format!("X{order}_{axis}"));

@@ -1,4 +1,4 @@
-//! A capture of a warming part: what `allan` says of it, and what it does about it.
+//! A capture of a warming part: the warning of `allan`, and its option to remove the trend.
 
 use super::Bench;
 
@@ -7,7 +7,7 @@ fn codes(report: &serde_json::Value) -> Vec<&str> {
     warnings.filter_map(|warning| warning.split(": ").next()).collect()
 }
 
-/// Seed 4, 40 minutes from power-on.
+/// A twin with seed 4, for 40 minutes from power-on.
 #[test]
 fn a_rate_that_follows_the_temperature_is_reported() {
     let bench = Bench::new();
@@ -37,7 +37,7 @@ fn a_trend_that_cannot_be_removed_is_refused() {
         "least squares over means of 128 parts",
         "°/s/°C²",
     ]);
-    // imu does not give a result that is not noise
+    // imu refuses the log, since its result would not be noise
     let imu = "imu log.csv --rate 10 --column rate_dps --detrend temp --temp-column kelvin";
     bench.zerorate(imu).ended_with(3).saying(&["rate_dps"]);
 }

@@ -1,4 +1,4 @@
-//! Files that are whole, torn, damaged or old, as a user asks about them, and what is saved of them.
+//! `verify` and `repair` on complete, torn, damaged and old files.
 
 use super::{Bench, FORMS, calibration};
 use serde_json::Value;
@@ -14,7 +14,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// What `verify --json` says of one file, with its exit code.
+/// The exit code and the JSON of `verify` for one file.
 fn verdict(bench: &Bench, file: &str) -> (Option<i32>, Value) {
     let run = bench.zerorate(&format!("verify {file} --json"));
     let report: Value = run.json();
@@ -63,7 +63,7 @@ fn torn_and_damaged_files_are_told_apart() {
     }
 }
 
-/// A file that the user is told to repair can be repaired, and keeps as many rows as stated: every whole block.
+/// Advice to repair a file works: `repair` keeps as many rows as stated, that is, every undamaged block.
 #[test]
 fn advice_that_can_be_followed() {
     let bench = bench();
@@ -74,7 +74,7 @@ fn advice_that_can_be_followed() {
         bytes
     };
     let half = |name: &str| of(name).len() / 2;
-    // and how many rows are kept, at least
+    // each with the least number of rows that must be kept
     let files = [
         ("torn.arrows", of("unit.arrows")[..half("unit.arrows")].to_vec(), 5_000),
         ("flipped.arrows", flipped("unit.arrows", half("unit.arrows")), 5_000),
@@ -110,13 +110,13 @@ fn advice_that_can_be_followed() {
     assert_eq!(bench.zerorate("repair torn.arrows -o torn.arrows --force").code, Some(2));
 }
 
-/// The header and the rows of a CSV.
+/// The header and the rows of a CSV capture.
 fn samples(bench: &Bench, file: &str) -> Vec<String> {
     let text = fs::read_to_string(bench.path(file)).unwrap();
     text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect()
 }
 
-/// A second capture behind the first, as `cat` puts it there, is neither passed over nor called whole.
+/// A second capture was appended with `cat`. It is reported, and the file is not complete.
 #[test]
 fn captures_that_were_joined_are_not_whole() {
     let bench = bench();
@@ -129,7 +129,7 @@ fn captures_that_were_joined_are_not_whole() {
         assert!(damage.contains(&format!("{bytes} bytes")) && damage.contains("joined"), "{damage}");
         let said = bench.zerorate(&format!("repair two.{form} -o saved-{form}.csv"));
         match *form {
-            // its index counts from the start of the second
+            // the index of the second file counts from its own start
             "parquet" => assert!(said.fails(1).contains("another one follows after its first"), "{damage}"),
             _ => {
                 let text = said.ok();
@@ -140,7 +140,7 @@ fn captures_that_were_joined_are_not_whole() {
         let allan = bench.zerorate(&format!("allan two.{form}"));
         let is_said = allan.code == Some(1) || allan.stderr.contains("warning: bytes-behind-end: ");
         assert!(is_said && allan.stderr.contains("joined"), "{}", allan.stderr);
-        // what a file system fills up is nothing
+        // zeros that a file system appended are not an error
         if *form == "arrows" {
             fs::write(file, [&whole[..], &[0; 4096]].concat()).unwrap();
             bench.zerorate("verify two.arrows").ok();

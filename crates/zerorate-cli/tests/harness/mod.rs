@@ -10,7 +10,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// The path of the program, for tests that start it from another program.
+/// The path of the program, for tests in which another program starts it.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
 
 /// The program with these arguments.
@@ -20,12 +20,12 @@ pub fn command(args: &[&str]) -> Command {
     command
 }
 
-/// Starts it, with pipes for what it prints.
+/// Starts a command with pipes for stdout and stderr.
 pub fn start(command: &mut Command) -> Child {
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
 }
 
-/// Sends a signal by its name without SIG.
+/// Sends a signal, named without SIG.
 pub fn send(signal: &str, child: &Child) {
     let sent = Command::new("sh").args(["-c", &format!("kill -{signal} {}", child.id())]).status().expect("sh");
     assert!(sent.success());
@@ -40,7 +40,7 @@ pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// A folder of its own, gone after the test.
+/// A temporary folder, removed after the test.
 pub struct Bench {
     pub dir: TempDir,
 }
@@ -73,7 +73,7 @@ impl Bench {
     }
 }
 
-/// How a run ended.
+/// The result of a run.
 #[derive(Debug)]
 pub struct Run {
     /// The command line, if it is known.
@@ -95,25 +95,25 @@ impl From<Output> for Run {
 }
 
 impl Run {
-    /// How a process ends that was started before.
+    /// Waits for the end of a process that is already running.
     pub fn ended(child: Child) -> Self {
         child.wait_with_output().expect("it ends").into()
     }
 
-    /// Waits for the end.
+    /// Runs a command to its end.
     pub fn of(command: &mut Command) -> Self {
         let output = command.output().expect("the program starts");
         Self { line: format!("{command:?}"), ..output.into() }
     }
 
-    /// The run, if it ended with this code.
+    /// Checks the exit code. Returns the run.
     #[track_caller]
     pub fn ended_with(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{}\nstdout:\n{}\nstderr:\n{}", self.line, self.stdout, self.stderr);
         self
     }
 
-    /// The run, if stderr says each of these.
+    /// Checks that stderr contains these texts. Returns the run.
     #[track_caller]
     pub fn saying(self, texts: &[&str]) -> Self {
         for text in texts {
@@ -122,13 +122,13 @@ impl Run {
         self
     }
 
-    /// Stdout of a run that succeeded.
+    /// Checks that the run succeeded. Returns stdout.
     #[track_caller]
     pub fn ok(self) -> String {
         self.ended_with(0).stdout
     }
 
-    /// The reason why it failed, with this code and without printing data.
+    /// Checks that the run failed with this code and printed no data. Returns stderr.
     #[track_caller]
     pub fn fails(self, code: i32) -> String {
         let run = self.ended_with(code);
@@ -136,7 +136,7 @@ impl Run {
         run.stderr
     }
 
-    /// Stdout as one JSON object.
+    /// Parses stdout as one JSON object.
     #[track_caller]
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.stdout).expect("one JSON object on stdout")

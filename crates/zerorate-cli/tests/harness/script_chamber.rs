@@ -1,15 +1,15 @@
-//! A temperature chamber that is a shell script and some files in a folder. It fails in a way of its own. The campaign
-//! of `cargo xtask trust` includes this file too.
+//! A temperature chamber made of a shell script and files in a folder, with one of several faults. `cargo xtask trust`
+//! includes this file too.
 
 use std::fs;
 use std::io;
 use std::path::PathBuf;
 
-/// The set point at which the plans of these tests leave a chamber, °C. None of their steps goes there.
+/// The safe set point in the plans of these tests, °C. No step goes there.
 const SAFE: &str = "25.0";
 
-/// `chamber.sh set C` sets it. `chamber.sh read` prints its air, which follows with a lag of 15 s: each reading is a
-/// second after the one before. A command obeys after a moment, in which a signal could end it.
+/// `chamber.sh set C` sets the chamber. `chamber.sh read` prints the air temperature, which lags by 15 s; each reading
+/// is one second after the last. A command acts after a short delay, in which a signal could end it.
 const SCRIPT: &str = r#"#!/bin/sh
 cd "${0%/*}" || exit 1
 read -r fault onset < fault
@@ -49,11 +49,11 @@ fault_is unheard && { echo "no answer" >&2; exit 1; }
 exit 0
 "#;
 
-/// The ways in which it fails, by their names in the script.
+/// The faults, by their names in the script.
 pub const FAULTS: [&str; 11] =
     ["hot", "stuck", "lazy", "hangs", "dead", "fails", "fails-thrice", "refuses", "unheard", "garbage", "slow"];
 
-/// The onset of a fault that begins with the safe set point.
+/// The onset of a fault that begins with the command for the safe set point.
 pub const AT_END: &str = "end";
 
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl ScriptChamber {
     /// Makes the chamber in an existing folder. Its fault begins after `onset` readings, or [`AT_END`].
     pub fn new(folder: PathBuf, fault: &str, onset: &str) -> io::Result<Self> {
         let fault = format!("{fault} {onset}\n");
-        // it was used before, and left at 60 °C
+        // the chamber was left at 60 °C before this test
         let files = [("fault", fault.as_str()), ("set_c", "60.0\n"), ("air_c", "25.0\n"), ("readings", "0\n")];
         for (name, content) in [("chamber.sh", SCRIPT), ("heard", ""), ("failures", "")].into_iter().chain(files) {
             fs::write(folder.join(name), content)?;
@@ -73,7 +73,7 @@ impl ScriptChamber {
         Ok(Self { folder })
     }
 
-    /// The arguments that let the program control it.
+    /// The options with which the program controls the chamber.
     pub fn arguments(&self, retry_s: u32) -> [String; 6] {
         let script = self.folder.join("chamber.sh");
         let command = |what: &str| format!("sh '{}' {what}", script.display());
@@ -92,17 +92,17 @@ impl ScriptChamber {
         fs::read_to_string(self.folder.join(name)).unwrap_or_default()
     }
 
-    /// The commands that it received.
+    /// The commands that the chamber received.
     pub fn heard(&self) -> Vec<String> {
         self.text("heard").lines().map(str::to_owned).collect()
     }
 
-    /// Whether the fault is there.
+    /// True if the fault has begun.
     pub fn is_faulty(&self) -> bool {
         self.folder.join("faulty").exists()
     }
 
-    /// Whether it holds the safe set point, or was never set.
+    /// True if the chamber holds the safe set point, or was never set.
     pub fn is_safe(&self) -> bool {
         self.holds_safe() || !self.heard().iter().any(|line| line.starts_with("set "))
     }
@@ -111,8 +111,8 @@ impl ScriptChamber {
         self.text("set_c").trim() == SAFE
     }
 
-    /// What is wrong with the last line of a program that controlled the chamber. Nothing is wrong if the line is
-    /// true, and the chamber is safe or the user knows that it may not be.
+    /// Checks the last line of a program that controlled the chamber. Returns what is wrong; `None` if the line is true,
+    /// and the chamber is safe or the user knows that it may not be.
     pub fn complaint(&self, stderr: &str) -> Option<String> {
         let last = stderr.lines().last().unwrap_or_default();
         let is_left = last.starts_with("the chamber was left at 25.0 °C");

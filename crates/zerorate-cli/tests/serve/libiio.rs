@@ -1,4 +1,4 @@
-//! Clients of libiio beside the page. What they get is in `zerorate-host/tests/iiod/`, and in `cargo xtask iiod`.
+//! Clients of libiio beside the page. `zerorate-host/tests/iiod/` and `cargo xtask iiod` test what they receive.
 
 use super::TestServer;
 use crate::harness::Bench;

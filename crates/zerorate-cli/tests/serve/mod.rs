@@ -1,4 +1,4 @@
-//! `zerorate serve`, by its sockets: what it shows to whom, what it refuses, and what it records meanwhile.
+//! `zerorate serve` through its sockets: what it shows, refuses and records.
 
 mod libiio;
 mod safety;
@@ -16,20 +16,20 @@ use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
-/// Longer than anything takes on the slowest machine.
+/// Time limit of every wait, for the slowest machine.
 const LONG: Duration = Duration::from_secs(60);
 
-/// A server of its own, ended with the test.
+/// A server process, ended with the test.
 struct TestServer {
     child: Child,
-    /// Each with what was said on it.
+    /// The lines of stderr.
     stderr: Mutex<Receiver<String>>,
     url: String,
     port: u16,
 }
 
 impl TestServer {
-    /// The program in this folder with `serve --listen IP:0` and these arguments.
+    /// Starts `serve --listen IP:0` with these arguments in the folder of the test.
     fn at(bench: &Bench, ip: &str, arguments: &str) -> Self {
         let line = format!("serve --listen {ip}:0 --iio 127.0.0.1:0 {arguments}");
         let mut command = bench.command(line.trim_end());
@@ -63,17 +63,17 @@ impl TestServer {
         stream
     }
 
-    /// What comes back for these bytes, up to the end of the connection.
+    /// Sends these bytes. Returns all bytes up to the end of the connection.
     fn raw(&self, request: &[u8]) -> String {
         let mut stream = self.connect();
-        // it may be refused before all of it is sent
+        // the server may refuse the request before all of it is sent
         let _ = stream.write_all(request);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
         String::from_utf8_lossy(&answer).into_owned()
     }
 
-    /// The answer to a request with these headers, in lines.
+    /// Sends a request with these headers, one per line. Returns the answer.
     fn ask(&self, method_and_path: &str, headers: &str, body: &str) -> String {
         let port = self.port;
         let host = if headers.starts_with("host:") { String::new() } else { format!("host: localhost:{port}\r\n") };
@@ -86,7 +86,7 @@ impl TestServer {
         self.ask(&format!("GET {path}"), "", "")
     }
 
-    /// A page that looks on, with these headers.
+    /// Connects a viewer of the page, with these headers.
     fn watch_with(&self, headers: &[(&'static str, &str)]) -> Result<Watch, tungstenite::Error> {
         let mut request = format!("ws://127.0.0.1:{}/ws", self.port).into_client_request().expect("an address");
         for (name, value) in headers {
@@ -104,7 +104,7 @@ impl TestServer {
         self.watch_with(&[]).expect("a WebSocket")
     }
 
-    /// Ends the server as Ctrl-C does.
+    /// Ends the server with SIGINT, as Ctrl-C does.
     fn interrupt(mut self) -> ExitStatus {
         let id = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw).expect("an id");
         rustix::process::kill_process(id, rustix::process::Signal::INT).expect("a process");
@@ -114,7 +114,7 @@ impl TestServer {
 
 impl Drop for TestServer {
     fn drop(&mut self) {
-        // it may have ended
+        // fails if the server has ended
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -132,13 +132,13 @@ fn wait_for(stderr: &Receiver<String>, text: &str) -> String {
     panic!("no {text:?} on stderr:\n{all}");
 }
 
-/// A page that looks on.
+/// A viewer of the page.
 struct Watch {
     socket: WebSocket<TcpStream>,
 }
 
 impl Watch {
-    /// The header of the next frame.
+    /// Returns the header of the next frame.
     fn frame(&mut self) -> Value {
         loop {
             if let Message::Binary(frame) = self.socket.read().expect("a frame") {
@@ -147,7 +147,7 @@ impl Watch {
         }
     }
 
-    /// The header of the first frame from here on that is this.
+    /// Waits for a frame whose header fulfils `is`. Returns the header.
     fn until(&mut self, mut is: impl FnMut(&Value) -> bool) -> Value {
         let begun = Instant::now();
         while begun.elapsed() < LONG {
@@ -169,7 +169,7 @@ impl Watch {
     }
 }
 
-/// The header of a frame, whose payload is as long as its strips say (docs/formats/page.md).
+/// The header of a frame. Checks that the payload has the length that the strips state (docs/formats/page.md).
 fn head(frame: &[u8]) -> Value {
     let length = u32::from_le_bytes(frame[..4].try_into().expect("4 bytes")) as usize;
     let header: Value = serde_json::from_slice(&frame[4..4 + length]).expect("JSON");

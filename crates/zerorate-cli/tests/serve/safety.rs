@@ -124,7 +124,7 @@ fn large_requests_are_refused() {
     served.watch().frame();
 }
 
-/// The code of the close frame that ends a connection, where one came.
+/// The code of the close frame that ends a connection, if one comes.
 fn close_code(page: &mut Watch) -> Option<u16> {
     let begun = Instant::now();
     loop {
@@ -158,7 +158,7 @@ fn a_page_is_told_how_its_connection_ends() {
     }
 }
 
-/// Each bound is a least time, which no slow machine makes shorter.
+/// The bounds are shortest times, so a slow machine cannot break them.
 #[test]
 fn frequent_requests_wait_or_are_refused() {
     let served = TestServer::start(&Bench::new(), "");
@@ -195,12 +195,12 @@ fn a_stalled_client_is_disconnected() {
 fn connections_are_limited() {
     let bench = Bench::new();
     bench.zerorate("capture --samples 100 -o short.arrows").ok();
-    // after its end there are no frames, and a viewer that reads none keeps its seat
+    // a replay that has ended sends no frames, so a viewer that reads none stays connected
     let served = TestServer::start(&bench, "--device replay:short.arrows");
     let pages: Vec<_> = (0..48).map(|_| served.watch()).collect();
     assert!(served.watch_with(&[]).is_err(), "too many viewers");
     let begun = Instant::now();
-    // who asks nothing is hung up on: on a slow machine before the last of these has come
+    // idle connections are closed, on a slow machine before the last one is open
     let others = loop {
         let others: Vec<TcpStream> = (0..60).map(|_| served.connect()).collect();
         if code(&served.get("/home.json")) == 503 {

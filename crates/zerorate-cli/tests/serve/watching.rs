@@ -1,4 +1,4 @@
-//! Viewers of the page.
+//! Viewers of the page: they never slow the recording, and their requests are answered.
 
 use super::{LONG, TestServer, Watch};
 use crate::harness::{Bench, Run, command};
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The number of a line of `/metrics`.
+/// The number in a line of `/metrics`.
 fn metric(served: &TestServer, name: &str) -> f64 {
     let text = served.get("/metrics");
     let line = text.lines().find_map(|line| line.strip_prefix(&format!("zerorate_{name} ")));
@@ -28,7 +28,7 @@ fn wait_until(mut is: impl FnMut() -> bool) -> bool {
     false
 }
 
-/// Frames that came until it was over.
+/// Number of frames that come until `over` is set.
 fn follow(page: &mut Watch, over: &AtomicBool) -> usize {
     let mut frames = 0;
     while !over.load(Ordering::Relaxed) {
@@ -38,7 +38,7 @@ fn follow(page: &mut Watch, over: &AtomicBool) -> usize {
     frames
 }
 
-/// Files are read in a child, which a signal to the program alone must reach.
+/// A recording is read in a child process. A signal to the parent alone must end both.
 #[test]
 fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
     let bench = Bench::new();
@@ -47,7 +47,7 @@ fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
     assert_eq!(served.interrupt().code(), Some(0));
 }
 
-/// The page goes on, and the terminal and the exit code say that the recording is lost.
+/// The page continues. The terminal and the exit code report that the recording is lost.
 #[cfg(unix)]
 #[test]
 fn removing_the_recording_is_reported_and_fails() {
@@ -62,8 +62,8 @@ fn removing_the_recording_is_reported_and_fails() {
     assert_eq!(served.interrupt().code(), Some(1));
 }
 
-/// Twenty pages, of which one takes nothing: its connection fills up and is dropped, the others go on, and the
-/// recording has every sample.
+/// One of twenty pages reads nothing, so its connection fills up and is dropped. The others continue. The recording
+/// has every sample.
 #[test]
 fn viewers_do_not_slow_the_recording() {
     let bench = Bench::new();
@@ -120,7 +120,7 @@ fn requests_are_answered_and_calibrations_kept() {
         let refused = page.ask(&wrong);
         assert!(refused["id"] == 9 && refused["error"].is_string(), "{refused}");
     }
-    // five seconds of samples have been looked at
+    // the checks need five seconds of samples
     page.ask(&json!({"id": 10, "do": "speed", "factor": 20}));
     let checked = page.until(|frame| frame["device"]["checks"].as_array().is_some_and(|all| all.len() == 3));
     let checks = &checked["device"]["checks"];
@@ -129,7 +129,7 @@ fn requests_are_answered_and_calibrations_kept() {
     assert!(served.get("/metrics").contains("zerorate_corrected_rate_dps{axis="));
 }
 
-/// The id tells coefficients apart, and not what stands beside them.
+/// The id covers the coefficients only. A file with the same id but other content is refused.
 #[test]
 fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same() {
     let bench = Bench::new();
@@ -143,7 +143,7 @@ fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same(
     assert_eq!(add(40)["ok"]["id"], json!(id), "the same once more");
     let refused = add(60);
     assert!(refused["error"].as_str().is_some_and(|why| why.contains("[validity]") && why.contains(&id)), "{refused}");
-    // what was removed stays, each by its own name
+    // removed files stay, each under its own name
     let kept = bench.path(&format!("shelf/calibration-{id}.toml"));
     let away = |ending: &str| bench.path(&format!("shelf/calibration-{id}.toml.removed-{id}{ending}"));
     for (max_c, ending) in [(40, ""), (60, "-2"), (80, "-3")] {
@@ -180,7 +180,7 @@ fn a_lost_device_is_reported_and_can_be_opened_again() {
     }
 }
 
-/// Every part has its own bias: as of `stream`, what is not of this one is refused, and what may not be is said.
+/// Every part has its own bias, so a calibration must be of the same part. A warning tells if a serial is unknown.
 #[test]
 fn a_calibration_of_another_part_is_refused() {
     let bench = Bench::new();

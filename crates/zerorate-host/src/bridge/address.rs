@@ -11,7 +11,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// A part behind a bridge.
+/// The address of a part behind a bridge: `bridge:PORT` or `tcp:HOST:PORT`, with options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeAddress {
     /// The port or the connection of the bridge.

@@ -23,7 +23,7 @@ struct SharedSegments {
 #[derive(Debug, Default)]
 struct Segments {
     next: VecDeque<Segment>,
-    /// Whether the profile is complete.
+    /// True if the profile is complete.
     ended: bool,
 }
 
@@ -97,8 +97,8 @@ impl ProfileFollower {
         Self { profile, stop: stop.clone(), until_ns: 0, last_ns: None }
     }
 
-    /// Call this before each sample. `first` gives the clock that all units share. It waits if the last sample is
-    /// beyond the last segment. It compares sample times, not the clock, because the writer only sees samples.
+    /// Call this before each sample. Waits for the next segment if the last sample is beyond the last segment. `first`
+    /// gives the clock that all units share. The sample's time decides, not the clock: the writer only sees samples.
     #[inline]
     pub fn before_sample<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
         if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {

@@ -69,7 +69,7 @@ pub(super) struct CommandedChamber {
     limits: Limits,
     /// The stop of the user, and the stop of this chamber's owner. Either one ends every wait.
     stops: [Stop; 2],
-    /// Whether a set command was run. Even if it failed, the chamber may have followed it.
+    /// True if a set command was run. Even if it failed, the chamber may have followed it.
     is_touched: bool,
     air_c: Option<f64>,
 }
@@ -254,7 +254,7 @@ mod tests {
         assert!(chamber.end(25.0).and_then(|end| end.failed).is_some_and(|why| why.contains("it did not end")));
     }
 
-    /// While a command hangs, and while a failed command waits for its next try.
+    /// The stop comes while a command hangs, then while a failed command waits for its next try.
     #[test]
     fn a_stop_ends_every_wait_but_the_last_one() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -186,7 +186,7 @@ mod tests {
         );
     }
 
-    /// The shell, and a process that it started.
+    /// The shell is killed, and so is a process that it started.
     #[test]
     fn a_command_that_hangs_is_killed_with_its_children() {
         let folder = tempfile::tempdir().expect("a folder");

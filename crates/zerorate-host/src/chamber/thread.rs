@@ -135,7 +135,7 @@ impl Chamber for ChamberThread {
 mod tests {
     use super::*;
 
-    /// A chamber that is retried for ever, or whose thread breaks.
+    /// A chamber whose `set` waits until it is halted, or panics.
     struct Waiting {
         halt: Stop,
         breaks: bool,

@@ -31,8 +31,8 @@ pub struct Element {
 
 impl Channel {
     /// Reads the attributes of a channel. `name` is its name such as `in_anglvel_x`; `kind` is the prefix of
-    /// attributes that all channels of its kind share (`in_anglvel`). `per_unit` is one of our units in the kernel's
-    /// units.
+    /// attributes that all channels of its kind share (`in_anglvel`). `per_unit` is 1 °/s or 1 °C in the kernel's unit
+    /// (rad/s or 0.001 °C).
     pub fn read(folder: &Path, name: &str, kind: &str, per_unit: f64) -> Result<Self> {
         let attribute = |what: &str| [format!("{name}_{what}"), format!("{kind}_{what}")];
         let number = |what: &str| first(folder, &attribute(what).each_ref().map(String::as_str));

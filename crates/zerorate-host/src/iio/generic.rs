@@ -339,7 +339,7 @@ mod tests {
     use rustix::fs::{CWD, FileType, Mode, mknodat};
     use std::fs;
 
-    /// A folder of a HID gyroscope (`hid-sensor-gyro-3d`), with a temperature beside.
+    /// A sysfs folder of a HID gyroscope (`hid-sensor-gyro-3d`) that also has a temperature channel.
     fn folder(more: &[(&str, &str)]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("a folder");
         for (name, text) in [
@@ -412,7 +412,7 @@ mod tests {
     #[test]
     fn scans_of_the_buffer_have_their_time_and_count_what_is_missing() {
         let folder = folder(BUFFER);
-        // 2 + 2 + 4 + 2 bytes, and 6 until the time may begin
+        // 2 + 2 + 4 + 2 bytes of channels, then 6 of padding: the time begins at a multiple of 8
         let scan = |x: i16, y: i16, z: i32, temp: i16, t_ns: i64| {
             let z = (z << 8).to_be_bytes();
             [&x.to_le_bytes()[..], &y.to_le_bytes(), &z, &temp.to_le_bytes(), &[0; 6], &t_ns.to_le_bytes()].concat()

@@ -221,7 +221,7 @@ impl<'a> Peer<'a> {
     }
 }
 
-/// Whether the operation may be repeated after this error.
+/// True if the operation may be repeated after this error.
 fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

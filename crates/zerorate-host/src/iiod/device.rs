@@ -53,7 +53,7 @@ struct Live {
     tally: Tally,
     /// Number of samples that were lost between the part and the hub.
     lost: u64,
-    /// Whether the samples have ended.
+    /// True if the samples have ended.
     is_gone: bool,
     /// Number of samples dropped by full buffers.
     missed: u64,
@@ -107,7 +107,7 @@ impl Device {
         Self { may_be_written: true, ..self }
     }
 
-    /// Whether a client's name or id of a device means this one.
+    /// True if a client's name or id of a device means this one.
     pub fn is_called(&self, name: &str) -> bool {
         name == ID || name == self.name
     }
@@ -148,12 +148,12 @@ impl Device {
         self.live().is_gone = true;
     }
 
-    /// Whether the samples have ended.
+    /// True if the samples have ended.
     pub fn is_gone(&self) -> bool {
         self.live().is_gone
     }
 
-    /// Whether any sample was read.
+    /// True if any sample was read.
     pub fn has_readings(&self) -> bool {
         self.live().scan.is_some()
     }

@@ -123,7 +123,7 @@ impl Drop for Place<'_> {
     }
 }
 
-/// Whether the error is temporary: no connection is waiting, the client has left, or resources are short.
+/// True if the error is temporary: no connection is waiting, the client has left, or resources are short.
 fn is_passing(error: &io::Error) -> bool {
     let no_descriptor = [23, 24]; // ENFILE, EMFILE
     let kinds =

@@ -183,7 +183,7 @@ mod tests {
         trims_dps[0] = 0.5;
         let mut scans = Vec::new();
         for k in 0..40u32 {
-            // 1 °/s is 23488 codes (F-40); no part of 300 Hz makes 2^22 of them between its neighbours
+            // 1 °/s is 23488 codes (F-40); with 300 Hz bandwidth, a single reading 2^22 codes off cannot be real
             let code = if k == 20 { 8_388_608 + (1 << 22) } else { 8_388_608 + 23_488 + i64::from(k % 3) };
             let row = Row::new(u64::from(k) * 175_667, k, &[code]).expect("one axis").with_temp_code(Some(8_388_608));
             scans.extend(scanner.push(&row, 0, &trims_dps));

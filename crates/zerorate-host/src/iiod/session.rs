@@ -216,7 +216,7 @@ impl OwnedPlace {
     }
 }
 
-/// Whether the line is an HTTP request: a web page may have sent a browser here, and would choose the next lines.
+/// True if the line is an HTTP request: a web page may have sent a browser here, and would choose the next lines.
 fn is_http(line: &[u8]) -> bool {
     line.windows(7).any(|word| word == b" HTTP/1")
 }

@@ -78,14 +78,14 @@ fn values_are_in_the_units_of_the_kernel() {
     near(number("INPUT anglvel_z calibbias"), (-0.29f64).to_radians());
     let corrected = number("INPUT anglvel_z_corrected raw") * number("INPUT anglvel_z_corrected scale");
     assert!((corrected - (0.71f64 + 1.0 / 23_488.0).to_radians()).abs() < 1e-9, "{corrected}");
-    near(number("sampling_frequency"), 10.0 / 0.009); // the lost one among them
+    near(number("sampling_frequency"), 10.0 / 0.009); // nine readings and the lost one in 9 ms
     assert_eq!([number("samples_lost"), number("INPUT count0 raw"), number("BUFFER samples_lost")], [1.0, 1.0, 0.0]);
     let id = Calibration::parse(CALIBRATION).expect("a calibration").0.id();
     assert_eq!(value(&mut session, "READ iio:device0 calibration"), id);
     assert_eq!(value(&mut session, "READ adis16130 INPUT samples_lost raw"), "1", "by its name as well");
 }
 
-/// The server is a watcher. Samples that its queue had no room for were read, and do not count as lost.
+/// The server is a watcher. The samples that did not fit into its queue were read, so they do not count as lost.
 #[test]
 fn samples_that_the_server_missed_are_not_lost() {
     let device = calibrated();
@@ -93,12 +93,13 @@ fn samples_that_the_server_missed_are_not_lost() {
     device.take(&WatchedBatch { missed: 8, lost: 2, ..watched([last].into_iter()) });
     let mut session = Session::new(&device);
     assert_eq!(value(&mut session, "READ iio:device0 samples_lost"), "3", "one in a row, two before what was missed");
-    // 0 … 20 ms: 10 rows with one lost among them, 8 and 2 that are missing, and the last
+    // in 20 ms: 10 rows and their lost one, 8 missed samples, the 2 that those had counted as lost, and the last row
     let hz: f64 = value(&mut session, "READ iio:device0 sampling_frequency").parse().expect("a number");
     assert!((hz / (21.0 / 0.020) - 1.0).abs() < 1e-12, "{hz}");
 }
 
-/// The temperature is read with every 57th sample at most; a buffer that is opened in between has rates at once.
+/// The temperature is read with every 57th sample at most. A buffer opened in between still has corrected rates at
+/// once, because it begins with the last known temperature.
 #[test]
 fn a_buffer_begins_with_the_temperature_that_is_known() {
     let device = device("twin:", Some(CALIBRATION)).expect("of this part");

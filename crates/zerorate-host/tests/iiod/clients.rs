@@ -1,15 +1,15 @@
-//! Clients that nobody here wrote: libiio's own. Where they are not installed the tests say so and pass, unless
-//! `ZERORATE_IIO_CLIENTS` is set, as `cargo xtask iiod` does once it has installed them. It makes an environment with
-//! pyadi-iio as well, and names its Python in `ZERORATE_ADI_PYTHON`.
+//! Independent clients: the programs and bindings of libiio. If they are not installed, the tests print this and pass,
+//! unless `ZERORATE_IIO_CLIENTS` is set. `cargo xtask iiod` installs them and sets it. It also installs pyadi-iio in a
+//! Python environment, and sets `ZERORATE_ADI_PYTHON` to the path of its Python.
 
 use super::served::{Raw, TestServer};
 use std::io::ErrorKind;
 use std::process::{Command, Output};
 
-/// The Python that Debian's python3-libiio belongs to.
+/// The Python for which Debian installs python3-libiio.
 const PYTHON: &str = "/usr/bin/python3";
 
-/// The output of a client; none where it is not installed.
+/// The output of a client; `None` if the client is not installed.
 fn run(mut client: Command) -> Option<Output> {
     match client.output() {
         Ok(output) => Some(output),
@@ -30,14 +30,14 @@ fn client(program: &str, served: &TestServer, arguments: &[&str]) -> Command {
     command
 }
 
-/// The text of a client that must not complain.
+/// The stdout of a client that must succeed and print nothing to stderr.
 fn text(output: Output) -> String {
     let (out, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success() && errors.is_empty(), "{out}\n{errors}");
     out.into_owned()
 }
 
-/// The number behind a word of it.
+/// The number that follows `word` in the text.
 fn number(text: &str, word: &str) -> f64 {
     let found = text.lines().find_map(|line| line.split_once(word)?.1.split_whitespace().next());
     let found = found.unwrap_or_else(|| panic!("no {word:?} in {text}"));
@@ -64,11 +64,11 @@ fn iio_info_shows_every_attribute() {
         assert!(info.contains(line), "{line:?} is missing:\n{info}");
     }
     assert!(!info.contains("ERROR"), "{info}");
-    // F-40 and F-41 in rad/s and 0.001 °C
+    // scale and offset by F-40, in rad/s
     assert_eq!(number(&info, "attr  0: raw value: ").fract(), 0.0);
     assert!((number(&info, "attr  1: scale value: ") / (1f64.to_radians() / 23_488.0) - 1.0).abs() < 1e-9, "{info}");
     assert_eq!(number(&info, "attr  2: offset value: "), -8_388_608.0);
-    // F-31, at a clock that is good to 1 % (F-32)
+    // the rate of F-31 at a clock that is good to 1 % (F-32)
     assert!((5_600.0..5_800.0).contains(&number(&info, "sampling_frequency value: ")), "{info}");
 }
 
@@ -77,7 +77,7 @@ fn iio_attr_reads_and_is_refused() {
     let served = TestServer::start();
     let read = |arguments: &[&str]| run(client("iio_attr", &served, arguments)).map(text);
     let Some(offset) = read(&["-c", "iio:device0", "temp0", "offset"]) else { return };
-    // 25 °C stand 14093 · 25 codes above 0 °C (F-41)
+    // 25 °C is the zero code, 25 · 14093 codes above 0 °C (F-41)
     assert_eq!(offset.trim(), (14_093 * 25 - 8_388_608).to_string());
     let clock = read(&["-d", "iio:device0", "current_timestamp_clock"]).expect("it is there");
     assert_eq!(clock.trim(), "monotonic");
@@ -93,7 +93,7 @@ fn iio_attr_writes_where_that_is_allowed() {
     let served = TestServer::writable();
     let write = client("iio_attr", &served, &["-c", "iio:device0", "anglvel_z", "calibbias", "0.01"]);
     let Some(written) = run(write).map(text) else { return };
-    // it reads back what it wrote; the temperature goes on meanwhile
+    // the client reads back the bias it wrote, which follows the temperature meanwhile
     let bias: f64 = written.trim().parse().expect("a number");
     assert!((bias - 0.01).abs() < 1e-3, "{bias}");
     assert!(Raw::connect(&served).value("READ iio:device0 calibration").ends_with(" shifted"));

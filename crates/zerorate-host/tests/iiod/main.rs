@@ -1,4 +1,4 @@
-//! The libiio server, over the twin: what clients get is what the hub gave to somebody else.
+//! The libiio server over the twin: clients get the same samples as another reader of the hub.
 
 mod clients;
 mod served;
@@ -38,7 +38,7 @@ fn a_sleeping_client_learns_its_losses_and_slows_nobody() {
     sleeper.open(ALL);
     let first = sleeper.samples(SAMPLE);
     awake.open(ALL);
-    // more than waits for a client
+    // more samples than can wait for a client
     while served.recorded() < 1_500_000 {
         awake.samples(1000 * SAMPLE);
     }
@@ -52,7 +52,7 @@ fn a_sleeping_client_learns_its_losses_and_slows_nobody() {
 #[test]
 fn a_client_that_dies_leaves_nothing_behind() {
     let served = TestServer::start();
-    // more than there may be at a time
+    // more clients than the server allows at a time
     for round in 0..150 {
         let mut client = Raw::connect(&served);
         client.open(ALL);
@@ -95,7 +95,7 @@ fn nonsense_harms_nobody_else() {
     for noise in [vec![b'x'; 1 << 20], (0..=255).cycle().take(100_000).collect(), vec![b'\n'; 1 << 16], vec![0; 4096]]
     {
         let mut client = Raw::connect(&served);
-        // the server may hang up before it has all of it
+        // the server may hang up before it has read all bytes
         let _ = client.stream.write_all(&noise);
         let _ = client.stream.shutdown(Shutdown::Write);
         let mut answer = Vec::new();
@@ -118,7 +118,7 @@ fn a_server_ends_while_clients_are_there() {
     assert!(begun.elapsed() < Duration::from_secs(30), "{:?}", begun.elapsed());
 }
 
-/// The part is pulled out: what was read comes whole, then an error.
+/// The part is unplugged after 120 s. The client gets the samples before that, then an error.
 #[test]
 fn a_lost_device_is_reported() {
     // the twin does not wait for a client: a slow host connects within the first 100 s of its time
@@ -135,7 +135,7 @@ fn a_lost_device_is_reported() {
     assert_eq!(Raw::connect(&served).number("OPEN iio:device0 256 00000001"), -19);
 }
 
-/// Nobody reads this part, so that no sample comes.
+/// Nothing reads the hub, so no sample comes.
 #[test]
 fn waiting_for_samples_times_out() {
     let spec = "twin:seed=8".parse().expect("a device");
@@ -167,7 +167,7 @@ fn half_a_value_ends_with_its_client() {
     assert_eq!(other.take(9), b"Commands:", "others are served");
 }
 
-/// A socket that takes no connections: the client that is there must not keep that from being said.
+/// A listener on a UDP socket, which accepts no connections.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_listener_that_fails_is_reported_at_once() {

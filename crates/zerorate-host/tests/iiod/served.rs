@@ -1,4 +1,4 @@
-//! A server over a twin, somebody else who takes every sample of it, and a client of a few lines.
+//! A server over a twin, a second reader that records every sample of it, and a small client.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -13,13 +13,12 @@ use zerorate_host::{DeviceSpec, Hub, Pace, Setup, Stop};
 /// PBC, BTC and T3 of the calibration that is served.
 pub const CORRECTION: [f64; 3] = [-0.25, -0.04, 25.0];
 
-/// Batches of 4096 samples come no faster than this: the memory of a test is bounded.
+/// Shortest time between batches of 4096 samples. It bounds the memory of a test, which records all samples.
 const BATCH_TIME: Duration = Duration::from_millis(8);
 
 /// A row of the hub: time, code, code of the temperature, lost.
 type Row = (u64, i64, Option<i64>, u32);
 
-/// A server.
 pub struct TestServer {
     pub address: SocketAddr,
     rows: Arc<Mutex<Vec<Row>>>,
@@ -33,7 +32,7 @@ impl TestServer {
         Self::of("twin:seed=8")
     }
 
-    /// Clients may write.
+    /// Starts a server whose clients may write.
     pub fn writable() -> Self {
         Self::begin("twin:seed=8", |server| server.writable())
     }
@@ -82,12 +81,12 @@ impl TestServer {
         format!("ip:{}", self.address)
     }
 
-    /// Samples that were recorded so far.
+    /// Number of samples that were recorded so far.
     pub fn recorded(&self) -> usize {
         self.count.load(Ordering::Relaxed)
     }
 
-    /// Pairs of code and time are rows of the hub, in order.
+    /// Checks that pairs of code and time are rows of the hub, in order.
     pub fn check_pairs(&self, bytes: &[u8]) {
         self.wait_for(field(bytes.rchunks(16).next().expect("a pair"), 8));
         let rows = self.rows.lock().expect("no panic");
@@ -98,7 +97,7 @@ impl TestServer {
         }
     }
 
-    /// Until a row of this time is recorded.
+    /// Waits until a row of this time is recorded.
     fn wait_for(&self, t_ns: u64) {
         let begun = Instant::now();
         while self.rows.lock().expect("no panic").last().is_none_or(|row| row.0 < t_ns) {
@@ -115,7 +114,7 @@ impl TestServer {
         let rows = self.rows.lock().expect("no panic");
         let first_ns = field(bytes, 24);
         let first = rows.iter().position(|row| row.0 == first_ns).expect("a row of the hub");
-        // what was missed before the very first is counted in it
+        // the first sample counts the samples missed before it
         let start = field(bytes, 16);
         let (mut at, mut lost) = (first, start);
         for sample in bytes.chunks(super::SAMPLE) {
@@ -135,7 +134,7 @@ impl TestServer {
     }
 }
 
-/// F-40, F-41, F-50.
+/// Checks the corrected rate: F-40, F-41 and F-50 applied again.
 fn check_corrected(code: i64, temp_code: Option<i64>, corrected: i64, at: usize) {
     let temp_c = (temp_code.expect("a temperature") - 8_388_608) as f64 / 14_093.0 + 25.0;
     let [pbc, btc, t3] = CORRECTION;
@@ -144,7 +143,7 @@ fn check_corrected(code: i64, temp_code: Option<i64>, corrected: i64, at: usize)
     assert!((corrected as f64 - expected).abs() <= 0.51, "row {at}: {corrected}, not {expected}");
 }
 
-/// Eight bytes from here on, or as many as there are.
+/// Decodes the eight bytes from `at`.
 fn field(sample: &[u8], at: usize) -> u64 {
     let bytes: [u8; 8] = sample[at..at + 8].try_into().expect("eight bytes");
     u64::from_le_bytes(bytes)
@@ -160,7 +159,7 @@ impl Drop for TestServer {
     }
 }
 
-/// A client.
+/// A client that sends lines and reads answers.
 pub struct Raw {
     pub stream: TcpStream,
     reader: BufReader<TcpStream>,
@@ -183,7 +182,7 @@ impl Raw {
         let _ = self.stream.write_all(format!("{line}\r\n").as_bytes());
     }
 
-    /// A line that is a number; none where the server hung up.
+    /// Reads a line that is a number; `None` if the server hung up.
     fn answer(&mut self) -> Option<i64> {
         let mut line = String::new();
         self.reader.read_line(&mut line).ok().filter(|read| *read > 0)?;
@@ -212,7 +211,7 @@ impl Raw {
         assert_eq!(self.number(&format!("OPEN iio:device0 256 {mask}")), 0);
     }
 
-    /// Takes this many bytes.
+    /// Reads this many bytes.
     pub fn take(&mut self, bytes: usize) -> Vec<u8> {
         let mut taken = vec![0; bytes];
         self.reader.read_exact(&mut taken).expect("bytes");
@@ -223,7 +222,7 @@ impl Raw {
         self.try_samples(bytes).expect("samples")
     }
 
-    /// Samples of the open buffer, as libiio reads them; an error where there are none.
+    /// Reads samples of the open buffer as libiio does; the error is the negative errno.
     pub fn try_samples(&mut self, bytes: usize) -> Result<Vec<u8>, i64> {
         self.ask(&format!("READBUF iio:device0 {bytes}"));
         let mut all = Vec::with_capacity(bytes);

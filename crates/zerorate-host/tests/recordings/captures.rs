@@ -52,13 +52,13 @@ fn several_columns_in_one_pass_are_each_by_itself() {
         let columns = read(&content, ColumnSelection::Listed(&names)).unwrap();
         let alone: Vec<Column> =
             names.iter().map(|name| read(&content, ColumnSelection::One(Some(name))).unwrap().remove(0)).collect();
-        // NaN is not equal to itself
+        // compared as text, because NaN is not equal to itself
         assert_eq!(format!("{columns:?}"), format!("{alone:?}"));
         assert_eq!(columns[1], read(&content, ColumnSelection::All).unwrap().remove(0), "the rates");
     }
 }
 
-/// One pass gives what two passes give, and never a column that was asked for as the one beside it.
+/// One pass gives the same columns as two. If the temperature is the requested column, it is not also returned beside.
 #[test]
 fn the_temperature_of_a_capture_comes_with_its_rate() {
     for format in FORMATS {
@@ -88,7 +88,7 @@ fn a_capture_as_a_table_in_memory_keeps_its_scale_and_its_rate() {
     assert!(read(ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() }).is_err(), "not as codes");
 }
 
-/// Other software writes a capture again as an Arrow file. Its batches keep no checks, and its description stays.
+/// Other software rewrites a capture as an Arrow file. The batches lose their checks; the description stays.
 #[test]
 fn a_capture_as_an_arrow_file_keeps_its_scale_and_its_rate() {
     let content = capture(Format::Arrows);
@@ -109,7 +109,7 @@ fn losses_of_a_capture_are_gaps() {
         zerorate.temp_conversion = 5\n\
                 t_ns,edge_seq,rate_code,status,temp_code,lost\n";
     let read = |rows: &str| read(format!("{head}{rows}").as_bytes(), ColumnSelection::One(None));
-    // 7 before the first row do not matter: the record had not begun
+    // the 7 samples lost before the first row are not a gap, because the record had not begun
     let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
     let mut column = read(rows).unwrap().remove(0);
     assert_eq!((column.gaps.as_slice(), column.rate_hz), (&[Gap { at: 2, missing: 2 }][..], 100.0));
@@ -123,7 +123,7 @@ fn losses_of_a_capture_are_gaps() {
     assert!(wide.contains("16777216 is not a code of 24 bits"), "{wide}");
 }
 
-/// Its codes would be taken for numbers without a unit.
+/// Without the reader of captures, codes would be read as numbers without a unit.
 #[test]
 fn a_capture_without_its_reader_is_refused() {
     for format in FORMATS {
@@ -134,7 +134,7 @@ fn a_capture_without_its_reader_is_refused() {
     }
 }
 
-/// One broken letter in the description: the codes must not become numbers without a unit.
+/// One letter of the description is broken. The codes must not be read as numbers without a unit.
 #[test]
 fn a_capture_with_a_broken_description_is_refused() {
     for format in FORMATS {

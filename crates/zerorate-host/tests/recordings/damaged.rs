@@ -1,5 +1,5 @@
-//! Damaged logs of a part: none may panic, and what comes out is rows. It uses the harness of `zerorate-record`, which
-//! says how to replay a failure.
+//! Damaged logs of a part: reading never panics, and each row that it returns is valid. The harness of
+//! `zerorate-record` says how to replay a failure.
 
 #[path = "../../../zerorate-record/src/fuzz/edit.rs"]
 mod edit;
@@ -11,7 +11,7 @@ use harness::edited;
 use zerorate_logs::ColumnOptions;
 use zerorate_record::Row;
 
-/// Reads the log of a part: times increase, and every row has all codes of its scales.
+/// Reads the log of a part, and checks that times increase and that every code is within the range of its scale.
 fn read(bytes: &[u8]) {
     let Ok(log) = open(bytes, &part(), &ColumnOptions::default()) else { return };
     let rows: Vec<Row> = log.collect();

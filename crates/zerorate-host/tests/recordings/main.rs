@@ -1,4 +1,4 @@
-//! A log of a gyroscope with three axes as rows of a capture, by the file of its part and no line of code.
+//! A log of a gyroscope with three axes is read as rows of a capture, with a part file and no code for that part.
 
 mod captures;
 mod damaged;
@@ -11,7 +11,7 @@ use zerorate_host::PartLog;
 use zerorate_logs::ColumnOptions;
 use zerorate_record::Row;
 
-/// The scales come from the data sheet; the log holds no temperature, so that column is made up.
+/// The scales come from the data sheet. The log has no temperature, so its column is invented.
 const ADIS16405: &str = r#"
     schema = 1
     name = "ADIS16405"
@@ -45,7 +45,7 @@ fn codes_times_and_losses() {
     let expected = [
         row(100, 0, &[1, -2, 3]).with_temp_code(Some(5)),
         row(110, 1, &[4, -5, 6]),
-        // two are missing in the time, and the row after them lacks an axis
+        // the rows of 120 and 130 ms are missing; the row of 150 ms lacks an axis
         row(140, 4, &[7, -8, 9]).with_temp_code(Some(7)).with_lost(2),
         row(160, 6, &[10, -11, 12]).with_temp_code(Some(9)).with_lost(1),
     ];

@@ -1,4 +1,4 @@
-//! A log that was recorded, in and out of every form.
+//! A real recording, written and read back in every format.
 
 use super::*;
 use arrow_array::{ArrayRef, Int16Array, Int32Array, RecordBatch};

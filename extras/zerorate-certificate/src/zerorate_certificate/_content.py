@@ -31,7 +31,7 @@ class Content:
     validity: Validity
     lab: Lab
     simulated: bool
-    """Whether the item was the software twin."""
+    """True if the item was the software twin."""
     serial: str
     begin: date
     """First day of the measurement. A simulated one has none: the day of issue stands in for it."""
@@ -136,7 +136,7 @@ def _words(warning: str) -> str:
 
 
 def is_simulated(calibration: Calibration) -> bool:
-    """Whether the software twin was calibrated: by its mark, or by the address that it was read from."""
+    """True if the software twin was calibrated: by its mark, or by the address that it was read from."""
     device = calibration.device or ""
     return calibration.created == SIMULATED or device == "twin" or device.startswith("twin:")
 

@@ -46,7 +46,7 @@ class Statement:
     traceable: bool | None = None
     """For the statement on traceability."""
     own_words: bool = False
-    """Whether the text is the laboratory's, in a language that nobody stated."""
+    """True if the text is the laboratory's, in a language that nobody stated."""
 
 
 def method_of(calibration: Calibration) -> tuple[str, str]:

@@ -69,7 +69,7 @@ fn values<'a>(text: &'a str, attribute: &str) -> impl Iterator<Item = &'a str> {
         .filter_map(|at| text[at..].split('"').next())
 }
 
-/// Whether a URL leads to another site.
+/// True if a URL leads to another site.
 fn is_elsewhere(url: &str) -> bool {
     !url.starts_with("data:") && (url.contains("://") || url.starts_with("//") || url.starts_with("mailto:"))
 }

@@ -16,7 +16,7 @@ SHORT = {"\t": "\\t", "\n": "\\n", "\r": "\\r"}
 
 
 def is_utf8(name: str) -> bool:
-    """Whether a name of a file is text."""
+    """True if a name of a file is text."""
     return not any(_is_surrogate(letter) for letter in name)
 
 

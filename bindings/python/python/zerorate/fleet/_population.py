@@ -35,7 +35,7 @@ class Trend:
 
     @property
     def is_seen(self) -> bool:
-        """Whether the slope is larger than its 95 % interval."""
+        """True if the slope is larger than its 95 % interval."""
         return abs(self.slope) > 1.96 * self.u_slope
 
 

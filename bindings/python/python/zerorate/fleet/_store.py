@@ -36,7 +36,7 @@ def opened(url: str) -> tuple[Any, str]:
 
 
 def is_local(filesystem: Any) -> bool:
-    """Whether the files are on this machine."""
+    """True if the files are on this machine."""
     protocol = filesystem.protocol
     return "file" in ((protocol,) if isinstance(protocol, str) else protocol)
 
@@ -149,7 +149,7 @@ def row_url(out: str, key: str) -> str:
 
 
 def exists(url: str) -> bool:
-    """Whether there is such a file."""
+    """True if there is such a file."""
     filesystem, path = opened(url)
     return bool(filesystem.exists(path))
 

@@ -155,7 +155,7 @@ enum Steps {
 }
 
 impl AllanArgs {
-    /// Whether an option needs the noise coefficients.
+    /// True if an option needs the noise coefficients.
     fn wants_fit(&self) -> bool {
         self.fit || self.pool || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }

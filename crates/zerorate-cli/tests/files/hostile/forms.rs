@@ -1,9 +1,9 @@
-//! The same in the forms that a feature adds.
+//! Hostile files in formats that need a feature.
 
 use super::*;
 use std::io::{self, Read};
 
-/// A record that states 8 GB, in 130 bytes.
+/// A record of 130 bytes that states a length of 8 GB.
 #[test]
 fn lengths_in_mcap_are_bounded() {
     let bench = Bench::new();
@@ -13,7 +13,7 @@ fn lengths_in_mcap_are_bounded() {
     bag.resize(130, 0);
     bench.write("long.mcap", &bag);
     bench.refuses("allan long.mcap", "long.mcap, as an MCAP file");
-    // a chunk that would unpack to 2^62 bytes
+    // a chunk that states an unpacked size of 2^62 bytes
     let mut chunk = b"\x89MCAP0\r\n\x06".to_vec();
     let head = [0u64, 0, 1 << 62].map(u64::to_le_bytes).concat();
     let content = [&head[..], &[0; 4], &4u32.to_le_bytes(), b"zstd", &20u64.to_le_bytes(), &[7; 20]].concat();
@@ -23,14 +23,14 @@ fn lengths_in_mcap_are_bounded() {
     bench.refuses("allan chunk.mcap", "chunk.mcap, as an MCAP file");
 }
 
-/// 200 MB of zeros in a few kilobytes.
+/// 200 MiB of zeros, compressed to less than 1.5 MB.
 #[test]
 fn the_packed_size_bounds_the_unpacked_size() {
     let bench = Bench::new();
     let zeros = || io::repeat(b'0').take(200 << 20);
     let mut gz =
         flate2::write::GzEncoder::new(File::create(bench.path("log.gz")).unwrap(), flate2::Compression::fast());
-    // 128 kB of output for each 128 MB: repeat what was packed once, a gz file of several members
+    // many copies of one compressed member of 4 MiB, since a gz file may have several members
     io::copy(&mut io::repeat(b'0').take(4 << 20), &mut gz).unwrap();
     gz.finish().unwrap();
     let member = std::fs::read(bench.path("log.gz")).unwrap();
@@ -44,7 +44,7 @@ fn the_packed_size_bounds_the_unpacked_size() {
     bench.refuses("allan log.zst --rate 10", "log.zst: it grows to more than");
 }
 
-/// A view is a program, and this one never ends.
+/// An SQLite view can run code. This one never ends.
 #[test]
 fn a_bag_is_tables_and_no_program() {
     let bench = Bench::new();
@@ -60,7 +60,7 @@ fn a_bag_is_tables_and_no_program() {
     bench.refuses("allan bag.db3 --column z", "bag.db3, as a ROS 2 bag in SQLite");
 }
 
-/// Groups in groups, 200 000 deep: the library takes them apart by recursion, and no stack is deep enough.
+/// A schema of 200 000 nested groups, which the library parses recursively until the stack overflows.
 #[test]
 fn the_parent_reports_a_crash_of_the_reader() {
     let bench = Bench::new();
@@ -87,7 +87,7 @@ fn the_parent_reports_a_crash_of_the_reader() {
     bench.refuses("correct nested.parquet --cal unit.toml -o out.arrows", "error: nested.parquet");
 }
 
-/// Rows that take nothing in a file: 6 million times the same number.
+/// Six million equal rows, which take almost no space in a Parquet file.
 #[test]
 fn rows_of_parquet_are_bounded() {
     use arrow_array::{ArrayRef, Int32Array, RecordBatch};
