@@ -1,6 +1,6 @@
-"""``cargo xtask bench-fleet``: captures through `zerorate.fleet`, beside a plain loop of the same commands.
+"""``cargo xtask bench-fleet``: times `zerorate.fleet` against a plain loop over the same commands.
 
-A pair of loop and fleet is timed together, three times, and the ratio is that of the best of each.
+Loop and fleet are timed one after the other, three times. The ratio is that of their best times.
 """
 
 from __future__ import annotations
@@ -56,14 +56,14 @@ def main() -> None:
 
 
 def record(program: str, path: Path, seed: int) -> None:
-    """A capture of a simulated sensor, a hundredth of an hour."""
+    """Records a capture of a simulated sensor: 89 s, thinned by a divider."""
     twin = ["--device", f"twin:seed={seed}", "--divider", "20", "--serial", f"SN{seed}"]
     command = [program, "calibrate", *twin, *PLAN, "--log", str(path), "--no-save"]
     subprocess.run(command, capture_output=True)  # one of fifty is refused, which is work as well
 
 
 def loop(program: str, source: Path, workers: int) -> float:
-    """Seconds of the two commands on every file, in as many threads."""
+    """Returns the seconds that the two commands take on all files, in `workers` threads."""
 
     def both(path: Path) -> None:
         for words in (["recalibrate", str(path), *PLAN], ["allan", str(path), "--fit"]):
@@ -76,7 +76,7 @@ def loop(program: str, source: Path, workers: int) -> float:
 
 
 def through_fleet(source: Path, workers: int, engine: Any) -> float:
-    """Seconds of a run into a new folder."""
+    """Returns the seconds of a run into a new folder."""
     with tempfile.TemporaryDirectory() as out:
         ended = fleet.run(str(source), out, RECIPE, engine, workers=workers)
     files = len(list(source.iterdir()))
@@ -85,7 +85,7 @@ def through_fleet(source: Path, workers: int, engine: Any) -> float:
 
 
 def compare(program: str, source: Path, workers: int, engine: Any) -> None:
-    """A line of the table."""
+    """Prints a line of the table."""
     pairs = [(loop(program, source, workers), through_fleet(source, workers, engine)) for _ in range(ROUNDS)]
     plain, ours = (min(times) for times in zip(*pairs))
     name = "Dask" if engine else "threads"
@@ -97,7 +97,7 @@ def compare(program: str, source: Path, workers: int, engine: Any) -> None:
 
 
 def overhead(source: Path, name: str, make: Optional[Callable[..., Any]]) -> None:
-    """The time of a file whose commands do nothing, on one worker: what the fleet itself takes."""
+    """Prints the time per file of commands that do nothing, on one worker: the overhead of the fleet itself."""
     program = os.environ["ZERORATE_PROGRAM"]
     nothing = shutil.which("true") or "/bin/true"
     os.environ["ZERORATE_PROGRAM"] = nothing

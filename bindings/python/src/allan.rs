@@ -62,9 +62,9 @@ impl Times {
 
 /// The deviation with its limits at each averaging time, the times that could not be computed, and the noise model.
 ///
-/// ``asked`` says whether glitches and steps are taken out before the fit, and up to which frequency the model holds,
-/// Hz; None makes no fit. ``settling`` holds
-/// the temperature and the treatment of it and of the beginning. Messages call the record ``name``.
+/// ``asked`` says whether glitches and steps are removed before the fit, and up to which frequency the model holds,
+/// Hz; None makes no fit. ``settling`` holds the temperature, and the treatment of the temperature and of the
+/// beginning. Messages call the record ``name``.
 ///
 /// Other threads run meanwhile. Raises ValueError for arguments with which nothing can be computed.
 #[pyfunction]

@@ -86,7 +86,7 @@ impl Watch for Caller {
 /// Runs the procedure on a device. Returns the object that ``zerorate calibrate --json`` prints, and the calibration.
 ///
 /// Other threads run meanwhile. Ctrl-C ends it. Messages of the device become warnings. ``progress`` is called with
-/// the step in words, and its seconds and those of the whole.
+/// the step in words, the seconds that are done, and the seconds in total.
 #[pyfunction]
 pub fn calibrate<'py>(
     py: Python<'py>,

@@ -42,7 +42,7 @@ impl Calibration {
         Ok(Self { known, text, notes: warnings.iter().map(ToString::to_string).collect() })
     }
 
-    /// Short name of what it corrects.
+    /// Short identifier of the coefficients.
     #[getter]
     fn id(&self) -> String {
         self.known.id()

@@ -93,7 +93,7 @@ pub fn argument(setting: Setting) -> SettingName {
     }
 }
 
-/// The report with the arguments in its warnings as Python writes them.
+/// Writes the arguments that the report's warnings name as Python does.
 pub fn in_words(mut report: Value) -> Value {
     for key in ["warnings", "remarks"] {
         for warning in report.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten() {

@@ -17,7 +17,7 @@ use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, che
 /// Rows that wait for the program: 0.7 s at the full rate. The device's own queue follows it.
 const ROWS: usize = 4096;
 
-/// What the thread of a stream tells.
+/// A message from the thread of a stream.
 enum Item {
     /// The device is open, and has these axes.
     Open(Vec<String>),
@@ -44,7 +44,7 @@ impl Listener for RowSender {
         let _ = self.0.send(Item::Warning(text(warning)));
     }
 
-    // both belong to a tracked bias, which this stream has not
+    // both are about a tracked bias, and this stream does not track
     fn kept_again(&mut self, _: &Path) {}
 
     fn learned(&mut self, _: &LearnedAxis<'_>) {}
@@ -124,10 +124,10 @@ impl Stream {
     }
 }
 
-/// The line of the user's program, below `Stream.__next__`.
+/// Stack level, for warnings, of the user's line that calls `Stream.__next__`.
 const OF_ROW: i32 = 2;
 
-/// Waits for the next row or the opening. Warnings become Python's, for the line that many calls up.
+/// Waits for the next row or the opening. Warnings become Python's, for the line `calls` stack levels up.
 fn next(worker: &mut Worker<Item, ()>, py: Python<'_>, calls: i32) -> PyResult<Option<Item>> {
     loop {
         match worker.wait(py)? {

@@ -22,7 +22,7 @@ pub struct Worker<E, T> {
 }
 
 impl<E: Send + 'static, T: Send + 'static> Worker<E, T> {
-    /// Starts the work. It tells its events by the sender of the channel.
+    /// Starts the work, which reports its events through the sender of the channel.
     pub fn start<S: Send + 'static>(
         (tell, events): (S, Receiver<E>),
         work: impl FnOnce(&Stop, S) -> anyhow::Result<T> + Send + 'static,
@@ -81,7 +81,7 @@ struct Latest(Arc<Mutex<Option<Step>>>);
 type Step = (String, f64, f64);
 
 impl Reporter {
-    /// Hands on a warning. After the end nobody hears it.
+    /// Passes on a warning. It has no effect after the end.
     pub fn warn(&self, text: String) {
         let _ = self.warnings.send(text);
     }
@@ -140,10 +140,10 @@ fn follow<T: Send + 'static>(
     }
 }
 
-/// The line of the user's program, below a function of the package and what checks its keywords.
+/// Stack level, for warnings, of the user's line that calls a function of the package through its keyword check.
 pub const OF_CALLER: i32 = 3;
 
-/// Raises a warning of Python for the line that many calls up.
+/// Raises a warning of Python for the line `calls` stack levels up.
 pub fn warn(py: Python<'_>, text: &str, calls: i32) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(text.replace('\0', " "))?, calls)
 }

@@ -1,7 +1,8 @@
 """Runs allantools' own tests against `zerorate.allantools_compat`: python allantools_suite.py SOURCE, an
 unpacked source distribution.
 
-Prints which tests pass and which are for what is not offered, by name. Fails if any other test does not pass.
+Prints the names of the tests that pass, and of those that need a function that is not offered. Fails if any other
+test does not pass.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import pytest
 
 
 class Outcomes:
-    """Collects what became of each test."""
+    """Collects the outcome of each test."""
 
     def __init__(self, asked: list[str]) -> None:
         self.asked = asked
@@ -32,7 +33,7 @@ class Outcomes:
         try:
             return (yield)
         except Exception:
-            # a test that swallows the skip fails for want of what was asked for
+            # a test that catches the skip fails later, because the function is missing
             if not self.asked:
                 raise
             pytest.skip(f"not offered: {self.asked[0]}")
@@ -54,7 +55,7 @@ class Outcomes:
 
 
 def noise_of(source: Path) -> ModuleType:
-    """allantools' own noise."""
+    """The noise generator of allantools."""
     spec = importlib.util.spec_from_file_location("allantools.noise", source / "allantools" / "noise.py")
     assert spec is not None and spec.loader is not None
     module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
@@ -65,7 +66,7 @@ def noise_of(source: Path) -> ModuleType:
 def main(source: Path) -> int:
     here = Path(__file__).resolve().parent
     sys.path[:0] = [str(here / "shim"), str(source / "tests")]
-    # their noise is the record in tests of deviations; its own test would test them
+    # the noise is the input of tests of deviations; the test of the noise itself would only test allantools
     shim = importlib.import_module("allantools")
     shim.noise = noise_of(source)  # type: ignore[attr-defined]
     outcomes = Outcomes(shim.asked)

@@ -80,7 +80,7 @@ def test_each_noise_of_a_record_has_its_term() -> None:
     assert bare.fit is None and bare.no_fit is None and bare.cleaned is None and bare.dev[0] == kept.dev[0]
 
 
-def test_a_memory_is_a_gauss_markov_term() -> None:
+def test_correlated_noise_is_a_gauss_markov_term() -> None:
     rng = np.random.default_rng(3)
     memory, level = np.empty(100_000), 0.0
     for i, draw in enumerate(rng.normal(size=len(memory))):

@@ -62,7 +62,7 @@ def test_all_have_one_temperature(capture: zerorate.Capture) -> None:
 def test_each_axis_is_analysed(capture: zerorate.Capture) -> None:
     found = zerorate.allan(capture, column="all")
     assert list(found) == ["x", "y", "z"]
-    # lost rows are missing of all axes, what is out of range of its own
+    # a lost row is missing in all axes, a reading out of range only in its own
     assert [(axis.samples, axis.missing) for axis in found.values()] == [(7, 2), (7, 2), (7, 3)]
     # z is 3, 4 and 6, 7: differences of a code of 1/20 °/s
     assert zerorate.allan(capture, column="z").dev[0] == pytest.approx(0.05 / 2**0.5)

@@ -20,7 +20,7 @@ SEED = 7
 
 @pytest.fixture(scope="module")
 def emulator() -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
-    """The word of the bridge at a pseudo-terminal, and the emulator behind it."""
+    """The address of the bridge on a pseudo-terminal, and the emulator."""
     command = ["qemu-system-arm", "-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "pty"]
     command += ["-semihosting-config", f"enable=on,target=native,arg=bridge,arg={SEED}"]
     command += ["-kernel", os.environ["ZERORATE_BRIDGE"]]

@@ -124,7 +124,7 @@ def test_a_calibration_corrects_the_same_after_pickling(unit: tuple[zerorate.Cal
 def test_the_log_gives_back_what_was_measured(unit: tuple[zerorate.Calibrated, Path]) -> None:
     found, folder = unit
     log = zerorate.read_capture(folder / "unit.arrows")
-    # the sample that ends the last step belongs to none
+    # the sample that ends the last step is in the log, but in no step
     assert len(log) == found.samples + 1
     assert log.metadata["zerorate.serial"] == "SN17"
     assert log.rate_hz == pytest.approx(found.rate_hz, rel=1e-3)

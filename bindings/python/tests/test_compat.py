@@ -1,4 +1,4 @@
-"""`zerorate.allantools_compat`: the conventions. Its numbers are tested by allantools' own tests
+"""The conventions of `zerorate.allantools_compat`. allantools' own tests check its numbers
 (`cargo xtask python allantools`)."""
 
 from __future__ import annotations

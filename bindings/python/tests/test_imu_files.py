@@ -1,8 +1,8 @@
-"""The six files of `zerorate imu`, each read by the parser of whoever takes it.
+"""The six files of `zerorate imu`, each read with the parser of its filter.
 
 Kalibr reads with PyYAML; OpenVINS, VINS and ORB-SLAM3 with OpenCV's `FileStorage`, which wants `%YAML 1.0`; KF-GINS
-with yaml-cpp, whose place ruamel.yaml takes here (both are YAML 1.2). Which number goes where is written down once
-more, from docs/imu.md.
+with yaml-cpp, replaced here by ruamel.yaml (both are YAML 1.2). The places of the numbers are typed again from
+docs/imu.md.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ruamel.yaml import YAML
 PROGRAM = shutil.which("zerorate", path=sysconfig.get_path("scripts")) or "zerorate is not installed"
 RATE_HZ = 125.0
 FORMATS = ["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
-# °/s/√Hz and m/s²/√Hz, two-sided, by axis; the first gyroscope and the last accelerometer wander as well
+# °/s/√Hz and m/s²/√Hz, two-sided, by axis; the first gyroscope and the last accelerometer have a random walk as well
 N_GYRO, N_ACCEL = (0.01, 0.02, 0.015), (1e-3, 3e-3, 2e-3)
 
 
@@ -50,7 +50,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def axes(log: Path) -> list[tuple[float, float]]:
-    """N and K of each axis as the files take them, in rad and m; K that is not identified as its upper limit."""
+    """N and K of each axis in the units of the files, rad and m. A K that is not identified is its upper limit."""
     done = subprocess.run(
         [PROGRAM, "imu", "imu.csv", "--json"], cwd=log, check=True, capture_output=True, text=True, timeout=120
     )
@@ -70,7 +70,7 @@ def worst(axes: list[tuple[float, float]], which: int) -> tuple[float, float]:
 
 
 def close(value: float) -> Any:
-    """Files have seven digits."""
+    """Equal to seven digits, as many as the files have."""
     return pytest.approx(value, rel=2e-6)
 
 
@@ -95,7 +95,7 @@ def test_every_parser_reads_the_same(log: Path, name: str) -> None:
             return [number for value in tree.values() for number in numbers(value)]
         if isinstance(tree, list):
             return [number for value in tree for number in numbers(value)]
-        # what looks like a number must be one, whatever the version of YAML
+        # a text that begins with a digit would be a number for some version of YAML
         assert isinstance(tree, (float, str)) and (isinstance(tree, float) or not tree[:1].isdigit()), tree
         return [tree] if isinstance(tree, float) else []
 

@@ -1,4 +1,4 @@
-"""Names of arguments: the right ones, and what is said about others."""
+"""The names of arguments, and the messages about wrong names."""
 
 from __future__ import annotations
 

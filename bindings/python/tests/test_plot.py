@@ -56,7 +56,7 @@ def test_all_axes_of_a_kind_are_in_one_picture() -> None:
     assert [ax.get_ylabel().rpartition(" ")[2] for ax in figure.axes] == ["°/s", "mg"]
     for ax, of_kind in zip(figure.axes, (names[:3], names[3:])):
         low, high = ax.get_ylim()
-        assert high / low < 1e3  # of the points, for the bands reach down to nothing
+        assert high / low < 1e3  # the points set the limits; bands reach down to zero
         legend = ax.get_legend()
         assert legend is not None and [text.get_text() for text in legend.get_texts()] == of_kind
     table = dict(zip(names, rest.T))

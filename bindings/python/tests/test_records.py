@@ -1,4 +1,4 @@
-"""What may be given as a record: arrays of every kind, Series and DataFrames, and their time."""
+"""Records in memory: arrays of every kind, Series and DataFrames, and their time."""
 
 from __future__ import annotations
 

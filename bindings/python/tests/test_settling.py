@@ -1,4 +1,4 @@
-"""A record of a warming part: what `zerorate.allan` says of it, and what it does about it."""
+"""A record of a warming part: the warnings of `zerorate.allan`, and its options for it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def codes(texts: list[str]) -> list[str]:
 
 
 def same(result: zerorate.Allan, report: Any) -> None:
-    """As the command line has it, but for how the log was read."""
+    """Compares with the command line, except for how the log was read."""
     assert result.fit is not None
     k = report["fit"]["k"]
     assert (result.fit.k.value, result.fit.k.lo, result.fit.k.hi) == pytest.approx((k["value"], k["lo"], k["hi"]))

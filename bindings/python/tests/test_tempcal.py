@@ -17,9 +17,9 @@ import zerorate
 
 RATE_HZ = 10.0
 SAMPLES = 18_000
-"""Half an hour."""
+"""Half an hour at `RATE_HZ`."""
 CUBICS = {"gx_dps": (0.1, 2e-3, 3e-5, 1e-6), "gy_dps": (-0.2, -1e-3, 5e-5, 0.0), "gz_dps": (0.05, 4e-3, 0.0, -2e-6)}
-"""The bias about 25 °C, °/s."""
+"""Coefficients of the bias in powers of T − 25 °C, °/s and °C."""
 ACCEL = {"ax_mps2": (0.0, 1e-3, 0.0, 0.0), "ay_mps2": (0.3, -2e-3, 2e-5, 0.0), "az_mps2": (9.8, 5e-4, 0.0, 1e-6)}
 WHITE = 0.02
 """Noise of a sample, °/s and m/s²."""
@@ -60,7 +60,7 @@ def test_the_known_curve_is_found(found: zerorate.Tempcal) -> None:
         is_gyro = name in CUBICS
         assert (axis.name, axis.kind) == (name, "gyroscope" if is_gyro else "accelerometer")
         assert axis.unit == ("°/s" if is_gyro else "m/s²") and axis.reference_c == 25.0
-        # the bias of an accelerometer is stated above its value at the reference temperature
+        # the bias of an accelerometer is relative to its value at the reference temperature
         true = truth(terms if is_gyro else (0.0, *terms[1:]), axis.curve.temp_c)
         assert np.all(np.abs(axis.curve.bias - true) <= 4 * axis.curve.u + 1e-12), name
         assert axis.curve.u.max() < 0.05 * np.ptp(true)

@@ -1,4 +1,4 @@
-"""What the stubs say is what is there, and what the core has is offered."""
+"""The stubs match the extension, and the package offers every statistic of the core."""
 
 from __future__ import annotations
 

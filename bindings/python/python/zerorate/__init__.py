@@ -2,15 +2,15 @@
 
 ===================  ==================================================================
 `allan`              Allan deviation of a record or a log at rest, with limits and a noise model
-`imu`                the same for all axes of an IMU, and the noise files for filters
+`imu`                Allan deviation of all axes of an IMU, and noise files for filters
 `tempcal`            bias over temperature of all axes, and files for flight controllers
 `read_log`           columns of a log in any form
 `calibrate`          the procedure of AN-1042 on a sensor or a `Twin`, with uncertainties
 `capture`            a recording of a sensor's raw codes
 `stream`             the corrected rate of a sensor, row by row
 `Calibration`        a calibration file; `Calibration.correct` removes the bias
-`Corrector`          the same for a stream with occasional temperatures
-`read_capture`       such a recording as numpy columns
+`Corrector`          removes the bias from a stream with occasional temperatures
+`read_capture`       a recording as numpy columns
 `Twin`               a simulated sensor, drawn from a seed
 `allantools_compat`  the deviations of allantools: change the import, keep the program
 ===================  ==================================================================

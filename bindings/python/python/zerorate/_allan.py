@@ -137,7 +137,7 @@ def allan(
         Unit of the rate and of the results: ``rad/s``, ``m/s²``, ``g`` …; for arrays any other as well. Unless given,
         it is the unit that the name of a column or the log states; for values without a name, °/s.
     fit
-        Whether to fit a noise model. Without one, nothing is taken out of the record.
+        Fit a noise model. Without it, nothing is taken out of the record.
     glitches
         ``cut``: before the fit, samples that cannot be noise are replaced. ``keep`` them.
     steps
@@ -283,7 +283,7 @@ def _answer(found: Sequence[Allan], is_several: bool) -> Allan | AllanAxes:
 
 
 def _chosen(each: dict[str, Any], column: _log.Column | None) -> dict[str, Any]:
-    """The columns that are asked for, by name or by number."""
+    """The requested columns, by name or by number."""
     if column is None or _log.is_all(column):
         return each
     names = list(each)

@@ -29,7 +29,7 @@ Taus = Union[str, Sequence[float], "NDArray[np.float64]"]
 """Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N``, or seconds."""
 
 LONG = 50_000
-"""Number of samples from which a thread that listens to Ctrl-C costs nothing beside the work."""
+"""Number of samples above which the thread that watches for Ctrl-C costs nothing in comparison."""
 
 _Of = TypeVar("_Of")
 _To = TypeVar("_To")
@@ -47,7 +47,7 @@ def side_by_side(work: Callable[[_Of], _To], all_of: Sequence[_Of]) -> list[_To]
 
 @dataclass(frozen=True)
 class AnalysisOptions:
-    """How records are analysed."""
+    """Options for the analysis of records."""
 
     stat: str
     taus: Taus
@@ -68,7 +68,7 @@ class AnalysisOptions:
         steps: str,
         max_freq_hz: float | None,
     ) -> AnalysisOptions:
-        """The options that the arguments of `allan` give."""
+        """Converts the arguments of `allan`."""
         asked_fit = (*_cleaning(glitches, steps), _max_freq(max_freq_hz)) if fit else None
         return cls(stat, taus, _is_phase(data), confidence, asked_fit)
 

@@ -1,4 +1,4 @@
-"""Which columns of a log are the axes of an IMU: the arguments that `imu` and `tempcal` share."""
+"""The columns of a log that are the axes of an IMU: arguments that `imu` and `tempcal` share."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ OF_READING = (
     "rate_hz", "time_column", "time_unit", "force_unit", "increments", "decimal", "raw", "max_bad", "topic", "where",
     "skip", "until",
 )
-"""The arguments that are about reading a log of any kind."""
+"""Names of the arguments for reading any log."""
 
 OF_AXES = (
     "column", "columns", "gyro", "accel", "gyro_unit", "accel_unit", "gyro_scale", "accel_scale", "part", "gyro_range",
     "accel_range",
 )
-"""The arguments that are about its axes."""
+"""Names of the arguments for the axes in a log."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class AskedAxes:
 
     @classmethod
     def of(cls, arguments: Mapping[str, Any], logs: Sequence[Any]) -> AskedAxes:
-        """The axes that the arguments ask for, by their names. A `Log` among the logs knows its rate."""
+        """Converts the arguments, by their names. A `Log` among the logs states its rate."""
         column, part = arguments["column"], arguments["part"]
         gyro, accel = ([str(name) for name in arguments[kind] or ()] for kind in ("gyro", "accel"))
         if column is not None and (gyro or accel):
@@ -64,7 +64,7 @@ class AskedAxes:
         )
 
     def source(self, log: Any, example: str) -> _records.Source:
-        """A log in the form that the extension takes. `example` says how to name the columns of an array."""
+        """A log in the form that the extension takes. `example` shows how to name the columns of an array."""
         if isinstance(log, _log.Log):
             log = log._stating_units()
         columns = self.columns

@@ -44,7 +44,7 @@ class Correction:
 
 @dataclass(frozen=True)
 class Measured:
-    """The means of steps 4 and 6."""
+    """The means of steps 4 and 6 of AN-1042."""
 
     b1_dps: float
     """Mean rate of step 4, °/s."""
@@ -106,11 +106,11 @@ class CurveRecord:
     order_weights: list[float]
     """Posterior probability of the orders 0 to 3."""
     covariance: list[list[float]]
-    """Covariance of PBC and the coefficients of the first to third order: °/s/°C to that power each."""
+    """Covariance of PBC, BTC, BTC2 and BTC3, each in its own unit: °/s, °/s/°C, °/s/°C², °/s/°C³."""
     lag_s: float
-    """Time by which the bias follows the temperature sensor late, s."""
+    """Time by which the bias lags behind the temperature sensor, s."""
     play_c: float
-    """Half width of the play between temperature and bias, °C."""
+    """Half width of the backlash between temperature and bias, °C."""
     steps: list[list[float]]
     """Steps that were taken out: time, s, and size, °/s."""
     sources: dict[str, float] | None = None
@@ -124,17 +124,17 @@ class NoiseRecord:
     white_dps_per_rt_hz: float
     """White noise, °/s/√Hz."""
     white_source: str
-    """Its source."""
+    """Source of `white_dps_per_rt_hz`."""
     flicker_floor_dps: float
     """Floor of the Allan deviation, °/s: 0.664 times the bias instability."""
     flicker_cutoff_hz: float
     """The flicker is flat below this frequency, Hz."""
     flicker_source: str
-    """Its source."""
+    """Source of `flicker_floor_dps` and `flicker_cutoff_hz`."""
     rate_random_walk_dps_per_rt_s: float
     """Rate random walk, °/s/√s."""
     rate_random_walk_source: str
-    """Its source."""
+    """Source of `rate_random_walk_dps_per_rt_s`."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ class Scale:
     zero_code: int
     """The code of ``zero_value``."""
     zero_value: float
-    """Its value, °/s or °C."""
+    """The value at ``zero_code``, °/s or °C."""
     width_bits: int
     """Bits of a code."""
     signed: bool
@@ -176,9 +176,9 @@ class CalibratedAxis:
     warnings: list[str] = field(default_factory=list)
     """Warnings that concern this axis alone."""
     rate: Scale | None = None
-    """The scale of its codes."""
+    """The scale of the axis's rate codes."""
     measured: Measured | None = None
-    """The means from which it was computed."""
+    """The means from which the correction was computed; only by AN-1042."""
     uncertainty: Uncertainties | None = None
     """The uncertainty by AN-1042."""
     curve: CurveRecord | None = None
@@ -192,10 +192,10 @@ class CalibratedAxis:
 
 @dataclass(frozen=True)
 class Run:
-    """How the measurement went."""
+    """Facts about the measurement: durations, rates, losses and limits."""
 
     duration_s: float
-    """From the first sample to the last, s."""
+    """Time from the first sample to the last, s."""
     rate_hz: float
     """Rate samples per second."""
     rdy_hz: float
@@ -217,7 +217,7 @@ class Run:
     max_u_btc_dps_per_c: float
     """Largest uncertainty of BTC that was accepted, °/s/°C."""
     assume_linear: bool
-    """True if the bias was taken for a straight line over temperature."""
+    """True if the bias was assumed to be a straight line over temperature."""
     earth_dps: float | None = None
     """Component of the Earth's rotation that was subtracted, °/s; None means that it is part of PBC."""
 
@@ -241,13 +241,13 @@ class Calibration:
     serial: str | None = None
     """Serial number of the unit."""
     created: str | None = None
-    """When the samples were recorded, RFC 3339; ``SIMULATED`` for the software twin."""
+    """Time at which the samples were recorded, RFC 3339; ``SIMULATED`` for the software twin."""
     method: str | None = None
     """The method, such as ``an1042``."""
     software: str | None = None
     """The program that measured it."""
     device: str | None = None
-    """Where the samples came from."""
+    """The device from which the samples came."""
     config: str | None = None
     """Registers and reading scheme."""
     capture_sha256: str | None = None
@@ -265,9 +265,9 @@ class Calibration:
     temp: Scale | None = None
     """The scale of the temperature's codes."""
     validity: Validity | None = None
-    """The range of temperatures in which it holds."""
+    """The range of temperatures in which the calibration holds."""
     run: Run | None = None
-    """The measurement."""
+    """Facts about the measurement."""
     text: str = field(default="", repr=False)
     """The text of the file."""
 

@@ -58,7 +58,7 @@ class Capture:
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:
-        """Which rates are valid."""
+        """True for each valid rate."""
         return np.asarray((self.flags & 7) == 0, dtype=np.bool_)
 
     def __repr__(self) -> str:

@@ -16,18 +16,18 @@ Device = Union[str, Twin]
 
 
 class Progress(NamedTuple):
-    """How far a measurement is."""
+    """Progress of a measurement."""
 
     step: str
     """The step, in words."""
     done: float
     """Seconds since the first sample, of the part's time; with ``samples=``, the samples so far."""
     total: float
-    """The end of it, in the same unit."""
+    """Value of `done` at the end."""
 
 
 OnProgress = Callable[[Progress], object]
-"""Is called at most ten times a second, in the thread of the caller. An exception ends the measurement."""
+"""Called at most ten times a second, in the thread of the caller. An exception ends the measurement."""
 
 
 def options(

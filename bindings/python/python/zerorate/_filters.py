@@ -17,7 +17,7 @@ Format = Literal["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
 """The filter that reads the file."""
 
 Combine = Literal["worst", "mean"]
-"""How several axes become one number."""
+"""The value for several axes: the worst, or the mean."""
 
 
 def file(
@@ -34,7 +34,7 @@ def file(
     accept_rejected: bool,
     said: list[str],
 ) -> str:
-    """The text of the file, written to `path` if there is one. What was `said` of the log stands in it."""
+    """Makes the text of the file, and writes it to `path` if given. The text repeats the warnings in `said`."""
     modelled = []
     for axis in axes:
         if axis._is_unit_assumed:

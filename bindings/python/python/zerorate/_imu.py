@@ -213,8 +213,8 @@ def imu(
         Full scale of integer codes of 16 bits, °/s and g: ``250`` means 250/32768 °/s for each, or the sensitivity of
         `part` there.
     increments
-        Whether the columns hold the angle and the velocity of each sample in place of rates; unless given, names and
-        gravity that tell of it are an error.
+        True if the columns hold the angle and the velocity of each sample in place of rates. Unless given, names or
+        gravity that indicate increments are an error.
     time_column, time_unit
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
     decimal, raw, max_bad, where, skip, until
@@ -276,7 +276,7 @@ _ARRAY = (
     "gyro=[0, 1, 2], accel=[3, 4, 5], or columns=, such as ['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary "
     "{'gyro': …, 'accel': …}"
 )
-"""How an array says which of its columns are axes."""
+"""Advice on how to say which columns of an array are axes."""
 
 
 def _of_capture(capture: Capture, options: AnalysisOptions, rate_hz: float) -> Imu:

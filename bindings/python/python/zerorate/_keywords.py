@@ -1,4 +1,4 @@
-"""Says which keyword was meant."""
+"""Suggests the right keyword for a wrong one."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _MEANT = {
     "statistic": "stat=",
     "tau": "taus=",
 }
-"""Names from elsewhere, and ours."""
+"""Keywords of other packages, and our keywords for them."""
 
 
 def checked(function: _F) -> _F:
-    """A function that says which keyword was meant in place of one that it does not have."""
+    """Wraps a function: a wrong keyword raises an error that suggests the right one."""
     parameters = inspect.signature(function).parameters.values()
     has_named_alone = not any(one.kind is one.POSITIONAL_OR_KEYWORD for one in parameters)
     data = [one.name for one in parameters if one.kind is one.POSITIONAL_ONLY]

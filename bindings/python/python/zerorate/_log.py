@@ -127,8 +127,8 @@ def read_log(
     scale
         The value of a step of 1, in that unit.
     increments
-        Whether the columns hold the angle or the velocity of each sample in place of rates. `unit` is then that of
-        an increment in a second, ``rad/s`` for rad.
+        True if the columns hold the angle and the velocity of each sample in place of rates. `unit` is then the unit
+        of an increment per second, ``rad/s`` for rad.
     decimal
         The decimal mark of a text: ``.`` or ``,``.
     raw
@@ -175,7 +175,7 @@ def read_log(
         until=until,
     )
     found = columns_of(_records.table(log), column, True, given)
-    # without a unit, the last warning is about that, and `Log.units` says it already
+    # without a unit, the last warning says so, and so does `Log.units`
     said = [text for one in found for text in one["warnings"][: None if one["unit"] else -1]]
     for text in said:
         warnings.warn(text, stacklevel=3)
@@ -248,7 +248,7 @@ def is_all(column: Column) -> bool:
 
 
 def is_several(column: Column | None) -> bool:
-    """True if the answer has a name for each column."""
+    """True if the result has several named columns."""
     return column is not None and (is_all(column) or not isinstance(column, (str, int, np.integer)))
 
 

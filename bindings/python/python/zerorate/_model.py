@@ -40,7 +40,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class GaussMarkov:
-    """Noise with a memory: a Gauss–Markov process of first order."""
+    """Correlated noise: a Gauss–Markov process of first order."""
 
     sigma: Estimate
     """Its standard deviation, in the unit of the rate."""
@@ -50,7 +50,7 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class BandShape:
-    """What a filter does to all noise but quantisation, or to the white noise alone. The density is multiplied by
+    """The effect of a filter on all noise but quantisation, or on the white noise alone. The density is multiplied by
     exp Σ a_j (cos jθ − 1), with sin(θ/2) = sin(πf/rate)/sin(πf_max/rate) and f_max = `Fit.f_max_hz`. A pole p
     multiplies it by (1 − p)²/(1 + p² − 2p cos θ), and a corner f_c with the damping c by 1/(1 + cx + x²), where
     x = (sin(πf/rate)/sin(πf_c/rate))²."""
@@ -62,7 +62,7 @@ class BandShape:
     corner: tuple[float, float] | None
     """f_c in Hz and c of a second-order low-pass: c is 0 for a Butterworth one and 2 for two equal poles."""
     of_white: bool
-    """True if it shapes the white noise alone, and slow noise joins behind it."""
+    """True if the filter shapes the white noise alone, and slow noise is added behind it."""
 
 
 @dataclass(frozen=True)

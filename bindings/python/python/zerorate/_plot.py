@@ -83,7 +83,7 @@ def _bias(ax: Axes, axis: BiasAxis) -> None:
 
 
 def _check(axes: Sequence[Allan]) -> None:
-    """Checks that there is one picture to draw, before a figure is opened for it."""
+    """Checks that the axes have one unit and that some deviation is above zero, before a figure is opened."""
     units = sorted({axis.unit for axis in axes})
     if len(units) > 1:
         told = ", ".join(units)
@@ -115,7 +115,7 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
 
 
 def _settle(axes: Sequence[Allan], ax: Axes) -> None:
-    """Sets the limits by the measured points, so that a band that reaches down to nothing does not matter."""
+    """Sets the limits by the measured points, since a band may reach down to zero."""
     points = [axis for axis in axes if len(axis.dev) and (axis.dev > 0).all()]
     if points:
         ax.set_ylim(min(axis.lo.min() for axis in points) / 1.8, max(axis.hi.max() for axis in points) * 1.8)

@@ -80,7 +80,7 @@ class Calibrated:
     impossible_readings: int
     """Readings that the part cannot have made (bit errors); no mean includes them."""
     duration_s: float
-    """From the first sample to the last, s."""
+    """Time from the first sample to the last, s."""
     temp_min_c: float
     """Lowest temperature, °C."""
     temp_max_c: float
@@ -92,9 +92,9 @@ class Calibrated:
     serial: str | None
     """Serial number, as given."""
     device: str
-    """Where the samples came from."""
+    """The device from which the samples came."""
     created: str | None
-    """When the samples were recorded, RFC 3339; ``SIMULATED`` for a twin."""
+    """Time at which the samples were recorded, RFC 3339; ``SIMULATED`` for a twin."""
     simulated: bool
     """True if the part was the software twin."""
     calibration_id: str
@@ -104,7 +104,7 @@ class Calibrated:
     warnings: list[str]
     """Warnings, each ``code: text``: what was seen and what to do."""
     remarks: list[str]
-    """What every measurement by this plan implies, in the same form: ``earth-included``, ``curvature-unseen``."""
+    """Limitations of every measurement by this plan, each ``code: text``: ``earth-included``, ``curvature-unseen``."""
     curve: list[CurvePoint]
     """The correction at nine temperatures, evenly spread over the measured range."""
     calibration: Calibration = field(repr=False)
@@ -120,9 +120,9 @@ class Calibrated:
     btc3_dps_per_c3: float = 0.0
     """Cubic term, °/s/°C³."""
     lag_s: float | None = None
-    """Time by which the bias follows the temperature sensor late, s."""
+    """Time by which the bias lags behind the temperature sensor, s."""
     play_c: float | None = None
-    """Half width of the play between temperature and bias, °C."""
+    """Half width of the backlash between temperature and bias, °C."""
     bias_instability_dps: float | None = None
     """B of the recording, °/s."""
     rate_random_walk_dps_per_rt_s: float | None = None
@@ -132,7 +132,7 @@ class Calibrated:
     sway_probability: float | None = None
     """Posterior probability of a slow base motion."""
     budget: list[dict[str, Any]] = field(default_factory=list)
-    """Where the uncertainties come from: ``of`` (PBC or BTC), ``source``, ``u``, ``share`` of the variance."""
+    """Contributions to the uncertainties: ``of`` (PBC or BTC), ``source``, ``u``, ``share`` of the variance."""
     file: str | None = None
     """The file that holds the calibration."""
 

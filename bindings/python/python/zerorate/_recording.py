@@ -15,7 +15,7 @@ class Captured:
     """The result of a recording: the keys of ``zerorate capture --json``. `read_capture` reads its file."""
 
     file: str
-    """The file."""
+    """Path of the file."""
     samples: int
     """Rate samples in it."""
     lost_samples: int
@@ -25,9 +25,9 @@ class Captured:
     rdy_hz: float
     """Data-ready edges per second."""
     duration_s: float
-    """From the first sample to the last, s."""
+    """Time from the first sample to the last, s."""
     interrupted: bool
-    """True if it ended early."""
+    """True if the recording was ended early."""
     impossible_readings: int
     """Readings that the part cannot have made (bit errors)."""
     impossible_temps: int
@@ -37,7 +37,7 @@ class Captured:
     unjudged: int
     """Readings too far apart to be judged."""
     frozen: bool
-    """True if the part had stopped at the end; it then is `Refused`."""
+    """True if the part had stopped at the end; `capture` then raises `Refused`."""
     warnings: list[str]
     """Warnings, each ``code: text``: what was seen and what to do."""
 

@@ -25,7 +25,7 @@ class Unavailable:
     tau_s: float
     """Averaging time, s."""
     reason: str
-    """The reason."""
+    """The reason why there is no deviation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +46,11 @@ class Allan:
     """Exponent of the identified noise S_y(f) ∝ f^α: 0 white, −1 flicker, −2 random walk of the rate, 1 and 2
     phase noise."""
     n: NDArray[np.int64]
-    """Number of terms."""
+    """Number of terms in the deviation."""
     m: NDArray[np.int64]
     """Samples in each average."""
     stat: str
-    """The statistic."""
+    """The statistic, such as ``oadev``."""
     rate_hz: float
     """Samples per second."""
     samples: int
@@ -64,20 +64,20 @@ class Allan:
     fit: Fit | None = field(repr=False)
     """The noise model; None if it was not requested, or there is none: then `no_fit` says why."""
     no_fit: str | None = field(default=None, repr=False)
-    """Why there is no noise model."""
+    """The reason why there is no noise model."""
     model: NDArray[np.float64] | None = field(default=None, repr=False)
     """The model's deviations; None without a model, and for statistics that it does not cover."""
     model_lo: NDArray[np.float64] | None = field(default=None, repr=False)
     """Lower end of the band in which the model expects 95 % of the deviations of this record."""
     model_hi: NDArray[np.float64] | None = field(default=None, repr=False)
-    """Upper end of that band."""
+    """Upper end of the band of `model_lo`."""
     predicted_lo: NDArray[np.float64] | None = field(default=None, repr=False)
     """Lower end of the band in which the model expects 95 % of the deviations of another record of this sensor, as
     long as this one. NaN above 1/128 of the record, and for statistics other than ``oadev``."""
     predicted_hi: NDArray[np.float64] | None = field(default=None, repr=False)
-    """Upper end of that band."""
+    """Upper end of the band of `predicted_lo`."""
     cleaned: Cleaned | None = field(default=None, repr=False)
-    """What was taken out before the fit; None without a model."""
+    """The glitches and steps that were removed before the fit; None without a model."""
     detrended: Detrended | None = field(default=None, repr=False)
     """The polynomial over temperature that was subtracted; None without `detrend`."""
     skipped_s: float = field(default=0.0, repr=False)

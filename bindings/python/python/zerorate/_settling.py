@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Temperature = tuple[str, NDArray[np.float64]]
-    """Its name, and the temperature of each sample, °C."""
+    """Name of the temperature, and its value for each sample, °C."""
 
 Seconds = Union[float, str]
 """Seconds as a number, or a duration as the command line takes it: ``"10m"``, ``"1h30m"``."""
@@ -25,7 +25,7 @@ _OWN = "temp_c"
 
 @dataclass(frozen=True)
 class Settling:
-    """The temperature, and the treatment of it and of the beginning."""
+    """The temperature of a record, and the treatment of the temperature and of the beginning."""
 
     temp_c: Any = None
     detrend: int | None = None
@@ -33,7 +33,7 @@ class Settling:
 
     @classmethod
     def of(cls, temp_c: Any, detrend: int | None, skip: Seconds | None, is_phase: bool) -> Settling:
-        """The treatment that the arguments of `allan` give."""
+        """Converts the arguments of `allan`."""
         if detrend is not None and detrend not in (1, 2, 3):
             raise ValueError(f"detrend={detrend!r}: give 1, 2 or 3, the order of a polynomial over temperature")
         if is_phase and (detrend is not None or temp_c is not None):

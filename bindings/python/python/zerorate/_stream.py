@@ -17,13 +17,13 @@ class StreamRow(NamedTuple):
     """A corrected row."""
 
     t_s: float
-    """Middle of its samples, s after the first of all."""
+    """Time of the middle of the row's samples, s since the first sample."""
     rates_dps: list[float]
     """Corrected rate of each axis, °/s, in the order of `Stream.axes`; NaN without a good reading."""
     temp_c: float
-    """Temperature that it was corrected with, °C."""
+    """Temperature with which the row was corrected, °C."""
     lost: int
-    """Samples lost since the row before."""
+    """Samples lost since the previous row."""
     flags: str
     """The faults of readings that were left out: ``impossible``, ``out-of-range``, ``impossible-temperature``,
     ``frozen``, joined by ``+``; empty for none."""
@@ -72,7 +72,7 @@ class Stream(Iterator[StreamRow]):
         self.close()
 
     def close(self) -> None:
-        """Ends the reading. A second time does nothing, and there are no more rows."""
+        """Ends the reading; no more rows follow. A second call does nothing."""
         self._inner.close()
 
     def __repr__(self) -> str:

@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class BiasCurve:
-    """The bias evenly over the temperatures of the logs: arrays of equal length."""
+    """The bias at evenly spaced temperatures: arrays of equal length, in the unit of the axis."""
 
     temp_c: NDArray[np.float64]
     """Temperature, °C, ascending."""
     bias: NDArray[np.float64]
-    """The bias."""
+    """Bias at `temp_c`."""
     u: NDArray[np.float64]
-    """Its standard uncertainty; bias ± 1.96 u is the 95 % band."""
+    """Standard uncertainty of `bias`; bias ± 1.96 u is the 95 % band."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +37,13 @@ class BiasMeans:
     """The means of the logs from which a curve comes: arrays of equal length."""
 
     at_s: NDArray[np.float64]
-    """Time in its log, s."""
+    """Time since the first sample of its log, s."""
     temp_c: NDArray[np.float64]
     """Temperature, °C."""
     bias: NDArray[np.float64]
-    """The mean, less the steps that were taken out."""
+    """The mean without the steps that were removed."""
     left: NDArray[np.float64]
-    """The mean less the curve."""
+    """The mean minus the curve."""
     is_warming: NDArray[np.bool_]
     """True if the sensor was warming."""
 
@@ -65,7 +65,7 @@ class BiasCubic:
 
 @dataclass(frozen=True)
 class BiasNoise:
-    """The noise that was found beside the curve, as `allan` has it."""
+    """The noise about the curve, with coefficients as in `Fit`."""
 
     n: float
     """White noise N, in the unit times √s."""
@@ -92,11 +92,11 @@ class BiasAxis:
     bias: float
     """Bias at `reference_c`; 0 for an accelerometer, which sees gravity."""
     u_bias: float
-    """Its standard uncertainty."""
+    """Standard uncertainty of `bias`."""
     slope_per_c: float
     """Change of the bias per °C at `reference_c`."""
     u_slope_per_c: float
-    """Its standard uncertainty."""
+    """Standard uncertainty of `slope_per_c`."""
     curve: BiasCurve = field(repr=False)
     """The bias over temperature."""
     cubic: BiasCubic = field(repr=False)
@@ -104,10 +104,10 @@ class BiasAxis:
     lag_s: float
     """Time constant with which the bias follows the thermometer, s; negative if the thermometer lags."""
     play_c: float
-    """Half width of the play between bias and thermometer, °C."""
+    """Half width of the backlash between bias and thermometer, °C."""
     u_if_on_before: float | None
-    """Largest standard uncertainty of the bias if the sensor was on before the log began and follows late; None if the
-    log tells that it was not, or did not."""
+    """Largest standard uncertainty of the bias if the sensor lags and was on before the log began; None if the log
+    excludes that."""
     hysteresis: float | None
     """Half of the difference between warming and cooling; None with one direction."""
     spread_of_starts: float | None
@@ -115,7 +115,7 @@ class BiasAxis:
     before: float
     """Span of the means without a correction."""
     after: float
-    """What remains of it with the curve of the other parts of the record."""
+    """Span of the means after correction by a curve of the other parts of the record."""
     noise: BiasNoise = field(repr=False)
     """The noise beside the curve."""
     means: BiasMeans = field(repr=False)
@@ -327,7 +327,7 @@ _ARRAY = (
     "gyro=[0, 1, 2] and temp_column=3, or columns= such as ['gx', 'gy', 'gz', 'temp_c'], or a dictionary "
     "{'gyro': …, 'temp_c': …}"
 )
-"""How an array says which of its columns are axes."""
+"""Advice on how to say which columns of an array are axes."""
 
 
 def _listed(log: Any) -> list[Any]:

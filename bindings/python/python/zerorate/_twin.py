@@ -26,7 +26,7 @@ class Twin:
     Parameters
     ----------
     seed
-        Draws the unit and everything random.
+        Seed of the random numbers: it determines the unit and its noise.
     **keys
         Other properties, as `zerorate twin` lists them, for example ``bias_dps=0.8``, ``motion="sway"``,
         ``noise=False``; `Twin.keys` returns the list.

@@ -7,8 +7,8 @@ Its own tests of these functions pass against this module (``cargo xtask python 
 thing differs: missing values (NaN) inside a record stay gaps, and averages over them count if half of their samples
 are present. allantools returns NaN.
 
-The names in `NOT_OFFERED` are not here; an access to them says so. New programs should call `zerorate.allan`, which
-states confidence limits and noise types without further calls.
+The names in `NOT_OFFERED` are not here: accessing one raises `NotOffered`. New programs should call `zerorate.allan`,
+which states confidence limits and noise types without further calls.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the tests of the fleet share."""
+"""Helpers for the tests of the fleet."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def trapped(folder: Path) -> Path:
 
 
 def held_until(go: Path) -> str:
-    """The commands on the first file run; the others wait for the file `go`, 60 s at most."""
+    """Lets the commands on the first file run. The others wait for the file `go`, 60 s at most."""
     wait = f"for i in $(seq 600); do [ -e '{go}' ] && break; sleep 0.1; done"
     return f'case "$*" in *--version*|*unit1*) ;; *) {wait};; esac'
 

@@ -1,4 +1,4 @@
-"""What a population says: against numbers worked out by hand, and rows whose faults are known."""
+"""The page about a population: numbers computed by hand, and rows with known faults."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_the_axes_of_a_part_are_judged_one_by_one(tmp_path: Path) -> None:
         row(index, pbc_dps=None, btc_dps_per_c=None, axes=[axis("x", index), axis("y", index), axis("acc", index)])
         for index in range(1, 21)
     ]
-    rows[6]["axes"][0]["n"] = 0.02  # as y, but not as any other x
+    rows[6]["axes"][0]["n"] = 0.02  # usual for y, but an outlier among x
     calibrated = {"pbc_dps": 0.1, "u_pbc_dps": 0.01, "btc_dps_per_c": 0.0, "u_btc_dps_per_c": 0.001, "t3_c": 30.0}
     rows[1]["axes"][1].update(calibrated)
     again = [axis("x", 2), axis("y", 2, **{**calibrated, "pbc_dps": 0.2})]

@@ -1,4 +1,4 @@
-"""What the row of a file says, and the table of all."""
+"""The row of a file, and the table of all rows."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ def dask(tmp_path: Path) -> Iterator[Cluster]:
 def test_a_lost_scheduler_and_a_replaced_object(
     dask: Cluster, bucket: str, captures: Path, tmp_path: Path, wrapped: Wrap
 ) -> None:
-    """On an object store. The scheduler is killed in the middle and begun anew, with other workers."""
+    """The rows are on an object store. The scheduler is killed during the run, then started with other workers."""
     import fsspec
 
     wrapped(held_until(tmp_path / "go"))

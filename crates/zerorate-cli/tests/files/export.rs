@@ -177,7 +177,7 @@ fn codes_of_axes() -> Vec<Vec<i64>> {
 }
 
 impl Trial {
-    /// The expected output. It begins with whether core and calibration cover the temperature. Each axis follows with the
+    /// The expected output. It begins with whether core and calibration cover the temperature. For each axis it has the
     /// corrected code, the nearest row of the table, whether that row is valid, and the corrected code at the nearest
     /// temperature that the calibration covers. Codes come from the core, which is tested against exact arithmetic. No
     /// temperature code lies half-way between two rows.

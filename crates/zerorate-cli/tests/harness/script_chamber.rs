@@ -111,8 +111,8 @@ impl ScriptChamber {
         self.text("set_c").trim() == SAFE
     }
 
-    /// Checks the last line of a program that controlled the chamber. Returns what is wrong; `None` if the line is true,
-    /// and the chamber is safe or the user knows that it may not be.
+    /// Checks the last line of a program that controlled the chamber. Returns what is wrong; `None` if the line is
+    /// true, and the chamber is safe or the user knows that it may not be.
     pub fn complaint(&self, stderr: &str) -> Option<String> {
         let last = stderr.lines().last().unwrap_or_default();
         let is_left = last.starts_with("the chamber was left at 25.0 °C");

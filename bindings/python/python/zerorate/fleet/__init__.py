@@ -5,7 +5,7 @@
 `one`       one file: for Slurm arrays, Snakemake, Ray, Spark and ``xargs``
 `table`     all rows as one Parquet file, with their counts by state and reason
 `report`    a page about the population
-`Recipe`    what is done to each file
+`Recipe`    the commands for each file
 ==========  ==========================================================================
 
 Install it by ``pip install 'zerorate[fleet]'``; ``zerorate[s3]`` and ``zerorate[dask]`` add a store and an engine.

@@ -32,7 +32,7 @@ class Dask:
         return self.client
 
     def __call__(self) -> Executor:
-        """An executor; the work of a task is never taken from another task of the same arguments."""
+        """An executor. Equal tasks are all run, and never share one result."""
         executor: Executor = self._connect().get_executor(pure=False)
         return executor
 

@@ -13,10 +13,10 @@ from . import _downloads, _plain, _program, _row, _store
 from ._program import Answer
 from ._recipe import DEFAULT, Options, Recipe
 
-# Commands that a signal ended are tried so often: the kernel ends a program for want of memory that others took.
+# Number of attempts if a signal ends the command: the kernel may kill it because other programs use the memory.
 TRIES = 3
 
-# Memory that an analysis takes: 40 bytes a row and a constant, measured by `cargo xtask bench-fleet`.
+# Memory of an analysis, about 40 bytes per row: a constant and a multiple of the file, by `cargo xtask bench-fleet`.
 BASE_BYTES = 64 << 20
 BYTES_PER_BYTE = {
     ".parquet": 11,
@@ -30,13 +30,13 @@ BYTES_PER_BYTE = {
 }
 BYTES_PER_UNKNOWN_BYTE = 12
 
-# What a capture states of itself, besides its samples.
+# The facts that a capture states, besides its samples.
 STATED = ["part", "serial", "created", "simulated", "capture_sha256"]
 
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker is sent: no connection, no key, no secret."""
+    """A task as it is sent to a worker: no connection, no key, no secret."""
 
     file: _store.File
     out: str
@@ -63,7 +63,7 @@ def needed_memory(file: _store.File) -> int:
 def one(url: str, out: str, recipe: Recipe = DEFAULT, *, max_memory: Optional[int] = None) -> dict[str, Any]:
     """Analyses one file, writes its row below `out` and returns it; a row that is there is returned as it is.
 
-    This is what a job of Slurm, Snakemake, Ray or Spark runs, and ``zerorate fleet one``. `max_memory` (bytes) limits
+    Jobs of Slurm, Snakemake, Ray or Spark run this, and so does ``zerorate fleet one``. `max_memory` (bytes) limits
     each command; without it, the file's size decides. Raises OSError or `_store.Unreachable` where the file cannot be
     fetched or the row cannot be written.
     """
@@ -104,7 +104,7 @@ class OtherProgram(Exception):
 
 
 def nothing() -> None:
-    """What a worker is asked to do, to see that it lives."""
+    """Does nothing. A worker runs it to show that it works."""
 
 
 class NotEnoughMemory(Exception):
@@ -132,7 +132,7 @@ def put(task: Task, row: dict[str, Any]) -> None:
 
 
 def _analysed(path: str, task: Task) -> dict[str, Any]:
-    """The commands of the recipe, until one of them finds that the file cannot be used."""
+    """Runs the commands of the recipe until one of them finds that the file cannot be used. Returns the row."""
     row: dict[str, Any] = {"state": "ok", "code": "", "error": "", "warnings": [], "axes": []}
     if task.recipe.recalibrate is not None:
         _calibrated(row, path, task)
@@ -145,7 +145,7 @@ def _analysed(path: str, task: Task) -> dict[str, Any]:
 
 
 def _asked(arguments: list[str], task: Task) -> Answer:
-    """The answer to a command; one that a signal ended is asked again."""
+    """Runs a command, and again if a signal ended it. Returns the answer."""
     for _ in range(TRIES):
         answer = _program.ask(arguments, task.max_memory, task.recipe.timeout_s)
         if answer.state != "killed":
@@ -177,13 +177,13 @@ def _verdict(path: str, task: Task) -> dict[str, Any]:
 
 
 def _take_stated(row: dict[str, Any], verdict: dict[str, Any]) -> None:
-    """Fills in what a capture states of itself, as its calibration has it. A log of other software states nothing."""
+    """Fills in the facts that a capture states, as its calibration has them. A log of other software states none."""
     created = "SIMULATED" if verdict.get("simulated") else verdict.get("created")
     _take(row, {**verdict, "created": created, "capture_sha256": verdict.get("samples_sha256")}, STATED)
 
 
 def _diagnosed(answer: Answer, verdict: dict[str, Any]) -> Answer:
-    """What failed because the file is damaged says so."""
+    """Replaces the error of a failed command by the damage of the file, if there is any."""
     if answer.state != "failed" or verdict.get("form") == "other" or not verdict.get("damage"):
         return answer
     return Answer(None, "failed", "damaged", str(verdict["damage"]))
@@ -211,7 +211,7 @@ def _analysis(row: dict[str, Any], command: str, options: Options, path: str, ta
 
 
 def _all_axes(row: dict[str, Any], options: Sequence[str]) -> list[str]:
-    """Asks for all axes of a capture. Of a log, the recipe says which columns are axes."""
+    """The option that selects all axes of a capture. For a log, the recipe says which columns are axes."""
     chooses = any(option.split("=")[0] == "--column" for option in options)
     return [] if chooses or row.get("part") is None else ["--column", "all"]
 
@@ -230,7 +230,7 @@ def _merged(calibrated: list[dict[str, Any]], measured: list[dict[str, Any]]) ->
 
 
 def _noise(record: dict[str, Any]) -> dict[str, Any]:
-    """N, B and K of a record, with their intervals; none where the record was not fitted."""
+    """N, B and K of a record, with their intervals; None if the record was not fitted."""
     fit = record.get("fit") or {}
     found: dict[str, Any] = {"model_error": fit.get("model_error")}
     for name in "nbk":
@@ -242,7 +242,7 @@ def _noise(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _judge(row: dict[str, Any], answer: Answer) -> None:
-    """The first command that fails gives the row its state."""
+    """Sets the state of the row by the first command that fails."""
     if row["state"] == "ok" and answer.state != "ok":
         row.update(state=answer.state, code=answer.code, error=answer.error)
 

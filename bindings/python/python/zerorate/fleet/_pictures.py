@@ -31,7 +31,7 @@ def distribution(values: Numbers, label: str, limits: Sequence[float]) -> str:
 
 
 def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbers], unit: str) -> str:
-    """The values over time; where the captures have no date, over the serial numbers in their order."""
+    """The values over time, or over the serial numbers in their order if the captures have no date."""
     figure, ax = _figure()
     order = np.argsort(days) if days is not None else np.array(_by_serial(rows))
     x = days[order] if days is not None else np.arange(len(order), dtype=np.float64)

@@ -1,7 +1,7 @@
-"""Names of files and texts from outside, as they are shown: on a terminal, on a page and in a row.
+"""Shows names of files and other foreign texts safely: on a terminal, on a page and in a row.
 
-A name of a file may have any bytes but ``/`` and 0. What would move the cursor, change colours or turn the
-direction of writing is shown as the program shows it, ``\\u{1b}``; a byte that is not UTF-8 as ``\\xfc``.
+A file name may have any bytes but ``/`` and 0. Characters that move the cursor, change colours or turn the direction
+of writing are escaped as in the program, ``\\u{1b}``; a byte that is not UTF-8 becomes ``\\xfc``.
 """
 
 from __future__ import annotations
@@ -9,24 +9,24 @@ from __future__ import annotations
 import unicodedata
 from typing import Any
 
-# Python carries a byte of a name that is not UTF-8 as this, plus the byte.
+# Python represents a byte that is not UTF-8 as this code point plus the byte (PEP 383).
 BYTES = 0xDC00
 
 SHORT = {"\t": "\\t", "\n": "\\n", "\r": "\\r"}
 
 
 def is_utf8(name: str) -> bool:
-    """True if a name of a file is text."""
+    """True if a file name is UTF-8."""
     return not any(_is_surrogate(letter) for letter in name)
 
 
 def utf8(name: str) -> str:
-    """A name of a file as text, whose other bytes are escaped."""
+    """A file name as text, with all bytes escaped that are not UTF-8."""
     return "".join(_shown(letter) if _is_surrogate(letter) else letter for letter in name)
 
 
 def plain(text: Any) -> str:
-    """A line that does nothing to a terminal."""
+    """A text without characters that act on a terminal."""
     return "".join(_shown(letter) if _acts(letter) else letter for letter in utf8(str(text)))
 
 

@@ -1,4 +1,4 @@
-"""What many calibrations say together. Pure functions of numbers."""
+"""Statistics of many calibrations, as pure functions of numbers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SIGMA_PER_MAD = 1.4826
 
 
 def robust_z(values: Numbers) -> Numbers:
-    """(x − median) / (1.4826 · MAD): no outlier hides another. Zero where more than half are equal."""
+    """(x − median) / (1.4826 · MAD), which outliers hardly change. Zero if more than half of the values are equal."""
     deviation = values - np.median(values)
     scale = SIGMA_PER_MAD * np.median(np.abs(deviation))
     return np.zeros_like(values) if scale == 0 else deviation / scale
@@ -35,12 +35,12 @@ class Trend:
 
     @property
     def is_seen(self) -> bool:
-        """True if the slope is larger than its 95 % interval."""
+        """True if the slope is larger than 1.96 standard uncertainties."""
         return abs(self.slope) > 1.96 * self.u_slope
 
 
 def trend(x: Numbers, y: Numbers) -> Trend | None:
-    """The least-squares line of y over x; None for fewer than eight points, or where all x are one."""
+    """The least-squares line of y over x; None for fewer than eight points, or if all x are equal."""
     spread = float(np.sum((x - x.mean()) ** 2)) if len(x) else 0.0
     if len(x) < 8 or spread == 0:
         return None
@@ -68,7 +68,7 @@ def disagreements(rows: Sequence[dict[str, Any]]) -> list[Disagreement]:
     """Pairs of calibrations of one axis of a serial number that disagree where their temperatures meet.
 
     The correction at T is c = PBC + (T − T3) · BTC, and its variance u²(PBC) + d² u²(BTC) + 2 d cov(PBC, BTC) with
-    d = T − T3 (JCGM 100:2008, 5.2.2). T is the middle of the temperatures that both have seen; where they have none in
+    d = T − T3 (JCGM 100:2008, 5.2.2). T is the middle of the temperatures that both have seen; if they have none in
     common, the middle between the two.
     """
     by_axis: dict[tuple[str, str, Optional[str]], list[dict[str, Any]]] = {}

@@ -1,4 +1,4 @@
-"""The native program in a process of its own. Its death is a row of the table, and not the death of a worker."""
+"""Runs the native program in its own process: a crash becomes a row of the table, and does not kill the worker."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ LEAST_MEMORY = 256 << 20
 
 
 class Stopped(Exception):
-    """The run ends; what was under way has no row."""
+    """The run was stopped. Its unfinished tasks have no row."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command answered."""
+    """The answer of a command."""
 
     found: Optional[dict[str, Any]]
-    """The object that it printed."""
+    """The JSON object that the command printed."""
     state: str
     """``ok``, ``refused``, ``failed`` or ``killed``."""
     code: str = ""
@@ -65,7 +65,7 @@ def resume() -> None:
 
 @cache
 def version() -> str:
-    """What the program says of its version."""
+    """The line with the version of the program."""
     done = subprocess.run([*_command(), "--version"], capture_output=True, text=True, check=True)
     return done.stdout.strip()
 
@@ -79,7 +79,7 @@ def asked_for_part(name: str) -> Optional[dict[str, Any]]:
 
 
 def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
-    """Runs a command with ``--json``. Raises `Stopped` where the run was stopped meanwhile."""
+    """Runs a command with ``--json``. Raises `Stopped` if the run was stopped meanwhile."""
     if _stopping.is_set():
         raise Stopped
     limited = [*arguments, "--json", "--max-memory", f"{max(max_memory, LEAST_MEMORY) >> 20}M"]
@@ -94,7 +94,7 @@ def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
         start_new_session=True,
     )
     _running.add(process)
-    if _stopping.is_set():  # since the question above
+    if _stopping.is_set():  # it was stopped after the first check
         process.kill()
     try:
         stdout, stderr = process.communicate(timeout=timeout_s)
@@ -145,6 +145,6 @@ def _object(text: str) -> Optional[dict[str, Any]]:
 def _command() -> tuple[str, ...]:
     other = os.environ.get(VARIABLE)
     own = (other,) if other else (sys.executable, "-I", "-S", "-c", LAUNCH, str(_zerorate.__file__))
-    # Where a worker is killed, the kernel ends its command as well.
+    # If a worker is killed, the kernel kills its command as well.
     guard = shutil.which("setpriv") if sys.platform == "linux" else None
     return (guard, "--pdeathsig", "KILL", "--", *own) if guard else own

@@ -1,4 +1,4 @@
-"""A progress bar on a terminal, and a line now and then elsewhere."""
+"""A progress bar on a terminal; elsewhere a line now and then."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is done to each file of a fleet."""
+"""The commands for each file of a fleet."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Recipe:
     """
 
     recalibrate: Options = ()
-    """Options of ``zerorate recalibrate``. A log that is not a capture passes this command by."""
+    """Options of ``zerorate recalibrate``. A log that is not a capture goes on to the other commands."""
     allan: Options = ()
     """Options of ``zerorate allan --fit``."""
     imu: Options = None
@@ -35,7 +35,7 @@ class Recipe:
     """Longest time of one command."""
 
     def digest(self) -> str:
-        """Tells this recipe, with this version of the program, from others."""
+        """Identifies this recipe together with this version of the program."""
         text = json.dumps([asdict(self), _program.version()], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 

@@ -20,21 +20,21 @@ from ._plain import plain
 from ._population import Numbers
 from ._table import TABLE
 
-# So many rows of a list are shown; the page says how many more there are.
+# Largest number of rows of a list on the page, which states how many more there are.
 MOST_LISTED = 50
 MOST_GROUPS = 12
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A column of the table, as a reader knows it."""
+    """A column of the table, with its name and unit on the page."""
 
     column: str
     name: str
     unit: str
     scale: float = 1.0
     of: str = "°/s"
-    """The unit of the rate that has this quantity."""
+    """The unit of the rates to which the quantity applies."""
 
 
 ACCELERATION = "m/s²"
@@ -52,7 +52,7 @@ QUANTITIES = [
 
 @dataclass(frozen=True)
 class Outlier:
-    """A row far from the others."""
+    """A row that differs strongly from the others."""
 
     serial: str
     url: str
@@ -118,12 +118,12 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
 
 
 def _shown(value: Any) -> Any:
-    """What a page shows of a value. A picture is markup of ours."""
+    """Escapes a text for the page, except our own markup (pictures)."""
     return plain(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
 
 def _apart(rows: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[tuple[str, str]]]:
-    """The rows without copies of a recording, and the files of each copy and of the row that stays."""
+    """The rows without copies of a recording, and the address of each copy with that of its original."""
     first: dict[str, dict[str, Any]] = {}
     kept, copies = [], []
     for row in rows:
@@ -153,7 +153,7 @@ def _codes(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def _values(rows: list[dict[str, Any]], quantity: Quantity) -> tuple[list[dict[str, Any]], Numbers]:
-    """The rows that have a quantity, and its values. A noise that cannot be told from zero is not a value."""
+    """The rows that have a quantity, and its values. A noise whose interval contains zero is left out."""
     lowest = f"{quantity.column}_lo"
     of_unit = (row for row in rows if row.get("unit", "°/s") == quantity.of)
     having = [row for row in of_unit if row[quantity.column] is not None and row.get(lowest, 1.0) > 0]

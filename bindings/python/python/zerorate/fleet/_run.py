@@ -1,7 +1,7 @@
 """All files of a source, on an engine that may lose workers, schedulers or itself.
 
 A task writes its own row. So the engine keeps no result, a task that runs twice leaves one row, and a new start does
-what has no row. The driver only sends tasks, and learns how they ended.
+only the tasks without a row. The driver only sends tasks, and learns how they ended.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from ._one import NotEnoughMemory, Replaced, Task
 from ._progress import Progress
 from ._recipe import DEFAULT, Recipe
 
-# A task that fails by an exception (a full disk, a store that does not answer) is tried so often.
+# Number of attempts for a task that raises an exception (a full disk, a store that does not answer).
 TRIES = 3
-# A task whose worker died so often, while nothing else ran, has killed it.
+# Number of workers that must die, each while it ran one task alone, until the task is given up.
 DEATHS = 2
-# A lost engine is looked for so long, and found so often without a task done in between.
+# Time limit for finding a lost engine again, and number of losses in a row without a task done in between.
 PATIENCE_S = 120.0
 LOSSES = 5
 
-# What stands beside captures: calibrations, recipes, reports, pictures.
+# Endings of other files beside captures: calibrations, recipes, reports, pictures.
 NOT_LOGS = (".toml", ".json", ".yaml", ".yml", ".html", ".svg", ".png", ".pdf", ".md", ".part")
 
 Engine = Union[Executor, Callable[[], Executor]]
@@ -37,7 +37,7 @@ Engine = Union[Executor, Callable[[], Executor]]
 
 @dataclass
 class Ended:
-    """How a run ended."""
+    """The outcome of a run."""
 
     states: dict[str, int] = field(default_factory=dict)
     """Rows by state. ``there`` counts the files that had a row before."""
@@ -53,7 +53,7 @@ class Ended:
 
 
 class EngineLost(Exception):
-    """The engine does not come back. What has a row stays done."""
+    """The engine cannot be reached again. Rows that were written stay."""
 
 
 def run(
@@ -71,7 +71,7 @@ def run(
 
     `source` and `out` are a folder, a glob or a bucket (``s3://…``, any address of fsspec). `executor` is an Executor,
     or a function that makes one, for an engine that breaks with its workers. Without it, threads of this process each
-    start the native program. `workers` is how many tasks run at once, and `max_memory` (bytes) what all of them may
+    start the native program. `workers` is the number of tasks at once, and `max_memory` (bytes) what all of them may
     take together [default: half of the machine's]. `again` names states, such as ``failed``, whose rows are made anew.
     """
     began = time.monotonic()
@@ -122,11 +122,11 @@ def _half_of_memory() -> int:
 
 
 class _WorkerDied(Exception):
-    """The engine broke with a worker: each task that was under way may be the reason."""
+    """The engine failed because a worker died. Each running task may be the cause."""
 
 
 class _Lost(Exception):
-    """The engine is gone, and no task is to blame."""
+    """The engine is gone, and no task is the cause."""
 
 
 class _Driver:
@@ -157,7 +157,7 @@ class _Driver:
         return replace(task, max_memory=max(share, needs))
 
     def _round(self, todo: list[Task]) -> list[Task]:
-        """Works through tasks until the engine breaks; returns what is to be done on a new one."""
+        """Works through tasks until the engine fails. Returns the tasks that are left for a new engine."""
         waiting = deque(todo)
         pending: dict[Future[str], Task] = {}
         try:
@@ -183,7 +183,7 @@ class _Driver:
         return list(waiting)
 
     def _send(self, pool: Executor, waiting: deque[Task], pending: dict[Future[str], Task]) -> None:
-        # An engine of its own has a queue, which must not run dry; threads here take their next task at once.
+        # An external engine has a queue, which must not run empty. Threads of this process take the next task at once.
         most = self.workers if self.engine is None else max(4 * self.workers, 16)
         while waiting and len(pending) < most:
             taken = sum(task.max_memory for task in pending.values())
@@ -198,7 +198,7 @@ class _Driver:
             pending[future] = waiting.popleft()
 
     def _settle(self, task: Task, future: Future[str]) -> list[Task]:
-        """Counts a task that has ended; returns what is to be done again."""
+        """Counts a task that has ended. Returns the task to repeat, if any."""
         try:
             self._done(future.result())
         except futures.CancelledError as error:
@@ -210,7 +210,7 @@ class _Driver:
         except NotEnoughMemory as error:
             self._undone(task, str(error))
         except Exception as error:
-            if type(error).__name__ == "KilledWorker":  # Dask's own, which is not imported for its name
+            if type(error).__name__ == "KilledWorker":  # an exception of Dask, which need not be imported
                 self.suspects.append(task)
                 return []
             return self._again(task, task, f"{type(error).__name__}: {error}")
@@ -234,7 +234,7 @@ class _Driver:
         self.progress.advance()
 
     def _alone(self, task: Task) -> None:
-        """Does one task while nothing else runs, so that the death of the worker is its own."""
+        """Runs one task while nothing else runs, so that it must be the cause if the worker dies."""
         deaths, todo = 0, [task]
         while todo and deaths < DEATHS:
             self.suspects = []
@@ -248,7 +248,7 @@ class _Driver:
             self._done("killed")
 
     def _probe(self) -> None:
-        """Has the engine do nothing: one that cannot do even that killed its workers itself."""
+        """Runs an empty task. If even that fails, the engine is at fault and not a file."""
         try:
             with self._pool() as pool:
                 pool.submit(_one.nothing).result()
@@ -263,7 +263,7 @@ class _Driver:
 
     @contextmanager
     def _pool(self) -> Iterator[Executor]:
-        """An executor that is closed at the end, and does not wait for what is under way."""
+        """An executor, closed at the end without waiting for running tasks."""
         if isinstance(self.engine, Executor):
             yield self.engine
             return

@@ -43,7 +43,7 @@ def is_local(filesystem: Any) -> bool:
 
 @dataclass(frozen=True)
 class File:
-    """A file of the fleet, in one of its contents."""
+    """A file of the fleet with one version of its content."""
 
     url: str
     version: str
@@ -60,7 +60,7 @@ def find(source: str) -> list[File]:
     """All files of a folder, a glob or a bucket, sorted by address."""
     filesystem, path = opened(source)
     try:
-        # what is there under this very name is not a pattern, whatever letters the name has
+        # an existing path is not a pattern, even if its name has letters such as * or [
         if filesystem.isfile(path):
             found = {path: filesystem.info(path)}
         elif filesystem.isdir(path):
@@ -75,7 +75,7 @@ def find(source: str) -> list[File]:
 
 
 def _followed(filesystem: Any, info: dict[str, Any]) -> dict[str, Any]:
-    """Where a link leads. A link that leads nowhere counts as a file, so that it is not left out unsaid."""
+    """The target of a link. A broken link counts as a file, so that it is reported and not left out."""
     if not info.get("islink"):
         return info
     try:
@@ -85,7 +85,7 @@ def _followed(filesystem: Any, info: dict[str, Any]) -> dict[str, Any]:
 
 
 def inside(url: str) -> str:
-    """How the addresses of the files in a folder begin."""
+    """The beginning of the addresses of all files in a folder."""
     filesystem, path = opened(url)
     return f"{path if is_local(filesystem) else filesystem.unstrip_protocol(path)}/"
 
@@ -96,7 +96,7 @@ def remove_path(out: str, path: str) -> None:
 
 
 def stat(url: str) -> File:
-    """A file as it is now."""
+    """The file with its present size and version."""
     filesystem, path = opened(url)
     return _file(filesystem, filesystem.info(path))
 
@@ -144,7 +144,7 @@ def put(url: str, data: bytes) -> None:
 
 
 def row_url(out: str, key: str) -> str:
-    """Where the row of this key is. One folder of 256 holds it, so that a million rows list in parts."""
+    """The address of the row with this key. It is in one of 256 folders, so that a million rows list in parts."""
     return f"{out.rstrip('/')}/{ROWS}/{key[:2]}/{key}.json"
 
 
@@ -166,7 +166,7 @@ def row_paths(out: str) -> list[str]:
 
 
 def part_paths(out: str, folder: str) -> list[str]:
-    """The paths of the Parquet files in a folder below."""
+    """The paths of the Parquet files in a subfolder of `out`."""
     return _found(out, folder, ".parquet")
 
 
@@ -182,7 +182,7 @@ def _found(out: str, folder: str, ending: str) -> list[str]:
 
 
 def contents(out: str, paths: list[str], together: int = 1000) -> Iterator[dict[str, bytes]]:
-    """The contents of files, so many at a time."""
+    """Yields the contents of files, `together` of them at a time."""
     filesystem, _ = opened(out)
     for first in range(0, len(paths), together):
         some = paths[first : first + together]

@@ -18,14 +18,14 @@ from ._row import SCHEMA
 
 TABLE = "rows.parquet"
 PARTS = "parts"
-# So many rows in files of their own are packed: a million of them take a thousand requests to list.
+# Number of separate row files from which on they are packed: listing a million takes a thousand requests.
 PACK_FROM = 10_000
 ROWS_IN_PART = 20_000
 
 
 @dataclass
 class Counts:
-    """What a table holds."""
+    """Counts of the rows in a table."""
 
     rows: int = 0
     states: dict[str, int] = field(default_factory=dict)
@@ -46,7 +46,7 @@ def table(out: str, *, pack_from: int = PACK_FROM) -> Counts:
 
 
 def read(out: str) -> pa.Table:
-    """All rows. Where a row was made anew, the newer one."""
+    """All rows. Of a row that was made again, only the newer one."""
     loose = [json.loads(data) for some in _store.contents(out, _store.row_paths(out)) for data in some.values()]
     parts = [pq.read_table(io.BytesIO(data)).cast(SCHEMA) for data in _part_contents(out)]
     rows = pa.concat_tables([*parts, _arrow(loose)])

@@ -1,7 +1,7 @@
-"""allantools' name for `zerorate.allantools_compat`: allantools' own tests import this instead.
+"""Stands in for allantools when its own tests import it, and offers `zerorate.allantools_compat`.
 
-A test that asks for what is not offered is skipped by name. `allantools.allantools` and `allantools.dataset` are the
-modules that functions and classes stand in there.
+A test that needs a name that is not offered is skipped, and the name is printed. `allantools.allantools` and
+`allantools.dataset` are the modules in which allantools defines its functions and classes.
 """
 
 import sys
@@ -11,7 +11,7 @@ import pytest
 from zerorate.allantools_compat import *  # noqa: F403
 from zerorate.allantools_compat import NOT_OFFERED, __all__  # noqa: F401
 
-# the names that were asked for and are not offered
+# the requested names that are not offered
 asked: list[str] = []
 
 allantools = sys.modules["allantools.allantools"] = sys.modules["allantools.dataset"] = sys.modules[__name__]
