@@ -7,7 +7,7 @@ const out = process.argv[2] ?? "dist";
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 
-/** Modules that are larger than all the rest and that most visitors never need. They are kept from their first use on. */
+/** Large modules that most visitors never need. They are cached when they are first used. */
 const LATER = /^zerorate_(log|replay).*\.wasm$/;
 
 const common = {

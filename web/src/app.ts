@@ -22,6 +22,6 @@ export interface Page {
   update(changed: ReadonlySet<Part>, all: boolean): void;
   /** The theme or the unit changed. */
   restyle(): void;
-  /** Handles a key that no field took. Returns whether the page took it. */
+  /** Handles a key that no field took. Returns true if the page took it. */
   key?(event: KeyboardEvent): boolean;
 }

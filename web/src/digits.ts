@@ -25,7 +25,7 @@ function usable(u: number | null | undefined): u is number {
   return u !== null && u !== undefined && Number.isFinite(u) && u > 0;
 }
 
-/** Half width of the 95 % interval of a standard uncertainty: what stands behind every ± of the page. */
+/** Half width of the 95 % interval for a standard uncertainty. Every ± on the page is such a half width. */
 export function half(u: number | null | undefined): number | null {
   return usable(u) ? 1.959963984540054 * u : null;
 }
@@ -41,12 +41,12 @@ export function uncertainty(u: number | null | undefined): string {
   return usable(u) ? at(u, place(u)) : NONE;
 }
 
-/** `1.234 ± 0.012`. */
+/** Formats a value with its half width: `1.234 ± 0.012`. */
 export function both(number: number | null | undefined, u: number | null | undefined): string {
   return usable(u) ? `${value(number, u)} ± ${uncertainty(u)}` : value(number);
 }
 
-/** A value with so many significant digits. Powers of ten are used only if nobody would count the zeros. */
+/** A value with `digits` significant digits. Powers of ten replace many zeros. */
 export function significant(value: number | null | undefined, digits: number): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   if (value === 0) return "0";
@@ -56,17 +56,17 @@ export function significant(value: number | null | undefined, digits: number): s
   return `${mantissa} × 10${superscript(power)}`;
 }
 
-/** `⁻³`. */
+/** Formats a power as a superscript: `⁻³`. */
 export function superscript(power: number): string {
   return [...String(power)].map((sign) => (sign === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(sign)]!)).join("");
 }
 
-/** `12 345 678`. */
+/** Formats a number in groups of three digits: `12 345 678`. */
 export function count(number: number): string {
   return String(Math.round(number)).replace(/\B(?=(\d{3})+$)/g, THIN);
 }
 
-/** `2 h 10 min`, `3 min 20 s`, `45 s`, `0.25 s`. */
+/** Formats a duration: `2 h 10 min`, `3 min 20 s`, `45 s`, `0.25 s`. */
 export function duration(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return NONE;
   const whole = Math.round(seconds);
@@ -83,7 +83,7 @@ function pair(total: number, per: number, big: string, small: string): string {
   return rest === 0 ? head : `${head} ${rest} ${small}`;
 }
 
-/** A time since the first sample: `1 h 2 min 3 s`, `45.25 s`. With its units, nobody takes it for a clock time. */
+/** A time since the first sample: `1 h 2 min 3 s`, `45.25 s`. The units distinguish it from a clock time. */
 export function moment(seconds: number, decimals: number): string {
   const sign = seconds < 0 ? MINUS : "";
   const rounded = Number(Math.abs(seconds).toFixed(decimals));
@@ -109,7 +109,7 @@ export function onAxis(seconds: number, step: number): string {
   return `${seconds.toFixed(decimals)} s`;
 }
 
-/** `07h` for 8 bits. */
+/** Formats a hexadecimal number: `07h` for 8 bits. */
 export function hex(value: number, bits: number): string {
   return `${value
     .toString(16)

@@ -25,7 +25,7 @@ export class Ring {
     return this.#next;
   }
 
-  /** Takes complete bins, some of which may be known already. Bins that did not arrive stay empty. */
+  /** Takes complete bins; some of them may be known already. Bins that did not arrive stay empty. */
   write(first: number, count: number, payload: Float32Array, at: number): void {
     if (this.#next === 0 || first - this.#next >= this.size) this.#begin(first);
     for (; this.#next < first; this.#next++)
@@ -46,7 +46,7 @@ export class Ring {
     this.#next = first;
   }
 
-  /** Copies the bins from `from` up to `to` (both within) into arrays that are there already; how many. */
+  /** Copies the bins from `from` up to `to` (both within) into existing arrays. Returns their number. */
   copy(column: Column, from: number, to: number, least: Float64Array, largest: Float64Array): number {
     const low = this.#columns[2 * COLUMNS.indexOf(column)]!;
     const high = this.#columns[2 * COLUMNS.indexOf(column) + 1]!;

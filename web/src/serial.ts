@@ -3,10 +3,10 @@
 /** The error of a port that cannot be opened. */
 export class NoPort extends Error {}
 
-/** Whether this browser can read serial ports. Browsers based on Chromium can, on a computer, over https or localhost. */
+/** True if this browser can read serial ports: one based on Chromium, on a computer, over https or localhost. */
 export const canReadPorts = (): boolean => "serial" in navigator;
 
-/** The message for a browser that cannot. */
+/** The message for a browser that cannot read serial ports. */
 export const NO_SERIAL =
   "This browser does not give pages a serial port. Use Chrome, Edge or Opera on a computer, over https or from " +
   "localhost, or run `zerorate serve --device bridge:/dev/ttyACM0`.";
@@ -61,7 +61,7 @@ export class OpenPort {
     return opened;
   }
 
-  /** Writes in order; an error shows where the port is read. */
+  /** Writes bytes in order. An error ends the reading of the port, which reports it. */
   send(bytes: Uint8Array): void {
     this.writing = this.writing.then(() => this.write(bytes)).catch((why: unknown) => this.end(why));
   }

@@ -3,7 +3,7 @@ import { storage } from "./storage";
 export type Theme = "auto" | "light" | "dark";
 export type Unit = "dps" | "dph";
 
-/** Seconds in an hour, which is the number of °/h in 1 °/s. */
+/** Seconds per hour: 1 °/s is 3600 °/h. */
 const PER_HOUR = 3600;
 
 /** Theme and unit of the page. Views listen for changes. */
@@ -37,14 +37,14 @@ class Settings {
     return this.unit === "dps" ? "°/s" : "°/h";
   }
 
-  /** Puts the theme on the page. */
+  /** Applies the theme to the page. */
   apply(): void {
     if (this.theme === "auto") delete document.documentElement.dataset.theme;
     else document.documentElement.dataset.theme = this.theme;
     this.#tell();
   }
 
-  /** Follows the system from now on. */
+  /** Applies changes of the system's theme from now on. */
   follow(): void {
     this.apply();
     for (const query of ["(prefers-color-scheme: dark)", "(forced-colors: active)"]) {

@@ -19,17 +19,17 @@ function write(key: string, value: unknown): void {
   try {
     localStorage.setItem(key, JSON.stringify(value));
   } catch {
-    // this browser keeps nothing: the page works all the same, and forgets
+    // the browser stores nothing, so the page works but forgets
   }
 }
 
-/** What this browser keeps between visits. */
+/** The data that this browser keeps between visits. */
 export const storage = {
   calibrations(): { calibrations: string[]; applied: string | null } {
     return read(CALIBRATIONS, { calibrations: [], applied: null });
   },
 
-  /** Beside what is kept already: the session took none that is damaged, nor what another window's session has. */
+  /** Adds calibrations to the stored ones. Others stay: they may be another window's, or the session refused them. */
   keepCalibrations(entries: CalibrationEntry[]): void {
     const applied = entries.find((entry) => entry.applied)?.id ?? null;
     const all = new Set([...storage.calibrations().calibrations, ...entries.map((entry) => entry.toml)]);
@@ -42,7 +42,7 @@ export const storage = {
     write(CALIBRATIONS, { calibrations: calibrations.filter((one) => one !== toml), applied });
   },
 
-  /** The device to open when none is: the twin, as it was chosen last. */
+  /** The device to open if no other is: the twin with its last keys. */
   opening(): Opening {
     return { is: "twin", keys: read(TWIN, DEFAULT_KEYS) };
   },
@@ -51,7 +51,7 @@ export const storage = {
     write(TWIN, opening.keys);
   },
 
-  /** Whether a serial port was read last. */
+  /** True if a serial port was read last. */
   hadPort(): boolean {
     return read(PORT, false);
   },

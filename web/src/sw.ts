@@ -12,7 +12,7 @@ const CACHE = PREFIX + VERSION;
 
 async function install(): Promise<void> {
   const cache = await caches.open(CACHE);
-  // bypass the browser's own cache, which may still have the version before
+  // bypass the browser's own cache, which may still have the previous version
   await cache.addAll(FILES.map((file) => new Request(file, { cache: "reload" })));
   await scope.skipWaiting();
 }

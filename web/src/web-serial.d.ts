@@ -1,4 +1,4 @@
-// What we use of https://wicg.github.io/serial, which TypeScript does not have.
+// The part of https://wicg.github.io/serial that we use and TypeScript does not declare.
 
 interface SerialOptions {
   baudRate: number;

@@ -1,4 +1,4 @@
-// node test/bench.mjs DATA: what `cargo xtask bench-web` prints: DATA is f64, little endian.
+// node test/bench.mjs DATA: measures the page for `cargo xtask bench-web`. DATA has f64 numbers, little endian.
 import { existsSync, readFileSync } from "node:fs";
 import { brotliCompressSync, constants } from "node:zlib";
 import init, { oadev } from "../gen/zerorate_log.js";
@@ -7,7 +7,7 @@ import { firstTrace, launch, PAGE } from "./world.mjs";
 
 const RUNS = 5;
 
-/** Seconds of the best run, and the deviations; from samples in JavaScript, as they would come from a file. */
+/** Returns the seconds of the best run, and the deviations. The samples are in JavaScript, as if read from a file. */
 async function deviations(file) {
   await init({ module_or_path: readFileSync(new URL("../gen/zerorate_log_bg.wasm", import.meta.url)) });
   const bytes = readFileSync(file);
@@ -22,7 +22,7 @@ async function deviations(file) {
   return { seconds, found };
 }
 
-/** Seconds from asking for the page to the first drawn chart, of the first visit, best of three; and what was asked for by then. */
+/** Returns the seconds until the first chart is drawn, best of three first visits, and the files loaded by then. */
 async function firstPicture() {
   const site = await serveFolder(PAGE);
   const browser = await launch();
@@ -39,7 +39,7 @@ async function firstPicture() {
   return { best, files: [...files].filter((name) => existsSync(`${PAGE}/${name}`)) };
 }
 
-/** Bytes of files as a server packs them with brotli. */
+/** Size of files compressed with brotli, as a server sends them, bytes. */
 function packed(files) {
   const size = (name) => brotliCompressSync(readFileSync(`${PAGE}/${name}`), { params: { [constants.BROTLI_PARAM_QUALITY]: 11 } }).length;
   return files.map(size).reduce((all, one) => all + one, 0);
@@ -47,7 +47,7 @@ function packed(files) {
 
 const { seconds, found } = await deviations(process.argv[2]);
 const { best, files } = await firstPicture();
-/** The session comes behind the first picture, and what is kept for later behind that. */
+/** True for a file that is loaded after the first picture: the session, and modules for later. */
 const isLater = (name) => /zerorate_(live|log|replay)|licence|^sw\./.test(name);
 console.log(JSON.stringify({
   seconds,

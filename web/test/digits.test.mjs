@@ -1,4 +1,4 @@
-// Numbers as text, against figures that were rounded by hand.
+// Numbers as text, compared with figures that were rounded by hand.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { bundled } from "./bundle.mjs";

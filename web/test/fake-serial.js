@@ -1,4 +1,4 @@
-// A serial port whose bytes go through a WebSocket: put into the page before its own script. What comes is what the bridge sends.
+// A serial port whose bytes go through a WebSocket to a bridge. It is put into the page before the page's own script.
 (() => {
   const makePort = () => {
     let socket;
@@ -15,7 +15,7 @@
               try {
                 control.error(new DOMException("The device has been lost.", "NetworkError"));
               } catch {
-                // cancelled before
+                // it was cancelled before
               }
               port.readable = null;
             };

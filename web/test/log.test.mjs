@@ -1,4 +1,4 @@
-// Logs of every form on the page: what is found, what is asked, what is said of a broken one.
+// Logs in every form on the page: results, questions, and messages about damaged logs.
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -23,7 +23,7 @@ after(async () => {
 
 const give = (name, buffer) => giveLog(page, name, buffer);
 
-/** What is wrong with a log is refused, asked about or warned of, in words of the program. */
+/** Checks that the page refuses a log, asks about it or warns of it, in words of the program. */
 async function isSaid(name, bytes) {
   const said = await give(name, bytes);
   const warned = await page.locator(".log .warnings li, .log .doubt:not(:empty)").count();
@@ -86,7 +86,7 @@ for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
     const damaged = bytes();
     damaged.fill(0x5a, Math.floor(damaged.length / 3), Math.floor(damaged.length / 2));
     await isSaid(name, damaged);
-    // half of a text is a shorter text: that is no damage
+    // half of a text file is only a shorter text file, not a damaged one
     if (!name.endsWith(".csv")) await isSaid(name, bytes().subarray(0, Math.floor(damaged.length / 2)));
   });
 }
@@ -125,11 +125,11 @@ for (const name of SHORT) {
   });
 }
 
-/** The angle random walk of a capture, °/√s: differences of neighbours, of which white noise has all. */
+/** N of a capture, °/√s, from differences of adjacent samples, in which white noise dominates. */
 function walkOf(csv) {
   const lines = csv.split("\n").filter((line) => /^\d/.test(line));
   const rows = lines.map((line) => line.split(",").map(Number));
-  // t_ns, edge_seq, rate_code; F-40
+  // columns t_ns, edge_seq, rate_code; scale by F-40
   const squares = rows.slice(1).map(([, , code], k) => ((code - rows[k][2]) / 23_488) ** 2);
   const mean = squares.reduce((sum, one) => sum + one, 0) / squares.length;
   const between_s = (rows.at(-1)[0] - rows[0][0]) / 1e9 / squares.length;

@@ -1,4 +1,4 @@
-// Logs for the tests: white noise of a known density, in the forms that a script can write; the others are fixtures.
+// Logs for the tests: white noise of known density in formats that a script can write. Other formats are fixtures.
 import { readFileSync } from "node:fs";
 import { gzipSync } from "node:zlib";
 import { PATIENCE } from "./world.mjs";
@@ -7,10 +7,10 @@ const FIXTURES = new URL("../../crates/zerorate-logs/fixtures/", import.meta.url
 
 /** Samples per second, Hz. */
 export const RATE_HZ = 100;
-/** Standard deviation of a sample, °/s: N is that over the square root of the rate, 0.01 °/s/√Hz. */
+/** Standard deviation of a sample, °/s. N is that over the square root of the rate: 0.01 °/√s. */
 export const SD_DPS = 0.1;
 
-/** The same numbers on every machine. */
+/** Normal numbers, the same on every machine. */
 function* normal(seed) {
   let state = seed >>> 0;
   const uniform = () => {
@@ -32,7 +32,7 @@ function text(count, head) {
   return [head, ...rows(count).map((row) => row.map((value) => value.toFixed(6)).join(","))].join("\n");
 }
 
-/** Half an hour at 10 Hz from 20 to 50 °C, with a bias of 0.002 °/s/°C. */
+/** A log of half an hour at 10 Hz that warms from 20 to 50 °C, with a bias of 0.002 °/s/°C. */
 export function warming() {
   const noise = normal(43);
   const count = 18_000;
@@ -44,13 +44,13 @@ export function warming() {
   return Buffer.from([`${STATED},temp_c`, ...rows].join("\n"));
 }
 
-/** NumPy's own form: a header in Python, and numbers. */
+/** A file in NumPy's format: a header and numbers. */
 function npy(count) {
   const table = rows(count).flatMap((row) => row.slice(1));
   return Buffer.concat([npyHead(count, 3), Buffer.from(Float64Array.from(table).buffer)]);
 }
 
-/** What stands before the numbers, which are f64, row by row. */
+/** The header of an NPY file with f64 numbers, row by row. */
 export function npyHead(rows, columns) {
   const head = `{'descr': '<f8', 'fortran_order': False, 'shape': (${rows}, ${columns}), }`;
   const padded = `${head.padEnd(Math.ceil((head.length + 11) / 64) * 64 - 11)}\n`;
@@ -64,7 +64,7 @@ export function npyHead(rows, columns) {
 export const STATED = "time_s,gyro_x_dps,gyro_y_dps,gyro_z_dps";
 const COUNT = 40_000;
 
-/** Logs that say what they are, or are asked for what they do not say: name, bytes, and the answers. */
+/** Logs by name: their bytes, and answers to the page's questions if they do not state everything. */
 export const LOGS = {
   "rest.csv": { bytes: () => Buffer.from(text(COUNT, STATED)) },
   "rest.csv.gz": { bytes: () => gzipSync(text(COUNT, STATED)) },
@@ -74,10 +74,10 @@ export const LOGS = {
   },
 };
 
-/** Fixtures of the readers: a few messages each, enough to be recognised. */
+/** Fixtures of the readers with a few messages each, enough to be recognised. */
 export const SHORT = ["imu_none.bag", "imu_lz4.bag", "imu_bz2.bag", "imu_lz4.mcap", "imu_zstd.mcap", "imu.npz"];
 
-/** Gives a log to the page, and waits until it is done with it: what it says then. */
+/** Gives a log to the page and waits until its work is done. Returns the page's message. */
 export async function giveLog(page, name, buffer, timeout = 2 * PATIENCE) {
   const file = typeof buffer === "string" ? buffer : { name, mimeType: "application/octet-stream", buffer };
   await page.setInputFiles(".intake input[type=file]", file);

@@ -1,5 +1,5 @@
-// node test/pictures.mjs: the pictures of the page for the book and the README. With a FOLDER, every page in both themes
-// and on a phone, to look at. The device is the twin, so that anybody can repeat them.
+// node test/pictures.mjs [FOLDER]: makes the pictures of the page for the book and the README. With FOLDER, makes
+// every page in both themes and on a phone. The device is the twin, so that anybody can repeat the pictures.
 import { mkdirSync, writeFileSync } from "node:fs";
 import { LOGS } from "./logs.mjs";
 import { serveFolder } from "./static.mjs";
@@ -13,7 +13,7 @@ mkdirSync(folder, { recursive: true });
 const browser = await launch();
 const site = await serveFolder(PAGE);
 
-/** What is not in a picture any more, px: the rest of a long page says nothing new. */
+/** Largest height of a picture, px. The rest of a long page is cut off. */
 const TALLEST = 1500;
 
 async function take(page, name) {
@@ -30,7 +30,7 @@ async function take(page, name) {
   console.log(path);
 }
 
-/** So much of the part's time is on view. */
+/** Lets the twin's time pass until the text below the count of samples matches `pattern`. */
 async function until(page, pattern) {
   await page.click('nav a[href="#bench"]');
   await page.getByLabel("max", { exact: true }).check();

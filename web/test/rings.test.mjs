@@ -8,7 +8,7 @@ const contents = ["frame", "ring", "model", "chart/window", "chart/extent"]
   .join("\n");
 const page = await bundled({ stdin: { contents, resolveDir: "." } });
 
-/** A frame as docs/formats/page.md has it. */
+/** Makes a frame by docs/formats/page.md. */
 function framed(header, numbers) {
   const text = new TextEncoder().encode(JSON.stringify(header));
   const from = Math.ceil((4 + text.length) / 4) * 4;
@@ -19,7 +19,7 @@ function framed(header, numbers) {
   return bytes;
 }
 
-/** Bins with these largest rates; the least are one below. */
+/** Columns of bins with these largest rates. The smallest rates are one less. */
 function columns(rates) {
   return [...rates.map((rate) => rate - 1), ...rates, ...new Array(4 * rates.length).fill(NaN)];
 }

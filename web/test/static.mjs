@@ -1,4 +1,4 @@
-// A plain file server, for tests: what is in a folder, and WebSockets to a TCP port where one is given.
+// A file server for tests. It serves a folder, and connects WebSockets to a TCP port if one is given.
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { connect } from "node:net";
@@ -16,7 +16,7 @@ const TYPES = {
   webmanifest: "application/manifest+json",
 };
 
-/** A browser and the static page, from before the tests of a file until after them. */
+/** A browser and the static page for all tests of a file. */
 export function staticHome() {
   const home = { browser: undefined, site: undefined };
   before(async () => {
@@ -31,7 +31,7 @@ export function staticHome() {
   return home;
 }
 
-/** Serves a folder, below a path of its own if one is given; `held` says what a file waits for. */
+/** Serves a folder, optionally below a path. `held` returns a promise that a file waits for. */
 export async function serveFolder(folder, below = "/", held = async () => {}) {
   const asked = [];
   const server = createServer(async (request, response) => {
@@ -58,7 +58,7 @@ export async function serveFolder(folder, below = "/", held = async () => {}) {
   return { server, url, stop, asked };
 }
 
-/** The bytes of a TCP port at a WebSocket of this server: the policy of the page allows no other host. */
+/** Connects a TCP port to a WebSocket of this server, because the page's policy allows no other host. */
 export function proxy(server, path, port) {
   const sockets = new WebSocketServer({ server, path });
   sockets.on("connection", (socket) => {

@@ -1,4 +1,4 @@
-// What the browser keeps between visits, without a browser.
+// The data that the browser keeps between visits, tested without a browser.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { bundled } from "./bundle.mjs";

@@ -1,13 +1,13 @@
-// What the page must do in either home.
+// Tests that both homes of the page, static and served, must pass.
 import assert from "node:assert/strict";
 import { bars, becomes, firstTrace, open, PATIENCE } from "./world.mjs";
 
 export const PAGES = ["bench", "calibrate", "log", "device"];
 
-/** A result of the guided calibration is there. */
+/** Selects the end of a guided calibration, with or without a result. */
 const ENDED = ".calibrate .result, .calibrate .ended";
 
-/** All pages in both themes: each shows what it is for, nothing bars a reader, nothing is refused. */
+/** Opens all pages in both themes: each shows its content, is accessible, and violates no policy. */
 export async function everyPage(browser, url) {
   for (const colorScheme of ["light", "dark"]) {
     const { page, context, faults } = await open(browser, url, { look: { colorScheme } });
@@ -24,7 +24,7 @@ export async function everyPage(browser, url) {
   }
 }
 
-/** The numbers of the bench come, and the charts have something on them. */
+/** Checks that the numbers of the bench come and that the charts are drawn. */
 export async function liveBench(page) {
   await becomes(page, ".tile.raw .value", /^−?\d+\.\d+$/);
   await becomes(page, ".tile.temp .value", /^2\d\.\d+$/);
@@ -32,7 +32,7 @@ export async function liveBench(page) {
   await firstTrace(page);
 }
 
-/** Begins a calibration that is short in the part's time, and runs as fast as it goes. */
+/** Begins a calibration that is short in the part's time, at the highest speed. */
 export async function beginCalibration(page, method = "an1042", settle_s = 120) {
   await page.click('nav a[href="#calibrate"]');
   await page.getByLabel("max", { exact: true }).check();
@@ -44,7 +44,7 @@ export async function beginCalibration(page, method = "an1042", settle_s = 120) 
   await page.click(".choosing button.primary");
 }
 
-/** To its result, which is on file and is applied. */
+/** Waits for a result, which is on file, and applies it. */
 export async function finishCalibration(page, timeout = 3 * PATIENCE) {
   await page.waitForSelector(ENDED, { timeout });
   const why = await page.$eval(".calibrate", (element) => element.textContent);
@@ -56,7 +56,7 @@ export async function finishCalibration(page, timeout = 3 * PATIENCE) {
   await becomes(page, ".result button.primary", /^Applied$/);
 }
 
-/** Every form of a calibration as a file. */
+/** Downloads a calibration in every form. */
 export async function downloads(page) {
   const forms = {
     TOML: /pbc_dps/,
@@ -81,7 +81,7 @@ export async function downloads(page) {
   }
 }
 
-/** Nothing moves by itself: what the browser counts as layout shift, over some seconds of a live page. */
+/** Returns the layout shift that the browser measures in some seconds of a live page. */
 export async function standsStill(page) {
   await page.evaluate(() => {
     window.shifts = 0;

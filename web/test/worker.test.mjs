@@ -1,4 +1,4 @@
-// The worker of the static site between its windows and a session that writes down what it is asked.
+// The worker of the static page, between windows and a fake session that records its calls.
 import assert from "node:assert/strict";
 import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
@@ -7,7 +7,7 @@ import { after, beforeEach, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { build } from "esbuild";
 
-/** In place of the modules: what a session was asked, in `said`; a recording called "broken" is none. */
+/** Replaces the modules: the session's calls are in `said`. A recording named "broken" cannot be opened. */
 const SESSION = `
   export default async () => {};
   export class LiveSession {
@@ -73,7 +73,7 @@ beforeEach(async () => {
   globalThis.setInterval = setInterval;
 });
 
-/** A window that has said hello; `heard` is what the worker told it, but frames. */
+/** Opens a window that has said hello; `heard` has the worker's messages except frames. */
 async function opened(calibrations = [], applied = null) {
   const port = { heard: [], postMessage: (told) => told.is !== "frame" && port.heard.push(told) };
   globalThis.onconnect({ ports: [port] });

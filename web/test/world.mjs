@@ -1,4 +1,4 @@
-// What the tests of the page have in common: the browser, the two homes, a page that keeps count of its faults.
+// Shared by the tests of the page: the browser, the two homes, and a window that collects its errors.
 //
 //   ZERORATE_PAGE       the folder of the static page (dist)
 //   ZERORATE_PROGRAM    the program with the page inside (../target/debug/zerorate)
@@ -16,7 +16,7 @@ export const PAGE = process.env.ZERORATE_PAGE ?? `${here}dist`;
 export const PROGRAM = process.env.ZERORATE_PROGRAM ?? `${here}../target/debug/zerorate`;
 export const BRIDGE = process.env.ZERORATE_BRIDGE ?? "";
 
-/** Why a test cannot be had on this machine; undefined where it can. */
+/** The reason why a test cannot run on this machine; undefined if it can. */
 export const without = {
   program: existsSync(PROGRAM) ? undefined : `no program at ${PROGRAM}`,
   bridge:
@@ -25,7 +25,7 @@ export const without = {
       : "no QEMU, or no image of the bridge",
 };
 
-/** Whatever a busy machine needs: nothing here is measured but what says so. */
+/** Timeout for a busy machine, ms. */
 export const PATIENCE = 60_000;
 
 const FLAGS = [
@@ -41,7 +41,7 @@ export function launch() {
   return chromium.launch({ executablePath, headless: true, args: FLAGS });
 }
 
-/** A window on the page. `faults` are all errors of its scripts, and refusals of its policy. */
+/** Opens a window. `faults` has all errors of its scripts and violations of its policy. */
 export async function open(browser, url, options = {}) {
   const {
     prepare,
@@ -74,7 +74,7 @@ export function recorded(path, keys, ...more) {
   return path;
 }
 
-/** What a text comes to be. */
+/** Waits until the text of an element matches. */
 export async function becomes(page, selector, pattern, timeout = PATIENCE) {
   await page.waitForFunction(
     ([where, source]) => new RegExp(source, "s").test(document.querySelector(where)?.textContent ?? ""),
@@ -83,7 +83,7 @@ export async function becomes(page, selector, pattern, timeout = PATIENCE) {
   );
 }
 
-/** No violation of axe, which looks at more than `fewest` things. */
+/** Returns the accessibility problems that axe finds. Checks that axe tests more than `fewest` rules. */
 export async function bars(page, fewest = 15) {
   await page.evaluate(readFileSync(require.resolve("axe-core/axe.min.js"), "utf8"));
   const { violations, passes } = await page.evaluate(() => window.axe.run());
@@ -97,7 +97,7 @@ export async function bars(page, fewest = 15) {
   );
 }
 
-/** When the raw rate is drawn, ms since the page began: axes and grid are grey, and are there before. */
+/** Time at which the raw rate is drawn, ms since the page began. Axes and grid are grey and do not count. */
 export async function firstTrace(page, timeout = PATIENCE) {
   const isDrawn = () => {
     const canvas = document.querySelector(".strip.raw canvas");
@@ -114,7 +114,7 @@ export async function firstTrace(page, timeout = PATIENCE) {
   return (await page.waitForFunction(isDrawn, null, { timeout })).jsonValue();
 }
 
-/** A port of this machine that is free. */
+/** Returns a free port of this machine. */
 export function freePort() {
   return new Promise((done) => {
     const server = createServer().listen(0, "127.0.0.1", () => {
@@ -126,7 +126,7 @@ export function freePort() {
 
 const children = new Set();
 
-/** A child that ends with the tests. */
+/** Starts a child process that ends with the tests. */
 export function start(command, args, options) {
   const child = spawn(command, args, options);
   children.add(child);
@@ -138,7 +138,7 @@ export function stopAll() {
   for (const child of children) child.kill("SIGKILL");
 }
 
-/** `zerorate serve`, once it says where it is. */
+/** Starts `zerorate serve`, and waits until it prints its address. */
 export async function serve(args = [], port = undefined) {
   const listen = `127.0.0.1:${port ?? (await freePort())}`;
   const child = start(PROGRAM, ["serve", "--listen", listen, ...args], { stdio: ["ignore", "pipe", "pipe"] });

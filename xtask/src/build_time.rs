@@ -1,5 +1,5 @@
-//! `cargo xtask build-time`: how long the two commands of the README take and how large the program is, as
-//! docs/reference/build.md states.
+//! `cargo xtask build-time`: measures the times of the README's two commands and the size of the program for
+//! docs/reference/build.md.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -10,7 +10,7 @@ use xtask::app::target_folder;
 use xtask::arguments::Arguments;
 use xtask::venv::printed;
 
-/// What `--help` prints.
+/// The text of `--help`.
 pub const HELP: &str = "\
 Measures what docs/reference/build.md states: both commands of the README in an empty target folder, a build after a
 change in the program, and the sizes of what lies in target/dist. It says how busy the machine was before. Put
@@ -22,7 +22,7 @@ const SECOND: &str = "xtask test";
 /// A source file of the program on which nothing but the program depends.
 const TOUCHED: &str = "crates/zerorate-cli/src/lib.rs";
 
-/// Runs both from nothing in a folder of its own, and the first once more after a change.
+/// Runs both commands from nothing in a separate folder, and the first one again after a change.
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
     let folder = target_folder()?.join("build-time");
@@ -59,7 +59,7 @@ impl Time {
     }
 }
 
-/// A command of cargo that builds into `folder`. The shell knows what its children took of the processors.
+/// Runs a command of cargo that builds into `folder`. A shell measures the processor time of its children.
 fn timed(command: &str, folder: &Path) -> Result<Time> {
     let start = Instant::now();
     let line = format!("cargo {command} >&2 && times");
@@ -74,13 +74,13 @@ fn timed(command: &str, folder: &Path) -> Result<Time> {
     Ok(Time { wall_s, processor_s })
 }
 
-/// `2m3.45s`
+/// Parses a time such as `2m3.45s`.
 fn seconds(time: &str) -> Option<f64> {
     let (minutes, seconds) = time.strip_suffix('s')?.split_once('m')?;
     Some(60.0 * minutes.parse::<f64>().ok()? + seconds.parse::<f64>().ok()?)
 }
 
-/// How many cores there are, and how busy they were: a busy machine takes longer, and more of the processor.
+/// Describes the number of cores and their load, since on a busy machine a build takes longer and more processor time.
 fn machine() -> Result<String> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();

@@ -1,10 +1,10 @@
-//! `cargo xtask check`: what a developer runs while working. It runs no test of a crate.
+//! `cargo xtask check`: the checks for a developer while working. It runs no test of a crate.
 
 use crate::steps::{self, Step};
 use anyhow::Result;
 use xtask::arguments::Arguments;
 
-/// In the order in which they fail most cheaply. They check in the profile of the tests, which use the same build
+/// The steps, cheap ones first. They check in the profile of the tests, which use the same build
 /// scripts, macros and libraries in C.
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the

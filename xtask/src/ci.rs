@@ -1,15 +1,15 @@
 //! `cargo xtask ci`: the gate that every change must pass.
 //!
 //! Everything is built once, in one profile and with one set of features (`xtask::app::WHOLE`): `test` builds it, and
-//! the program, the lab, the wheel and the book of the later steps take what it has built. What samples, follows the
-//! calendar or needs a kernel is a step of `cargo xtask night`. Each step must pass on a busy machine.
+//! the program, the lab, the wheel and the book of the later steps use that build. Random samples, checks that depend
+//! on the date, and tests with a kernel are steps of `cargo xtask night`. Each step must pass on a busy machine.
 
 use crate::steps::{self, Pace, Step};
 use crate::{check, test};
 use anyhow::Result;
 use xtask::arguments::Arguments;
 
-/// What `check` does not run.
+/// The steps that are not in `check`.
 const REST: [Step; 13] = [
     Step::new("page", "xtask web")
         .about("The page builds; the program of `test` has it inside")
@@ -20,7 +20,7 @@ const REST: [Step; 13] = [
     Step::new("instructions", "xtask instructions")
         .about("Reading and checking a log costs at most half of its deviations, in instructions")
         .installing("valgrind"),
-    // the longest first, so that none is left alone at the end
+    // the longest steps first, so that none runs alone at the end
     Step::new("web", "xtask web --check")
         .about("The page of the program, tested in Chromium: served bench and reader of logs")
         .at(Pace::Beside)
@@ -61,7 +61,7 @@ const REST: [Step; 13] = [
         .installing("build-essential gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"),
 ];
 
-/// What holds for all steps.
+/// Notes about all steps, for `--help`.
 const NOTES: &str = "\
 A step whose command is `cargo xtask TASK` says more in `cargo xtask TASK --help`.
 

@@ -1,4 +1,4 @@
-//! `cargo xtask code-coverage`: which lines of each crate does a test reach? cargo-llvm-cov counts.
+//! `cargo xtask code-coverage`: counts the lines of each crate that a test reaches, with cargo-llvm-cov.
 
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use xtask::arguments::Arguments;
 use xtask::tools;
 use xtask::venv::done;
 
-/// What `--help` prints.
+/// The text of `--help`.
 pub const HELP: &str = "\
 Runs the tests of crates/ with a counter in each line, and prints by crate the share of lines that a test reaches. The
 lines of tests do not count. Without the component llvm-tools it prints SKIPPED and passes.
@@ -20,7 +20,7 @@ All crates take some 40 minutes on two cores. With the names of crates, their ow
   --missed CRATE    List the lines that the last run did not reach, instead of running";
 
 const VERSION: &str = "0.9.1";
-/// What the last run found, by LCOV's format.
+/// The result of the last run, in LCOV's format.
 const REPORT: &str = "target/coverage.lcov";
 
 /// Runs the tests and prints a row for each crate, or lists lines.
@@ -66,12 +66,12 @@ fn read() -> Result<Vec<File>> {
     Ok(files(&report))
 }
 
-/// The lines of a file that count.
+/// The lines of a file that can be covered.
 struct File {
     /// The folder of its crate.
     of: String,
     path: String,
-    /// Each line, and whether a test reached it.
+    /// Line numbers, each with true if a test reached the line.
     lines: BTreeMap<u32, bool>,
 }
 
@@ -99,7 +99,7 @@ fn is_test(path: &str) -> bool {
     path.split('/').any(|part| matches!(part, "tests" | "tests.rs"))
 }
 
-/// Each crate, its lines, and the share of them that tests reach, in percent.
+/// Each crate with its number of lines and the share that tests reach, %.
 fn shares(files: Vec<File>) -> Vec<(String, usize, f64)> {
     let mut crates: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for file in files {

@@ -1,4 +1,5 @@
-//! `cargo xtask deny`: the dependencies against `deny.toml`: known holes, abandoned crates, licences, sources.
+//! `cargo xtask deny`: checks the dependencies by `deny.toml`: known vulnerabilities, abandoned crates, licences,
+//! sources.
 
 use anyhow::{Context, Result, ensure};
 use std::process::Command;
@@ -8,7 +9,7 @@ use xtask::venv::done;
 
 const VERSION: &str = "0.20.2";
 
-/// What `--help` prints.
+/// The text of `--help`.
 pub const HELP: &str = "\
 Builds cargo-deny once, below target/, and holds every lock file against deny.toml. Where the database of advisories
 cannot be fetched, it says so, and checks licences and sources only.
@@ -16,10 +17,10 @@ cannot be fetched, it says so, and checks licences and sources only.
   --advisories DIR  Take the advisories from DIR, a clone of https://github.com/RustSec/advisory-db, and print
                     their date";
 
-/// Where deny.toml has the advisories from, since cargo-deny does so by default.
+/// The address of the advisories that cargo-deny uses by default.
 const DATABASE: &str = "https://github.com/RustSec/advisory-db";
 
-/// Each project has a lock file of its own.
+/// The manifests of the projects. Each project has its own lock file.
 const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/tools/Cargo.toml"];
 
 /// Runs all checks that need no network, and the advisories if their database is available.

@@ -18,7 +18,7 @@ pub fn image_of(name: &str) -> Result<PathBuf> {
     build("release", name)
 }
 
-/// Builds an image and returns its path. The bare images leave all else out.
+/// Builds an image and returns its path. The bare images contain nothing else.
 pub fn build(profile: &str, name: &str) -> Result<PathBuf> {
     let target_dir = std::path::absolute("target/firmware")?;
     let mut cargo = Command::new("cargo");

@@ -1,4 +1,5 @@
-//! `cargo xtask instructions`: what reading and checking a log costs beside its deviations, in instructions.
+//! `cargo xtask instructions`: compares the cost of reading and checking a log with that of its deviations, in
+//! instructions.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -9,7 +10,7 @@ use xtask::arguments::Arguments;
 use xtask::tools::{Tool, available};
 use xtask::venv::{done, printed};
 
-/// What `--help` prints.
+/// The text of `--help`.
 pub const HELP: &str = "\
 Counts the instructions of `zerorate allan` on noise, by valgrind's callgrind. Fails if all that is done with a sample
 beside its deviations (reading it, and every check of it) takes more than half as many as the deviations. Instructions
@@ -19,7 +20,7 @@ const TOOLS: [Tool; 1] = [Tool { program: "valgrind", package: "valgrind" }];
 /// Instructions are counted from the shorter log to the longer one, so that the start of the program does not count.
 const SAMPLES: [usize; 2] = [200_000, 1_200_000];
 const MOST: f64 = 0.5;
-/// The names of all functions of the deviations have this in them.
+/// A text that is in the names of all functions of the deviations.
 const DEVIATIONS: &str = "zerorate_allan";
 
 /// Builds the program, and counts.
@@ -42,13 +43,13 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Instructions of a run.
+/// Instruction counts of a run.
 struct Counts {
     all: f64,
     deviations: f64,
 }
 
-/// Runs the program on so many samples of noise.
+/// Runs the program on this many samples of noise.
 fn counted(program: &Path, samples: usize) -> Result<Counts> {
     let folder = target_folder()?;
     let [log, counts] = ["instructions.f64", "instructions.callgrind"].map(|name| folder.join(name));
@@ -57,7 +58,7 @@ fn counted(program: &Path, samples: usize) -> Result<Counts> {
     valgrind.args(["--quiet", "--tool=callgrind"]).arg(format!("--callgrind-out-file={}", counts.display()));
     valgrind.arg(program).arg("allan").arg(&log);
     valgrind.args(["--raw", "f64", "--rate", "200", "--unit", "dps"]).stdout(Stdio::null());
-    // the run itself, and not the child in which the program reads a log
+    // without the child process in which the program otherwise reads a log
     done(valgrind.env("ZERORATE_CONFINED", "1").env("RAYON_NUM_THREADS", "1"))?;
     let found = Counts::of(&counts)?;
     [log, counts].iter().try_for_each(fs::remove_file)?;
@@ -75,7 +76,7 @@ fn noise(samples: usize) -> Vec<u8> {
 }
 
 impl Counts {
-    /// From the file that callgrind wrote. Each line of its table has a count and the name of a function.
+    /// Reads the file that callgrind wrote. Each line of its table has a count and the name of a function.
     fn of(path: &Path) -> Result<Self> {
         let table = printed(Command::new("callgrind_annotate").args(["--threshold=100", "--auto=no"]).arg(path))?;
         let all = table.lines().find(|line| line.contains("PROGRAM TOTALS")).and_then(instructions);

@@ -1,4 +1,5 @@
-//! `cargo xtask mutants`: does a test fail when a line of the code is wrong? cargo-mutants makes the wrong lines.
+//! `cargo xtask mutants`: checks that a test fails if a line of the code is wrong. cargo-mutants makes the wrong
+//! lines.
 
 use anyhow::{Context, Result, bail};
 use std::fs;
@@ -9,7 +10,7 @@ use xtask::tools;
 
 const VERSION: &str = "27.1.0";
 
-/// What `--help` prints.
+/// The text of `--help`.
 pub fn help() -> String {
     let row = |tried: &TestedCrate| format!("  {:16} one of {}\n", tried.name, tried.share);
     format!(
@@ -22,19 +23,19 @@ pub fn help() -> String {
     )
 }
 
-/// A crate, with what tests it.
+/// A crate and its tests.
 struct TestedCrate {
     name: &'static str,
     /// Tries every N-th mutant.
     share: u32,
-    /// How cargo-mutants runs its tests.
+    /// Options of cargo-mutants for the tests of the crate.
     options: &'static str,
 }
 
-/// Its own tests, in the profile that builds fastest.
+/// The crate's own tests, in the profile that builds fastest.
 const OWN: &str = "--jobs 2 --minimum-test-timeout 60";
-/// Most of what tests the jobs are tests of the program. They use all processors, and cargo-mutants does not time them
-/// before it begins.
+/// The tests of the program, which are most of the tests of the jobs. They use all processors, and cargo-mutants does
+/// not time them before it begins.
 const OF_THE_PROGRAM: &str =
     "--profile release --timeout 900 --test-package zerorate-jobs --test-package zerorate-cli";
 
@@ -72,7 +73,7 @@ const MAY_SURVIVE: f64 = 0.1;
 /// A sample that is less likely than this, if a tenth of all mutants survive, shows that more do.
 const UNLIKELY: f64 = 0.01;
 
-/// What became of the mutants of a crate.
+/// The outcomes of the mutants of a crate.
 struct MutantCounts {
     killed: usize,
     survived: Vec<String>,
@@ -86,7 +87,7 @@ impl TestedCrate {
         let mut mutants = Command::new(program);
         mutants.args(["mutants", "--package", self.name, "--all-features"]).args(self.options.split(' '));
         mutants.args(["--shard", &format!("{}/{share}", seed % u64::from(share)), "--sharding", "round-robin"]);
-        // its exit code says no more than its report: 2 where some survive, 3 where some hang
+        // the exit code says no more than the report: 2 if some survive, 3 if some hang
         mutants.arg("--output").arg(&out).status().context("cargo-mutants")?;
         MutantCounts::read(&out.join("mutants.out"))
     }
@@ -134,7 +135,7 @@ mod tests {
     #[test]
     fn four_survivors_of_nine_are_too_many_for_a_tenth() {
         assert!((of_nine(0) - 1.0).abs() < 1e-12);
-        // 1 − 0.9⁹
+        // the probability of a survivor among nine, if a tenth survives: 1 − 0.9⁹
         assert!((of_nine(1) - 0.612_579_511).abs() < 1e-9);
         assert!(of_nine(3) > super::UNLIKELY && of_nine(4) < super::UNLIKELY);
     }

@@ -1,4 +1,4 @@
-//! `cargo xtask night`: campaigns with fresh seeds, and what need not wait before each change.
+//! `cargo xtask night`: campaigns with fresh seeds, and steps that need not run before each change.
 
 use crate::steps::{self, Pace, Step};
 use anyhow::{Context, Result};
@@ -7,7 +7,7 @@ use xtask::arguments::Arguments;
 
 const STEPS: [Step; 18] = [
     Step::new("test-default", "xtask test").about("The README's command: the tests with the default features"),
-    // in `release`, all crates but this one check for overflow
+    // with checks for overflow, which `release` has for all crates but this one
     Step::new("test-allan", "test -p zerorate-allan --all-features")
         .about("The tests of zerorate-allan, with checks for overflow"),
     Step::new("test-driver", "test -p adis16130").about("The tests of the driver with its default features"),
@@ -79,7 +79,7 @@ const STEPS: [Step; 18] = [
 /// Seeds below this are short to type. The units that the documentation names have seeds below 100,000.
 const SEEDS: std::ops::Range<u64> = 100_000..1_000_000;
 
-/// What holds for all steps.
+/// Notes about all steps, for `--help`.
 const NOTES: &str = "\
 Each run draws a fresh seed and prints it. All steps run, also after one that fails; the end names each that failed,
 with the command that repeats it with its seed. `.github/workflows/nightly.yml` runs this task by cron.";
@@ -107,7 +107,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     steps::run_all(&chosen)
 }
 
-/// A seed from the operating system, by the keys with which the standard library protects its hash tables.
+/// A random seed, from the keys that the operating system gives the standard library for its hash tables.
 fn fresh() -> u64 {
     SEEDS.start + RandomState::new().hash_one(()) % (SEEDS.end - SEEDS.start)
 }

@@ -11,10 +11,10 @@ use xtask::tools::{self, Tool};
 use xtask::venv::done;
 use xtask::wheel;
 
-/// A part, given the wheel.
+/// The function of a part.
 type Part = fn(&Wheel) -> Result<()>;
 
-/// The first one runs where none is named.
+/// The parts. The first one runs if none is named.
 const PARTS: [(&str, Part); 6] = [
     ("tests", tests),
     ("stores", stores),
@@ -33,13 +33,13 @@ struct Wheel {
 const PACKAGE: &str = "bindings/python";
 const CERTIFICATE: &str = "extras/zerorate-certificate";
 
-/// It depends on the libraries by which a certificate becomes a PDF.
+/// The tool whose package also has the libraries by which a certificate becomes a PDF.
 const PANGO: Tool = Tool { program: "pango-view", package: "pango1.0-tools" };
 
-/// The release whose tests the functions of `zerorate.allantools_compat` pass.
+/// The release of allantools whose tests `zerorate.allantools_compat` must pass.
 const ALLANTOOLS: &str = "2024.6";
 
-/// What `--help` prints behind the parts.
+/// The text of `--help` after the parts.
 const ABOUT: &str = "\
 Builds the wheel, installs it into an environment below target/, and runs
   tests         its tests, with the type checkers
@@ -54,7 +54,7 @@ pub fn help() -> String {
     format!("{}\n\n{ABOUT}", parts())
 }
 
-/// What `cargo xtask bench-fleet --help` prints.
+/// The text of `cargo xtask bench-fleet --help`.
 pub const BENCH_HELP: &str = "\
 Times 200 captures through zerorate.fleet, by threads and by Dask, beside a plain loop of the same commands, and prints
 ratios, the cost of a file, and the memory of an hour. --captures N takes another number.";
@@ -76,7 +76,7 @@ fn parts() -> String {
     format!("parts: {}; without one, {}", PARTS.map(|(name, _)| name).join(", "), PARTS[0].0)
 }
 
-/// Builds, installs, tests. Without Python or a package registry it says so and passes.
+/// Builds the wheel, installs and tests it. Without Python or a package registry, prints that and passes.
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut only = arguments.words()?;
     if only.is_empty() {
@@ -102,23 +102,23 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Our tests, with the type checkers in them.
+/// Runs our tests, which include the type checkers.
 fn tests(wheel: &Wheel) -> Result<()> {
     wheel::install_into(&wheel.python, &wheel.path)?;
     pytest(&wheel.python, PACKAGE, &["--durations=5"])
 }
 
-/// The fleet with a server for S3 and processes of Dask.
+/// Tests the fleet with an S3 server and processes of Dask.
 fn stores(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["-m", "stores"])
 }
 
-/// The examples, executed.
+/// Runs the example notebooks.
 fn notebook(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["--nbmake", "examples"])
 }
 
-/// Our functions beside allantools, and its own tests of them. Its files stay outside of the repository.
+/// Compares our functions with allantools, and runs its own tests on them. Its files stay outside of the repository.
 fn allantools(wheel: &Wheel) -> Result<()> {
     let python = &night(wheel)?;
     pytest(python, PACKAGE, &["-m", "allantools"])?;
@@ -132,7 +132,7 @@ fn allantools(wheel: &Wheel) -> Result<()> {
     done(Command::new(python).args(["bindings/python/tests/allantools_suite.py", &source]))
 }
 
-/// The package of certificates, in an environment of its own.
+/// Tests the package of certificates in a separate environment.
 fn certificate(wheel: &Wheel) -> Result<()> {
     if !tools::available(&[PANGO], "the tests of certificates")? {
         return Ok(());
@@ -143,7 +143,7 @@ fn certificate(wheel: &Wheel) -> Result<()> {
     pytest(&python, CERTIFICATE, &["--durations=5"])
 }
 
-/// The package at the firmware of a bridge, which has the twin as its part.
+/// Tests the package on the bridge's firmware, whose part is the twin.
 fn bridge(wheel: &Wheel) -> Result<()> {
     if !tools::available(&[QEMU], "the Python package at a bridge")? {
         return Ok(());
@@ -155,7 +155,7 @@ fn bridge(wheel: &Wheel) -> Result<()> {
     done(pytest.current_dir(PACKAGE))
 }
 
-/// The environment of the parts that run at night, with the wheel.
+/// The environment of the parts that run at night, with the wheel installed.
 fn night(wheel: &Wheel) -> Result<PathBuf> {
     let python = wheel::environment_with("wheel-night", &format!("{PACKAGE}/requirements-night.txt"))?;
     wheel::install_into(&python, &wheel.path)?;

@@ -19,15 +19,15 @@ pub struct Step {
     env: Option<(&'static str, &'static str)>,
     args: &'static str,
     pace: Pace,
-    /// What it checks, in one line.
+    /// Describes what the step checks, in one line.
     about: &'static str,
-    /// What it installs where that is missing, besides Rust targets.
+    /// Programs that the step installs if they are missing, besides Rust targets.
     installs: &'static str,
-    /// What `{seed}` in its arguments stands for.
+    /// The number that replaces `{seed}` in its arguments.
     seed: u64,
 }
 
-/// What a step does with the machine.
+/// The step's use of the machine.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
     /// Uses all cores, or keeps the time: nothing runs beside it.
@@ -61,7 +61,7 @@ impl Step {
         self
     }
 
-    /// With this seed in place of `{seed}`.
+    /// Sets the seed that replaces `{seed}`.
     pub const fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
@@ -71,8 +71,8 @@ impl Step {
         self.args.replace("{seed}", &self.seed.to_string())
     }
 
-    /// The command, which is not started yet. A task of xtask is run by this very program: `cargo xtask` would wait
-    /// for whatever is being built.
+    /// The command, which is not started yet. This program runs a task of xtask itself, because `cargo xtask` would
+    /// wait for any build in progress.
     pub fn command(&self) -> Result<Command> {
         let args = self.arguments();
         let (mut command, args) = match args.strip_prefix("xtask ") {
@@ -83,21 +83,21 @@ impl Step {
         Ok(command)
     }
 
-    /// What the step installs where it is missing: Rust targets by rustup, and the rest.
+    /// Programs that the step installs if they are missing, including Rust targets.
     fn installs(&self) -> String {
         let targets = self.targets().map(|target| format!("Rust target {target}"));
         let rest = (!self.installs.is_empty()).then(|| self.installs.to_owned());
         targets.chain(rest).collect::<Vec<_>>().join(", ")
     }
 
-    /// The Rust targets it builds for, the host left out.
+    /// The Rust targets that the step builds for, except the host.
     fn targets(&self) -> impl Iterator<Item = &'static str> {
         let words = self.args.split(' ');
         words.clone().zip(words.skip(1)).filter(|(option, _)| *option == "--target").map(|(_, target)| target)
     }
 }
 
-/// The command as one would type it.
+/// The command as a user would type it.
 impl fmt::Display for Step {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some((key, value)) = self.env {
@@ -107,7 +107,7 @@ impl fmt::Display for Step {
     }
 }
 
-/// The steps with these names in the order of the table; all where no name is given.
+/// The steps with these names, in the order of the table; all steps if no name is given.
 pub fn chosen(steps: &[Step], names: &[String]) -> Result<Vec<Step>> {
     if let Some(unknown) = names.iter().find(|name| steps.iter().all(|step| step.name != **name)) {
         bail!("there is no step {unknown}; --help lists the steps");
@@ -116,7 +116,7 @@ pub fn chosen(steps: &[Step], names: &[String]) -> Result<Vec<Step>> {
     Ok(steps.iter().filter(is_chosen).copied().collect())
 }
 
-/// The steps with what they check, their commands, and what each installs where it is missing.
+/// Lists the steps: what they check, their commands, and the programs that each installs if they are missing.
 pub fn list(steps: &[Step]) -> String {
     let line = |step: &Step| {
         let installs = step.installs();
@@ -128,7 +128,7 @@ pub fn list(steps: &[Step]) -> String {
     format!("Steps:\n{}", steps.iter().map(line).collect::<String>())
 }
 
-/// Runs the steps in order, those side by side that allow it, and stops at the first that fails.
+/// Runs the steps in order, and neighbours in parallel if they allow it. Stops at the first failure.
 pub fn run(chosen: &[Step]) -> Result<()> {
     run_with(chosen, AtFailure::Stop)
 }
@@ -138,7 +138,7 @@ pub fn run_all(chosen: &[Step]) -> Result<()> {
     run_with(chosen, AtFailure::GoOn)
 }
 
-/// What becomes of the later steps when one fails.
+/// The treatment of later steps after a failure.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum AtFailure {
     Stop,
@@ -179,14 +179,14 @@ fn names(steps: &[Step]) -> String {
     }
 }
 
-/// A step that has run.
+/// The result of a step.
 struct StepResult<'a> {
     step: &'a Step,
     ok: bool,
     time: Duration,
 }
 
-/// Runs a step whose output is seen as it comes.
+/// Runs a step and shows its output live.
 fn watched(step: &Step) -> Result<StepResult<'_>> {
     let start = Instant::now();
     let status = step.command()?.status().with_context(|| format!("cannot run `{step}`"))?;
@@ -195,8 +195,8 @@ fn watched(step: &Step) -> Result<StepResult<'_>> {
     Ok(ended)
 }
 
-/// Runs steps in as many threads as there are cores; the output of each is shown when it ends. What is under way when
-/// a failure stops the run goes on to its end, and nothing is begun.
+/// Runs steps in as many threads as there are cores, and shows the output of each when it ends. If a failure stops the
+/// run, running steps continue to their end.
 fn side_by_side(steps: &[Step], at_failure: AtFailure) -> Result<Vec<StepResult<'_>>> {
     let waiting = Mutex::new(steps.iter());
     let ended = Mutex::new(Vec::new());
@@ -218,7 +218,7 @@ fn side_by_side(steps: &[Step], at_failure: AtFailure) -> Result<Vec<StepResult<
     Ok(ended.into_inner().expect("no thread panics"))
 }
 
-/// Runs a step and shows what it printed, errors after the rest.
+/// Runs a step and then shows its output, stderr last.
 fn unwatched(step: &Step) -> Result<StepResult<'_>> {
     let start = Instant::now();
     let output = step.command()?.stdin(Stdio::null()).output().with_context(|| format!("cannot run `{step}`"))?;
@@ -237,7 +237,7 @@ fn announce(ended: &StepResult) {
     println!("=== {}: {verdict} in {}", ended.step.name, clock(ended.time));
 }
 
-/// Prints how long each step took, the five longest, and all together.
+/// Prints the time of each step, of the five longest, and of all together.
 fn show_times(times: &[(&str, Duration)], together: Duration) {
     let show = |times: &[(&str, Duration)]| {
         times.iter().for_each(|(name, time)| println!("  {name:24} {:>12}", clock(*time)));
@@ -253,7 +253,7 @@ fn show_times(times: &[(&str, Duration)], together: Duration) {
     println!("Together: {} of steps in {}", clock(sum), clock(together));
 }
 
-/// `7 min 05 s`, or `5.3 s` below a minute.
+/// Formats a time: `7 min 05 s`, or `5.3 s` below a minute.
 pub fn clock(time: Duration) -> String {
     match time.as_secs() {
         0..60 => format!("{:.1} s", time.as_secs_f64()),

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
 
-/// Adds each of `wanted` that the active toolchain lacks, and says so.
+/// Adds each of `wanted` that the active toolchain lacks, and prints its name.
 pub fn add_missing(wanted: impl Iterator<Item = &'static str>) -> Result<()> {
     let wanted: BTreeSet<_> = wanted.collect();
     if wanted.is_empty() {

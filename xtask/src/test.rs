@@ -5,21 +5,21 @@ use anyhow::{Result, ensure};
 use std::time::Instant;
 use xtask::arguments::Arguments;
 
-/// All crates, with their default features; documentation tests are among them. In the profile of the README's first
+/// All crates with their default features, including documentation tests. The profile is that of the README's first
 /// command, which has built the dependencies by then.
 const STEP: Step = Step::new("test", "test --release").about("The tests of the crates with their default features");
 
-/// The same command for the gate.
+/// The test step of the gate.
 pub const WHOLE_STEP: Step =
     Step::new("test", "xtask test --full").about("All tests of the workspace, with all features of the program");
 
-/// The build of [`xtask::app::WHOLE`], tested.
+/// The tests, in the build of [`xtask::app::WHOLE`].
 const WHOLE: Step = Step::new(
     "test",
     "test --release --workspace --exclude xtask --features zerorate-cli/full,zerorate-web/readers --locked",
 );
 
-/// What is not tested here.
+/// Names the checks that this task does not run.
 const BESIDE: &str = "`cargo xtask check` looks at format, lints, links and bare targets;\n`cargo xtask ci` does all \
                       this and tests C, Python, the page, the bridge and the book.";
 

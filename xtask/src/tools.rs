@@ -21,17 +21,17 @@ pub fn available(tools: &[Tool], purpose: &str) -> Result<bool> {
     installed(&missing, purpose)
 }
 
-/// The same for a module of Debian's Python.
+/// Like [`available`], for a module of Debian's Python.
 pub fn module_available(module: &str, package: &str, purpose: &str) -> Result<bool> {
     let import = Command::new(DEBIAN_PYTHON).args(["-c", &format!("import {module}")]).stderr(Stdio::null()).status();
     let is_there = import.is_ok_and(|status| status.success());
     if is_there { Ok(true) } else { installed(&[package], purpose) }
 }
 
-/// The Python that Debian's packages of modules belong to.
+/// The Python for which Debian packages its modules.
 const DEBIAN_PYTHON: &str = "/usr/bin/python3";
 
-/// True if these packages are there in the end.
+/// Installs packages if allowed. True if they are all there afterwards.
 fn installed(missing: &[&str], purpose: &str) -> Result<bool> {
     if missing.is_empty() {
         return Ok(true);
@@ -53,17 +53,17 @@ fn apt_get() -> Command {
     command
 }
 
-/// True if it can be started; not all know `--version`.
+/// True if a program can be started. Not every program knows `--version`.
 fn runs(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// True if we may install missing packages.
+/// True if this process may install packages.
 pub fn is_root() -> bool {
     Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n")
 }
 
-/// A subcommand of cargo in this version: the one below `target/`, which is built once.
+/// The path of a subcommand of cargo in this version. It is built once, below `target/`.
 pub fn of_cargo(name: &str, version: &str) -> Result<PathBuf> {
     let tools = Path::new("target/tools").join(format!("{name}-{version}"));
     let program = std::path::absolute(tools.join("bin").join(name))?;

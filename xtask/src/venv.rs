@@ -4,8 +4,8 @@ use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The interpreter of the environment `target/venv-NAME` with everything in `requirements`; made, or brought up to
-/// date, if need be.
+/// The interpreter of the environment `target/venv-NAME` with everything in `requirements`. The environment is made or
+/// updated if necessary.
 pub fn python(name: &str, requirements: &Path) -> Result<PathBuf> {
     let folder = PathBuf::from(format!("target/venv-{name}"));
     let python = folder.join("bin/python");
@@ -16,7 +16,7 @@ pub fn python(name: &str, requirements: &Path) -> Result<PathBuf> {
     Ok(python)
 }
 
-/// Runs a command to its end; anything but success is an error that shows the command.
+/// Runs a command to its end. Returns an error with the command unless it succeeds.
 pub fn done(command: &mut Command) -> Result<()> {
     let status = command.status().with_context(|| format!("cannot start {command:?}"))?;
     ensure!(status.success(), "{command:?} ended with {status}");

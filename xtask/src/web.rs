@@ -49,7 +49,7 @@ const OLDEST_NODE: u32 = 18;
 struct Module {
     feature: &'static str,
     name: &'static str,
-    /// Whether it is linked for size or for speed.
+    /// Optimisation level: for size or for speed.
     opt_level: &'static str,
 }
 
@@ -57,7 +57,7 @@ const MODULES: [Module; 4] = [
     Module { feature: "wasm-first", name: "zerorate_first", opt_level: "s" },
     Module { feature: "wasm-live", name: "zerorate_live", opt_level: "s" },
     Module { feature: "wasm-replay", name: "zerorate_replay", opt_level: "s" },
-    // where it is linked for size, LTO vectorises no loop
+    // optimised for size, LTO vectorises no loop
     Module { feature: "wasm-log", name: "zerorate_log", opt_level: "3" },
 ];
 
@@ -176,7 +176,7 @@ fn embed() -> Result<()> {
     Ok(())
 }
 
-/// A session in the page itself, and the files that the page keeps for use without a network.
+/// True for files of a session in the page itself, and for files that a static page caches for use without a network.
 fn is_static_only(name: &str) -> bool {
     let is_session = ["first", "live", "replay"].iter().any(|of| name == format!("zerorate_{of}_bg.wasm"));
     is_session || matches!(name, "home.json" | "sw.js" | "live.js")

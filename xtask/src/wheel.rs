@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
 const WHEELS: &str = "target/wheels-test";
 
-/// The interpreter with the packages of the gate's tests, or the reason outside our control why there is none.
+/// The interpreter with the packages of the gate's tests, or the reason why this machine has none.
 pub fn environment() -> Result<Result<PathBuf, &'static str>> {
     let has_venv = Command::new("python3").args(["-m", "venv", "--help"]).stdout(Stdio::null()).status();
     if !has_venv.is_ok_and(|status| status.success()) {
@@ -22,7 +22,7 @@ pub fn environment() -> Result<Result<PathBuf, &'static str>> {
     }
 }
 
-/// The interpreter of `target/venv-NAME` with what the file `requirements` names, as an absolute path.
+/// The absolute path of the interpreter of `target/venv-NAME`, with the packages in `requirements`.
 pub fn environment_with(name: &str, requirements: &str) -> Result<PathBuf> {
     let python = venv::python(name, Path::new(requirements))?;
     Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))
@@ -39,9 +39,8 @@ pub fn install(python: &Path) -> Result<()> {
     install_into(python, &build(python)?)
 }
 
-/// Builds the wheel by the maturin of this environment.
-///
-/// It takes over what the tests with `zerorate-cli/full` have compiled.
+/// Builds the wheel with the maturin of this environment. The build reuses what the tests with `zerorate-cli/full`
+/// have compiled.
 pub fn build(python: &Path) -> Result<PathBuf> {
     if Path::new(WHEELS).is_dir() {
         fs::remove_dir_all(WHEELS).context("clearing the old wheel")?;
@@ -52,7 +51,7 @@ pub fn build(python: &Path) -> Result<PathBuf> {
     Ok(fs::read_dir(WHEELS)?.next().context("maturin built no wheel")??.path())
 }
 
-/// Installs a wheel, or the package in a folder, into an environment that has what it depends on.
+/// Installs a wheel, or the package in a folder, into an environment that has its dependencies.
 pub fn install_into(python: &Path, package: &Path) -> Result<()> {
     let mut install = Command::new(python);
     done(install.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(package))

@@ -1,5 +1,5 @@
-//! The documents and the code agree: links lead somewhere, cited facts exist, the page on firmware shows code that is
-//! tested.
+//! The documents and the code agree: links lead to existing targets, cited facts exist, and the page on firmware shows
+//! tested code.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -68,8 +68,8 @@ fn every_page_that_the_code_cites_is_in_the_project() {
     assert!(unknown.is_empty(), "pages cited but not there:\n{}", unknown.join("\n"));
 }
 
-/// Files made by programs: the C header from the Rust sources, the examples' unit by `zerorate export`, and
-/// calibrations that `zerorate calibrate` wrote. In the catalogue, a source is one string.
+/// Files whose lines may be long: generated ones (the C header, the unit of the firmware examples, calibrations of
+/// `zerorate calibrate`), and the catalogue of parts, in which a source is one string.
 const LONG: [&str; 5] = [
     "bindings/c/include/zerorate.h",
     "crates/zerorate-cli/tests/golden",
@@ -129,10 +129,10 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// Folders of generated files, and of other people's files.
+/// Folders of generated files and of third-party files.
 const FOREIGN: [&str; 2] = ["target", "node_modules"];
 
-/// All files with one of these extensions, hidden and foreign folders left out.
+/// All files with one of these extensions, except in hidden and foreign folders.
 fn files(extensions: &[&str]) -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
     let mut directories = vec![root()];
@@ -151,7 +151,7 @@ fn files(extensions: &[&str]) -> Vec<(PathBuf, String)> {
     found
 }
 
-/// The targets of `[text](target)`, external ones left out.
+/// The targets of links `[text](target)`, except external ones.
 fn links(markdown: &str) -> impl Iterator<Item = &str> {
     let targets = markdown.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target);
     targets.filter(|target| !target.contains("://") && !target.starts_with("mailto:"))
@@ -195,7 +195,7 @@ fn fact_ids_at_start(row: &str) -> Option<&str> {
     fact_ids(row).next().filter(|id| row.starts_with(id))
 }
 
-/// The ```rust blocks, fences left out.
+/// The ```rust blocks, without their fences.
 fn code_blocks(markdown: &str) -> impl Iterator<Item = &str> {
     let bodies = markdown.split("```rust").skip(1).filter_map(|rest| rest.split_once('\n'));
     bodies.filter_map(|(_, body)| body.split_once("```")).map(|(code, _)| code)

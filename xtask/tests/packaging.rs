@@ -16,7 +16,7 @@ fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
     assert!(read("packaging/c/trial/CMakeLists.txt").contains(&format!("find_package(zerorate {} ", minor())));
 }
 
-/// An owner of some gyroscope's log builds neither the driver nor the core, not even for the tests.
+/// A user who only reads logs builds neither the driver nor the core, not even for the tests.
 #[test]
 fn reading_a_log_compiles_no_driver() {
     for package in ["zerorate-logs", "zerorate-imu"] {

@@ -15,7 +15,8 @@ fn locked(lock: &str, name: &str) -> Vec<String> {
     lines.windows(2).filter(|pair| pair[0] == named).map(|pair| pair[1].to_owned()).collect()
 }
 
-/// The module and the program that makes its bindings agree in a form that changes with every version.
+/// The module and the program that makes its bindings must have the same version, because their common format changes
+/// with every version.
 #[test]
 fn bindings_are_made_by_the_version_that_the_module_has() {
     let module = locked("Cargo.lock", "wasm-bindgen");

@@ -1,4 +1,4 @@
-//! The workflows run what `cargo xtask ci` has, no more and no less.
+//! The workflows run exactly the steps of `cargo xtask ci`.
 
 use std::collections::BTreeSet;
 use std::fs;

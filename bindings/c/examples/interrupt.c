@@ -40,8 +40,8 @@ static void on_rdy(void)
     }
 }
 
-/* Without edges no interrupt comes any more: the supply has dipped, or RDY is cut. Reports the cause, and starts
- * anew. */
+/* Without edges no interrupt comes: the supply has dipped, or RDY is cut. Reports the cause, and initialises the part
+ * again. */
 static void restart_if_silent(void)
 {
     zerorate_status status;
@@ -52,7 +52,7 @@ static void restart_if_silent(void)
         const zerorate_status cause = zerorate_gyro_diagnose(&gyro);
 
         failure = cause == ZERORATE_OK ? status : cause;
-        /* where this fails, the line stays silent, and the next call reports it */
+        /* if this fails, RDY stays silent, and the next call reports it */
         (void)zerorate_gyro_initialise(&gyro);
     }
     board_rdy_interrupt(on_rdy);

@@ -7,7 +7,7 @@
 
 static zerorate_gyro gyro;
 
-/* From your calibration: `zerorate export --format c` has it ready-made, too. */
+/* The coefficients of your calibration. `zerorate export --format c` writes them as a header. */
 static const zerorate_correction CORRECTION = {.pbc_dps = -0.25, .btc_dps_per_c = -0.04, .t3_c = 31.5};
 
 int main(void)

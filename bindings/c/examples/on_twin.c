@@ -6,10 +6,10 @@
 
 #include <stdio.h>
 
-/* About a second. */
+/* Number of readings in about a second (F-31). */
 #define READINGS 5700
 
-/* Of this unit, from `zerorate calibrate --device twin:seed=1`. */
+/* The correction of this unit, from `zerorate calibrate --device twin:seed=1`. */
 static const zerorate_correction CORRECTION = {.pbc_dps = 0.2578, .btc_dps_per_c = -0.0359, .t3_c = 32.51};
 
 static zerorate_gyro gyro;

@@ -1,4 +1,4 @@
-//! From C's pointers to references.
+//! Converts pointers of C to references.
 
 use crate::status::{Status, ZERORATE_E_NULL, ZERORATE_E_STATE};
 

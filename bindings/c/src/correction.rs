@@ -1,4 +1,4 @@
-//! F-50 and its curves, in three forms.
+//! The correction of F-50 and curves, in three number formats.
 
 use crate::boundary;
 use crate::status::{self, Status, StatusNumber};
@@ -35,7 +35,7 @@ impl Correction {
     }
 }
 
-/// The same in single precision.
+/// A correction in single precision.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CorrectionF32 {
@@ -51,7 +51,7 @@ pub struct CorrectionF32 {
     pub btc3_dps_per_c3: f32,
 }
 
-/// The same on codes of 24 bits, without floating point or division.
+/// A line (F-50) on codes of 24 bits, without floating point or division.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CorrectionInteger {
@@ -63,8 +63,8 @@ pub struct CorrectionInteger {
     pub t3_code: i32,
 }
 
-/// A curve on codes of 24 bits, without floating point or division: for a line as well, which takes fewer instructions
-/// as zerorate_correction_integer.
+/// A curve on codes of 24 bits, without floating point or division. It can hold a line as well, but
+/// zerorate_correction_integer takes fewer instructions.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CorrectionCurve {
@@ -89,7 +89,7 @@ pub extern "C" fn zerorate_temp_c(temp_code: u32) -> f32 {
     TempCode::new(temp_code, Width::Bits24).to_celsius()
 }
 
-/// A correction in single precision.
+/// Converts a correction to single precision.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -106,8 +106,8 @@ pub unsafe extern "C" fn zerorate_correction_to_f32(from: *const Correction, to:
     }))
 }
 
-/// A correction in integers; ZERORATE_E_COEFFICIENT where it does not fit, and where it is a curve: that is one for
-/// zerorate_correction_to_curve.
+/// Converts a line to integers. Returns ZERORATE_E_COEFFICIENT if a coefficient does not fit, or if the correction is
+/// a curve: use zerorate_correction_to_curve.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -126,8 +126,8 @@ pub unsafe extern "C" fn zerorate_correction_to_integer(
     }))
 }
 
-/// A correction of order 3 in integers; ZERORATE_E_COEFFICIENT where it does not fit. Within 148 deg C of T3 it is off
-/// by at most 1/2 + 2.69 / 2^fraction codes.
+/// Converts a correction of order 3 or less to integers. Returns ZERORATE_E_COEFFICIENT if it does not fit. Within
+/// 148 deg C of T3, the result is off by at most 1/2 + 2.69 / 2^fraction codes.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -153,7 +153,7 @@ pub unsafe extern "C" fn zerorate_correct(correction: *const Correction, rate_dp
     unsafe { boundary::input(correction) }.map_or(rate_dps, |correction| correction.to_core().apply(rate_dps, temp_c))
 }
 
-/// The same in single precision.
+/// The corrected rate in single precision, deg/s; the rate itself where `correction` is null.
 ///
 /// # Safety
 /// `correction` is null or points to one.
@@ -188,7 +188,8 @@ pub unsafe extern "C" fn zerorate_correct_integer(
     )
 }
 
-/// The same by a curve. A temperature farther than 148 deg C from T3 counts as 148 deg C away.
+/// The corrected rate code by a curve, like zerorate_correct_integer. A temperature farther than 148 deg C from T3
+/// counts as 148 deg C away.
 ///
 /// # Safety
 /// `curve` is null or points to one.
@@ -197,7 +198,7 @@ pub unsafe extern "C" fn zerorate_correct_curve(curve: *const CorrectionCurve, r
     // SAFETY: by the contract.
     unsafe { boundary::input(curve) }.map_or(rate_code, |&CorrectionCurve { terms, t3_code, fraction }| {
         let (least, most) = zerorate::IntegerCurve::FRACTION;
-        // memory that nothing was written to must not shift by more than there are bits
+        // memory that was never written must not cause a shift by more bits than an integer has
         let fraction = fraction.clamp(least, most);
         zerorate::IntegerCurve { terms, t3_code, fraction }.apply(rate_code, temp_code)
     })

@@ -18,7 +18,7 @@ impl Object for Corrector {
     const MARK: u32 = 0x7A72_6331;
 }
 
-/// Where a correction holds, as the calibration states it.
+/// The span of temperatures in which a correction holds, as the calibration states it.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Validity {

@@ -34,7 +34,7 @@ impl Object for Gyro {
     const MARK: u32 = 0x7A72_6731;
 }
 
-/// How the part is configured and read. Start from zerorate_settings_default.
+/// Configuration and sampling of the part. Start from zerorate_settings_default.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Settings {
@@ -51,9 +51,9 @@ pub struct Settings {
     pub per_byte_framing: u8,
     /// Which edge of the line says "new data": 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
-    /// 1 = read the status of the rate channel with every sample, 0 = only where an edge is not believable.
+    /// 1 = read the status of the rate channel with every sample, 0 = only where an edge is doubtful.
     pub read_status: u8,
-    /// A counter in the line lets every n-th edge of RDY through to the host (F-56): 1 = there is none, and so is 0.
+    /// Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 and 1 = no counter.
     pub divided: u16,
 }
 
@@ -71,9 +71,9 @@ pub struct Codes {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Sample {
-    /// Time of its edge, ns.
+    /// Time of the sample's edge, ns.
     pub t_ns: u64,
-    /// Number of its edge.
+    /// Number of the sample's edge.
     pub seq: u32,
     /// The rate, as a code of 24 bits.
     pub rate_code: u32,
@@ -87,7 +87,7 @@ pub struct Sample {
     pub has_temp: u8,
     /// True if the status of the rate channel was read.
     pub has_status: u8,
-    /// That status, as read; bit 0 = out of range (F-35).
+    /// The status of the rate channel, as read; bit 0 = out of range (F-35).
     pub status: u8,
 }
 
@@ -142,7 +142,7 @@ impl Settings {
     }
 }
 
-/// F-30, the note's framing (F-22), temperature and status with every sample.
+/// The default settings: F-30, the note's framing (F-22), temperature and status with every sample.
 ///
 /// # Safety
 /// `settings` is null or points to writable memory for it.
@@ -218,8 +218,8 @@ pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Codes
     status::of(unsafe { boundary::state(gyro).and_then(read).and_then(|value| boundary::output(reading, value)) })
 }
 
-/// Waits until RDY says that data waits: looks at the line every 5 us, for `timeout_us` and a little more at most.
-/// Needs `rdy` and `delay_us`.
+/// Waits for new data: looks at RDY every 5 us, for `timeout_us` and a little more at most. Needs `rdy` and
+/// `delay_us`.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
@@ -257,7 +257,7 @@ pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u
     }
 }
 
-/// Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to
+/// Checks that edges of RDY still come. Returns ZERORATE_OK, or ZERORATE_E_TIMEOUT if none has been handed to
 /// zerorate_gyro_sample for 64 periods of the rate (11.2 ms with F-30). Then the part has lost its supply or its
 /// configuration, or RDY is cut: zerorate_gyro_diagnose says which, zerorate_gyro_initialise starts anew. Sends
 /// nothing.

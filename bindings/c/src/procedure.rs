@@ -35,7 +35,7 @@ impl Object for Procedure {
 pub struct Plan {
     /// Average of steps 4 and 6, s: 10.
     pub average_s: f64,
-    /// Warming up by itself, step 5, s: 600.
+    /// Warm-up by self-heating, step 5, s: 600.
     pub warmup_s: f64,
     /// Settling, step 7, s: 2400.
     pub settle_s: f64,
@@ -54,7 +54,7 @@ pub struct Plan {
     pub assume_linear: u8,
 }
 
-/// The result.
+/// The result of a calibration.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Outcome {
@@ -155,7 +155,7 @@ impl Plan {
 
 impl Outcome {
     fn new(outcome: &CoreOutcome<WindowWarnings>) -> Self {
-        // the procedure on fixed memory is AN-1042's, which has them
+        // the procedure on fixed memory is that of AN-1042, which always has these means
         const NONE: Measured = Measured { b1_dps: f64::NAN, t1_c: f64::NAN, b2_dps: f64::NAN, t2_c: f64::NAN };
         let means = outcome.means.unwrap_or(NONE);
         Self {
@@ -195,7 +195,7 @@ fn flag(warning: &Warning) -> u32 {
 }
 
 impl State {
-    /// A refusal is final: it is what every later call returns.
+    /// Handles an event. A refusal is final: every later call returns it.
     fn handle(&mut self, event: Event<'_>) -> Result<(), Status> {
         if let Some(refused) = &self.refused {
             return Err(refused.status());
@@ -204,7 +204,7 @@ impl State {
     }
 }
 
-/// The durations and limits of AN-1042, with the Earth unknown and a bias that may be curved.
+/// The durations and limits of AN-1042, with an unknown rotation of the Earth and a bias that may be curved.
 ///
 /// # Safety
 /// `plan` is null or points to writable memory for it.
@@ -230,7 +230,7 @@ pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, pla
     )
 }
 
-/// What to do next: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or why the measurement was refused.
+/// The next thing to do: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or the reason of a refusal.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.
@@ -260,7 +260,7 @@ pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, in
     refused.and_then(|refusal| refusal.remedies().get(index).copied()).map_or(0, Remedy::code)
 }
 
-/// Tells that the part was initialised, at a time of the samples' clock.
+/// Tells the procedure that the part was initialised, at a time of the samples' clock.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.
@@ -270,8 +270,8 @@ pub unsafe extern "C" fn zerorate_procedure_initialised(procedure: *mut Procedur
     status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Initialised { t_ns })))
 }
 
-/// A sample was read. At the end of a step this takes some thousand floating-point operations, else about a hundred
-/// integer ones.
+/// Hands in a sample. At the end of a step this takes some thousand floating-point operations, otherwise about a
+/// hundred integer ones.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
@@ -284,7 +284,7 @@ pub unsafe extern "C" fn zerorate_procedure_sample(procedure: *mut Procedure, sa
     status::of(state.and_then(|state| state.handle(Event::Reading(&Reading::from(&sample?)))))
 }
 
-/// Tells that time passed without a sample.
+/// Tells the procedure that time passed without a sample.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.
@@ -294,8 +294,7 @@ pub unsafe extern "C" fn zerorate_procedure_time(procedure: *mut Procedure, t_ns
     status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Time { t_ns })))
 }
 
-/// The step of AN-1042 that is going on: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an
-/// error.
+/// The current step of AN-1042: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an error.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.

@@ -2,9 +2,9 @@
 
 use zerorate::Remedy;
 
-/// Give its component on the axis.
+/// Give the component of the Earth's rotation on the axis.
 pub const ZERORATE_REMEDY_GIVE_EARTH: u8 = 1;
-/// If this unit is known to be linear, say so.
+/// Set `assume_linear`, if this unit is known to be linear.
 pub const ZERORATE_REMEDY_ASSUME_LINEAR: u8 = 2;
 /// Settle longer.
 pub const ZERORATE_REMEDY_SETTLE_LONGER: u8 = 3;
@@ -22,7 +22,7 @@ pub const ZERORATE_REMEDY_CHAMBER: u8 = 8;
 pub const ZERORATE_REMEDY_WARM_MORE_SLOWLY: u8 = 9;
 /// Fix the part to a still platform.
 pub const ZERORATE_REMEDY_FIX_TO_STILL_PLATFORM: u8 = 10;
-/// Check it over a wider range before you rely on it elsewhere than at T3.
+/// Check the calibration over a wider range before you rely on it elsewhere than at T3.
 pub const ZERORATE_REMEDY_CHECK_OVER_WIDER_RANGE: u8 = 11;
 /// Record the samples and compute the calibration from them.
 pub const ZERORATE_REMEDY_RECORD_AND_RECOMPUTE: u8 = 12;
@@ -44,15 +44,15 @@ pub const ZERORATE_REMEDY_KEEP_STILL: u8 = 19;
 pub const ZERORATE_REMEDY_REMOVE_VIBRATION: u8 = 20;
 /// Start with a part that was off for an hour.
 pub const ZERORATE_REMEDY_START_COLD: u8 = 21;
-/// Wait longer.
+/// Warm up longer.
 pub const ZERORATE_REMEDY_LONGER_WARM_UP: u8 = 22;
-/// Accept more.
+/// Accept a larger uncertainty of BTC.
 pub const ZERORATE_REMEDY_ACCEPT_MORE_U_BTC: u8 = 23;
 /// Read the temperature less often.
 pub const ZERORATE_REMEDY_READ_TEMPERATURE_LESS: u8 = 24;
 /// Read the temperature more often.
 pub const ZERORATE_REMEDY_READ_TEMPERATURE_MORE: u8 = 25;
-/// Allow more.
+/// Allow a larger share of lost samples.
 pub const ZERORATE_REMEDY_ALLOW_MORE_LOSS: u8 = 26;
 /// Check supply and wiring.
 pub const ZERORATE_REMEDY_CHECK_SUPPLY_AND_WIRING: u8 = 27;

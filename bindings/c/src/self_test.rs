@@ -6,7 +6,7 @@ use crate::gyro::{Gyro, State};
 use crate::status::{self, Status, StatusNumber, ZERORATE_E_MISSING, ZERORATE_E_NULL};
 use adis16130::{SelfTestPlan as DriverPlan, WaitBound};
 
-/// How a self-test measures. Start from zerorate_self_test_plan_default.
+/// Settings of a self-test. Start from zerorate_self_test_plan_default.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SelfTestPlan {
@@ -37,7 +37,7 @@ impl SelfTestPlan {
     }
 }
 
-/// A second each without and with the self-test, at the rate of F-30.
+/// The default settings: a second without and a second with the self-test, at the rate of F-30.
 ///
 /// # Safety
 /// `plan` is null or points to writable memory for it.

@@ -8,7 +8,7 @@ use zerorate::{CurveError, IntegerError, PlanError, Refusal, TableError};
 /// The numbers keep their meaning in all versions.
 pub type Status = i32;
 
-/// It worked.
+/// Success.
 pub const ZERORATE_OK: Status = 0;
 /// Nothing was due at this edge, or it was stale: no sample, and no loss.
 pub const ZERORATE_NOTHING: Status = 1;
@@ -81,7 +81,7 @@ pub const ZERORATE_E_UNSTEADY: Status = -61;
 /// Refused, for a reason that this version of the interface has no number for.
 pub const ZERORATE_E_REFUSED: Status = -60;
 
-/// A status in words: a string that lives for ever, without end of line. Never null.
+/// A status in words: a static string without end of line. Never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
     let text: &'static CStr = match status {
@@ -125,7 +125,7 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
     text.as_ptr()
 }
 
-/// The number of a function that ended well or not.
+/// Converts a result to a status.
 pub fn of(done: Result<(), Status>) -> Status {
     match done {
         Ok(()) => ZERORATE_OK,
@@ -135,7 +135,7 @@ pub fn of(done: Result<(), Status>) -> Status {
 
 /// An error, as a number.
 pub trait StatusNumber {
-    /// The number.
+    /// The status of this error.
     fn status(&self) -> Status;
 }
 

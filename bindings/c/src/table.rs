@@ -13,7 +13,7 @@ use zerorate::{Axis, RowIndex};
 pub struct Table {
     /// Row 0 is for T3 + span, the last one for T3 - span.
     pub rows_udps: *const i32,
-    /// How many there are.
+    /// Number of rows.
     pub rows: usize,
     /// The row of t3_code and a half, times 2^32.
     pub middle_q32: i64,

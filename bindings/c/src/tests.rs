@@ -17,7 +17,7 @@ use embedded_hal::digital::{InputPin, OutputPin, PinState};
 use embedded_hal::spi::SpiDevice;
 use std::boxed::Box;
 
-/// The caller's side.
+/// The state behind the caller's functions.
 struct Rig {
     twin: Twin,
     spi: TwinSpi,
@@ -26,7 +26,7 @@ struct Rig {
     pin: adis16130_twin::SelfTestPin,
 }
 
-/// Memory as the caller owns it: what is written beside it, or used after it, ends Miri.
+/// Memory of its own for an object. Miri detects writes outside of it, and uses after it was freed.
 fn memory<T>() -> Box<T> {
     // SAFETY: the types of the interface are plain numbers and pointers, for which zeros are valid.
     unsafe { Box::<T>::new_zeroed().assume_init() }
@@ -115,7 +115,7 @@ fn the_self_test_is_measured() {
     end(context);
 }
 
-/// Warmer from one sample to the next, at rest. `jump`: the rate is not.
+/// Calibrates a part that warms at rest. With `jump`, its rate jumps.
 fn calibrate(procedure: &mut Procedure, jump: bool) -> Status {
     let mut plan = memory::<Plan>();
     call!(zerorate_plan_default(&mut *plan));

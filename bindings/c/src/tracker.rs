@@ -1,4 +1,4 @@
-//! A bias that keeps getting better.
+//! A bias that is learned whenever the part is at rest.
 
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
@@ -33,7 +33,7 @@ pub struct TrackerPrior {
     pub white_dps_per_rt_hz: f64,
 }
 
-/// What is known of the bias, in plain numbers, to be kept while the power is off.
+/// The learned bias in plain numbers, to be stored while the power is off.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct TrackerState {
@@ -43,15 +43,15 @@ pub struct TrackerState {
     pub covariance: [f32; 21],
     /// T - T3 when something was learned last, deg C.
     pub at_c: f32,
-    /// Rests and rotations among the quiet stretches, and one of each.
+    /// Number of rests and number of rotations among the quiet periods, each plus one.
     pub odds: [f32; 2],
-    /// Seconds that were learned from, that were doubtful, and how often a rotation began within a rest.
+    /// Seconds learned from, doubtful seconds, and number of times that a rotation began within a rest.
     pub counts: [u32; 3],
 }
 
 const _: () = assert!(STATES == 6 && COVARIANCES == 21);
 
-/// The bias as it is known now.
+/// The bias as currently known.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Tracked {
@@ -77,7 +77,7 @@ fn config(correction: &Correction, prior: &TrackerPrior) -> TrackerConfig {
     config
 }
 
-/// Begins with what the calibration knows, so many seconds after it was made.
+/// Begins with the calibration, `age_s` seconds after it was made.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -98,8 +98,8 @@ pub unsafe extern "C" fn zerorate_tracker_begin(
     }))
 }
 
-/// Begins with what was known when the power went off, so many seconds ago; ZERORATE_E_ARGUMENT where these numbers
-/// cannot be.
+/// Begins with the saved state, `off_s` seconds after the power went off. Returns ZERORATE_E_ARGUMENT for a state that
+/// is not possible.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.

@@ -1,7 +1,7 @@
 /*
- * Does the same with the C interface as lab/src/c/expected.rs with the Rust crates, and prints the results. Both must
- * print the same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes
- * for the same correction. */
+ * Makes the same computations with the C interface as lab/src/c/expected.rs with the Rust crates, and prints the
+ * results. Both must print the same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export
+ * --format c` writes for the same correction. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -74,7 +74,7 @@ static int32_t transfer_or_not(void *context, uint8_t *bytes, size_t length)
     return zerorate_twin_transfer(bus->rig, bytes, length);
 }
 
-/* A twin of these keys, with a gyroscope that was set up and initialised on it. */
+/* Sets up and initialises a gyroscope on a twin with these keys. */
 static void *started(const char *keys, uint32_t mclk_hz, zerorate_gyro *gyro)
 {
     void *rig = zerorate_twin_new(keys);
@@ -91,7 +91,7 @@ static void *started(const char *keys, uint32_t mclk_hz, zerorate_gyro *gyro)
     return rig;
 }
 
-/* The next sample; ZERORATE_E_TIMEOUT where no edge comes. */
+/* Reads the next sample; ZERORATE_E_TIMEOUT if no edge comes. */
 static zerorate_status next_sample(void *rig, zerorate_gyro *gyro, zerorate_sample *sample)
 {
     zerorate_status status = ZERORATE_NOTHING;
@@ -162,7 +162,7 @@ static void take(zerorate_corrector *corrector, double rate_dps, double temp_c)
     printf("extrapolated %u\n", (unsigned)corrected.extrapolated);
 }
 
-/* A stream: no temperature yet, one, the last one, a rate that must not be used, and beyond the span. */
+/* A stream: no temperature yet, the first one, the last one again, an invalid rate, a temperature beyond the span. */
 static void stream(void)
 {
     const zerorate_validity valid = {25.0, 33.0, 0.5};
@@ -192,7 +192,7 @@ static void bias(zerorate_tracker *tracker)
     printf("phase %u\n", (unsigned)tracked.phase);
 }
 
-/* A minute at rest 0.004 deg/s above the calibration, a motion, a day without power, and a state that cannot be. */
+/* Tracks a minute at rest, 0.004 deg/s above the calibration, a motion, a day without power, and an invalid state. */
 static void track(void)
 {
     const zerorate_tracker_prior prior = {0.003, 0.003, 0.0, 0.0125};
@@ -215,8 +215,8 @@ static void track(void)
     print_status("unsound", zerorate_tracker_resume(&tracker, &CORRECTION, &prior, &state, 0.0));
 }
 
-/* Codes that must not pass for readings: nothing converted yet, wrapped codes, and bytes after a transfer that
- * failed. */
+/* Codes that must not count as readings: before the first conversion, wrapped codes, and bytes after a failed
+ * transfer. */
 static void no_numbers(void)
 {
     zerorate_gyro gyro;
@@ -329,7 +329,7 @@ static void samples(const char *keys)
     zerorate_twin_free(rig);
 }
 
-/* The self-test pin of a twin; refuses one call and breaks the twin when it goes high, as told. */
+/* The self-test pin of a twin. It can refuse one call, and set a fault of the twin when it goes high. */
 typedef struct {
     void *rig;
     int32_t refused_call;
@@ -358,7 +358,7 @@ static int32_t broken_rdy(void *context)
     return -1;
 }
 
-/* A self-test that must fail. Prints how often the pin was set, its level, and a result that nothing wrote to. */
+/* A self-test that must fail. Prints how often the pin was set, its level, and a result that must be unchanged. */
 static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
 {
     const zerorate_self_test_pin set = {&pin, set_test_pin};
@@ -370,7 +370,7 @@ static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
     zerorate_twin_set_fault(pin.rig, 0);
 }
 
-/* A self-test on a bus that lacks something. */
+/* A self-test on a bus without some of its functions. */
 static void lacking_test(const char *what, zerorate_bus bus)
 {
     const test_pin pin = {bus.context, 0, 0, 0, 0};

@@ -1,6 +1,6 @@
 /*
- * The board of the examples, on the twin. It ends after 1000 believable rates. After 500 the supply dips, which ends
- * all edges. That must be reported once, and the rates must go on. */
+ * The board of the examples, on the twin. It ends after 1000 plausible rates. After 500 the supply dips, so that no
+ * more edges come. That must be reported once, and the rates must go on. */
 #include "board.h"
 #include "twin.h"
 
@@ -14,7 +14,7 @@ static int in_interrupt;
 static int used;
 static int reports;
 
-/* Sleeps, rates and reports together. The bound ends an example that does nothing. */
+/* Largest number of sleeps, rates and reports together. It ends an example that does nothing. */
 #define STEPS 5000
 static int steps;
 

@@ -1,7 +1,7 @@
 /*
  * Calls every function of the header in random order, with null pointers, objects that were not set up, numbers of any
- * size and a bus that fails or lies, as far as the contract allows. Sanitizers judge. Each object lies in a block of
- * its own size, so that they see a step beside it.
+ * size and a bus that fails or returns wrong bytes, as far as the contract allows. Sanitizers detect errors. Each
+ * object is in its own memory block, so that they detect accesses beside it.
  *
  *     fuzz SEED CALLS
  */
@@ -29,7 +29,7 @@ static uint32_t below(uint32_t bound)
     return (uint32_t)((next() >> 32) % bound);
 }
 
-/* Any bits, an end of the range, or a plain number. */
+/* Random bits, an end of the range, or a small number. */
 static uint64_t integer(void)
 {
     static const uint64_t ends[] = {0, 1, 2, 0x7FFF, 0x8000, 0xFFFF, 0x7FFFFF, 0x800000, 0xFFFFFF, 0x7FFFFFFF,
@@ -63,7 +63,7 @@ static float single(void)
     return (float)number();
 }
 
-/* One of a few blocks of this size, so that a call meets what another has written; null now and then. */
+/* Picks one of a few blocks of this size, so that calls share objects; null now and then. */
 static void *block(void **blocks, size_t size)
 {
     void **chosen = &blocks[below(3)];
@@ -197,7 +197,7 @@ static struct zerorate_tracker_state *saved(void)
     return one;
 }
 
-/* A short plan; in every fourth, one setting is any number. */
+/* A short plan. In one of four, one setting is a random number. */
 static struct zerorate_plan *plan(void)
 {
     struct zerorate_plan *one = A(zerorate_plan);
@@ -271,7 +271,7 @@ static zerorate_status self_test(void)
     return zerorate_gyro_self_test(A(zerorate_gyro), below(20) ? &pin : NULL, one, A(zerorate_self_test));
 }
 
-/* A clock that goes on, which the procedure asks for. */
+/* The time of a clock that never goes back, as the procedure requires. */
 static uint64_t later_ns(void)
 {
     static uint64_t now_ns;
@@ -280,7 +280,7 @@ static uint64_t later_ns(void)
     return now_ns;
 }
 
-/* A run of samples that get warmer, of which each may be the last of a step. */
+/* Hands in a run of samples that get warmer. Each may be the last of a step. */
 static zerorate_status feed(void)
 {
     struct zerorate_procedure *procedure = A(zerorate_procedure);
@@ -374,7 +374,7 @@ static zerorate_status fault(void)
     return ZERORATE_OK;
 }
 
-/* Where a function has no status, a result that could be used is a success. */
+/* The success of a function without status: its result can be used. */
 static zerorate_status well(int is_used)
 {
     return is_used ? ZERORATE_OK : ZERORATE_E_STATE;

@@ -5,8 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A twin of a specification such as "seed=7,warmup_s=30"; null where that is invalid. The functions below take it as
- * `rig`. */
+/* Makes a twin by keys such as "seed=7,warmup_s=30"; null if they are invalid. The functions below take it as rig. */
 void *zerorate_twin_new(const char *keys);
 void zerorate_twin_free(void *rig);
 int32_t zerorate_twin_transfer(void *rig, uint8_t *bytes, size_t length);
@@ -14,9 +13,9 @@ int32_t zerorate_twin_rdy(void *rig);
 void zerorate_twin_delay_us(void *rig, uint32_t us);
 int32_t zerorate_twin_self_test(void *rig, int32_t level);
 uint64_t zerorate_twin_now_ns(void *rig);
-/* The next falling edge of RDY: 1, or 0 where none came within a tenth of a second. */
+/* The next falling edge of RDY: returns 1, or 0 if none comes within a tenth of a second. */
 int32_t zerorate_twin_next_edge(void *rig, uint64_t *t_ns, uint32_t *seq);
-/* 0 none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut */
+/* Sets a fault: 0 none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut. */
 void zerorate_twin_set_fault(void *rig, int32_t fault);
 
 #endif

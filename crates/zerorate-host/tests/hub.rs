@@ -83,7 +83,7 @@ fn two_parts_are_recorded_whole_whoever_watches() {
                     most.fetch_max(resident_bytes(), Ordering::Relaxed);
                     true
                 });
-                // F-31: 5692.6 a second at the nominal clock, which is good to 1 % (F-32)
+                // F-31: 5692.6 a second at the nominal clock, which is good to 1 % (M-06)
                 let rate_hz = samples as f64 / seconds;
                 assert!((5_600.0..5_800.0).contains(&rate_hz) && lost == 0, "{rate_hz} Hz, {lost} lost");
                 drop((hub, everything));

@@ -31,16 +31,16 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Made:
-    """A calibration file, and what the native program printed when it wrote it."""
+    """A calibration file, and the program's JSON when it was written."""
 
     path: Path
     report: Any
-    """None for the file of the folder."""
+    """None for `cycle.toml`, which is a stored file."""
 
 
 @pytest.fixture(scope="session")
 def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Made]:
-    """A calibration by each method, of the twin: one axis, three axes, and curves."""
+    """Calibrations of the twin, by name: one axis, three axes, and curves."""
     folder = tmp_path_factory.mktemp("made")
     calibrations = {kind: _calibrate(folder / f"{kind}.toml", options) for kind, options in KINDS.items()}
     # zerorate calibrate --method cycle --device twin:seed=7,profile=oven --settle 10500s --divider 64 --serial SN7
@@ -63,7 +63,7 @@ def simulated(made: dict[str, Made]) -> Path:
 
 @pytest.fixture(scope="session")
 def measured(made: dict[str, Made], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The same, as if a real part had been measured around midnight."""
+    """The calibration by AN-1042, edited as if a real part had been measured around midnight."""
     path = tmp_path_factory.mktemp("measured") / "unit.toml"
     path.write_text(as_measured(made["an1042"].path.read_text(encoding="utf-8")), encoding="utf-8")
     return path
@@ -71,7 +71,7 @@ def measured(made: dict[str, Made], tmp_path_factory: pytest.TempPathFactory) ->
 
 @pytest.fixture(scope="session")
 def example_lab() -> str:
-    """The file that the command prints to start from."""
+    """The example file that the command prints."""
     return subprocess.run([PROGRAM, "--example-lab"], capture_output=True, check=True).stdout.decode("utf-8")
 
 
@@ -83,12 +83,12 @@ def lab_file(example_lab: str, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 @pytest.fixture(scope="session")
 def lab(lab_file: Path) -> Lab:
-    """The laboratory of that file."""
+    """The laboratory of `lab_file`."""
     return Lab.load(lab_file)
 
 
 def full(example: str) -> str:
-    """The example with its optional keys and tables, which stand there as comments."""
+    """The example with its optional keys and tables, which are comments in it."""
     return re.sub(r"^# (?=\[|\w+ = )", "", example, flags=re.MULTILINE)
 
 
@@ -99,7 +99,7 @@ def _write(path: Path, text: str) -> Path:
 
 @pytest.fixture(scope="session")
 def shared() -> Path:
-    """The schemas of PTB, which the project does not carry."""
+    """The folder with the schemas of PTB, which are not part of the project."""
     root = Path(__file__).resolve().parents[3]
     folder = Path(os.environ.get("ZERORATE_SHARED", root.parent / "shared")) / "data" / "dcc"
     if not folder.is_dir():

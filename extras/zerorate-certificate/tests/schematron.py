@@ -27,7 +27,7 @@ def complaints(document: bytes, schematron: Path) -> list[tuple[str, str]]:
 
 
 def rules_of(schematron: Path) -> int:
-    """How many rules the file has."""
+    """Number of rules in the file."""
     return len(list(etree.parse(str(schematron)).iter(f"{SCH}rule")))
 
 

@@ -17,7 +17,7 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def fails(code: int, why: str, *arguments: str | Path) -> None:
-    """The command ends with this code, and says why in one line."""
+    """Checks that the command ends with this code and states this reason in one line."""
     done = run(*arguments)
     assert (done.returncode, done.stdout) == (code, ""), done.stderr
     lines = done.stderr.splitlines()

@@ -1,4 +1,4 @@
-"""The laboratory's file: every fault is named, all of them at once."""
+"""The laboratory's file: all errors are reported at once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from zerorate_certificate import Lab
 
 
 def refusal(path: Path, text: str | bytes) -> str:
-    """Why this file is refused."""
+    """The reason why this file is refused."""
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError) as caught:
         Lab.load(path)

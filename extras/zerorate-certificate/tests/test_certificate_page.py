@@ -1,4 +1,4 @@
-"""The page of a certificate: what a reader sees, and how numbers are rounded."""
+"""The page of a certificate: its content, and the rounding of its numbers."""
 
 from __future__ import annotations
 

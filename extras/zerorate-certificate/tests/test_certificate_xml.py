@@ -50,7 +50,7 @@ def texts(tree: Any, path: str) -> list[str]:
 
 
 def quantities(tree: Any) -> dict[str, tuple[float, float | None]]:
-    """Value and U of each single quantity, by the name of its result and its own."""
+    """Value and U of each single quantity, by the names of its result and of the quantity."""
     found = {}
     for result in tree.iterfind(".//dcc:result", NS):
         title = result.findtext("dcc:name/dcc:content", namespaces=NS)
@@ -173,7 +173,7 @@ def test_each_axis_has_its_results(made: dict[str, Made], lab: Lab) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_warning_is_there_in_full(kind: str, made: dict[str, Made], lab: Lab) -> None:
     file = tomllib.loads(made[kind].path.read_text(encoding="utf-8"))
-    # the code of a warning is for the program; older files have none
+    # warnings begin with a code in newer files, which the certificate leaves out
     words = [re.sub("^[a-z-]+: ", "", text) for text in file["warnings"]]
     of_axes = [(axis["name"], text) for axis in file.get("axis", []) for text in axis["warnings"]]
     wanted = words + [f"axis {name}: {re.sub('^[a-z-]+: ', '', text)}" for name, text in of_axes]
@@ -192,7 +192,7 @@ def test_a_simulated_certificate_says_so_wherever_a_date_of_performance_stands(s
 
 def test_a_measured_certificate_has_the_days_of_the_measurement(measured: Path, lab: Lab) -> None:
     tree = tree_of(measured, lab)
-    # 221 s from 23:58:30
+    # the measurement takes 221 s from 23:58:30
     assert texts(tree, ".//dcc:beginPerformanceDate") == ["2026-02-27"]
     assert texts(tree, ".//dcc:endPerformanceDate") == ["2026-02-28"]
     assert b"SIMULATED" not in etree.tostring(tree)

@@ -4,7 +4,7 @@ use embassy_time::{Duration, Timer};
 
 use crate::Link;
 
-/// A pattern is eight of these, and begins anew every second.
+/// Duration of a tick. A pattern has eight ticks, and repeats every second.
 const TICK: Duration = Duration::from_millis(125);
 
 /// Shows the state. `light` turns the LED on or off.

@@ -12,20 +12,20 @@ use embassy_time::{Duration, with_timeout};
 
 use crate::state::State;
 
-/// How often the sampling side says that it lives while nothing happens.
+/// Longest time between two signs of life of the sampling side while nothing happens.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
-/// Bytes that wait for the host: 0.17 s at the full rate with every temperature.
+/// Size of the queue to the host, bytes: 0.17 s at the full rate with a temperature in every sample.
 const TO_HOST: usize = 32 * 1024;
 
-/// Bytes that wait for the sampling side. A host waits for its answers, so this is more than it sends.
+/// Size of the queue to the sampling side, bytes. A host waits for each answer, so it sends less than this.
 const FROM_HOST: usize = 256;
 
 /// The data that pass between the port and the sampling side.
 pub struct Link {
     /// The last edge of RDY that was not handled yet. Its number counts all edges before it.
     pub(crate) edge: Signal<CriticalSectionRawMutex, Edge>,
-    /// The kind of edge to hear from now on.
+    /// The kind of edge that counts as "new data" from now on.
     pub(crate) heard: Signal<CriticalSectionRawMutex, RdyEdge>,
     pub(crate) gone: Signal<CriticalSectionRawMutex, ()>,
     pub(crate) from_host: Pipe<CriticalSectionRawMutex, FROM_HOST>,
@@ -65,9 +65,9 @@ impl Link {
         self.heard.signal(edge);
     }
 
-    /// Queues a message for the host. A sample goes in whole or not at all, and the next one's number shows that. Any
-    /// other message waits for room, until the host reads or leaves, and calls `alive` meanwhile. Call it from one
-    /// task only.
+    /// Queues a message for the host. A sample that does not fit whole is dropped, which the number of the next sample
+    /// shows. Any other message waits for space, until the host reads or leaves, and calls `alive` meanwhile. Call it
+    /// from one task only.
     pub(crate) async fn send(&self, message: &Message<'_>, mut alive: impl FnMut()) {
         let mut room = [0; MAX_FRAME];
         let Ok(frame) = encode(message, &mut room) else { return };

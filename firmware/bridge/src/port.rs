@@ -39,7 +39,7 @@ pub async fn run(driver: impl Driver<'static>, serial: Option<&'static str>, lin
     join(enumerate(&mut device, link), carry(class, link)).await.0
 }
 
-/// On a bus without traffic the host sleeps, or the cable is out.
+/// Enumerates the device. A bus without traffic means that the host sleeps or the cable is out.
 async fn enumerate<D: Driver<'static>>(device: &mut UsbDevice<'static, D>, link: &Link) -> ! {
     loop {
         device.run_until_suspend().await;
@@ -58,7 +58,7 @@ async fn carry<D: Driver<'static>>(class: CdcAcmClass<'static, D>, link: &Link) 
     }
 }
 
-/// Waits until the host has opened the port, or closed it.
+/// Waits until the host has opened the port (`open`) or closed it.
 async fn until_open(control: &ControlChanged<'_>, open: bool) {
     while control.dtr() != open {
         control.control_changed().await;
@@ -85,7 +85,7 @@ async fn receive<D: Driver<'static>>(receiver: &mut Receiver<'static, D>, link: 
     }
 }
 
-/// A number of the chip as the text that USB wants.
+/// Formats a number of the chip as text for USB.
 pub fn hex(id: [u8; 8], room: &mut [u8; 16]) -> &str {
     for (digits, byte) in room.chunks_exact_mut(2).zip(id) {
         for (digit, value) in digits.iter_mut().zip([byte >> 4, byte & 15]) {

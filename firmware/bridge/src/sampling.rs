@@ -19,8 +19,8 @@ const FIRST_SCLK_HZ: u32 = 5_000_000;
 /// stands still.
 pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
-/// Numbers every edge of RDY that says "new data", the falling one until a host says otherwise (F-32), and notes its
-/// time, also while the part is being read.
+/// Numbers every edge of RDY that means "new data", and notes its time, also while the part is being read. This is the
+/// falling edge, unless a host chooses the other one (F-32).
 pub async fn watch(mut rdy: impl Wait<Error = Infallible>, link: &Link) -> ! {
     let (mut seq, mut heard) = (0_u32, RdyEdge::Falling);
     loop {

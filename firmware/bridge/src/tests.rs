@@ -1,4 +1,4 @@
-//! The sampling side on the host, with the twin on its bus and this test in place of the port.
+//! Tests of the sampling side on the host: a twin is on its bus, and the test replaces the port.
 
 extern crate std;
 
@@ -127,7 +127,7 @@ fn the_self_test_pin_follows_the_host() {
     }
 }
 
-/// The watchdog is fed while nothing happens and while an answer waits for room, and not while a transfer never ends.
+/// The watchdog is fed while idle and while an answer waits for space, but not while a transfer never ends.
 #[test]
 fn the_watchdog_is_fed_by_a_living_task_only() {
     let mut idle = Bench::new();
@@ -146,7 +146,7 @@ fn the_watchdog_is_fed_by_a_living_task_only() {
             bench.poll();
         }
     }
-    // other tests move no time
+    // simulated time does not depend on other tests
     assert!(idle.signs.get() >= 8 && waits.signs.get() >= 8, "{} {}", idle.signs.get(), waits.signs.get());
     assert_eq!(hangs.signs.get(), 0);
     assert!(sampling::WATCHDOG >= 4 * SIGN_OF_LIFE);
@@ -245,7 +245,7 @@ impl Bench {
         assert!(poll(self.serve.as_mut()).is_pending());
     }
 
-    /// The queued bytes, and the bytes that wait for room behind them.
+    /// Takes the queued bytes, and the bytes that wait for space behind them.
     fn bytes(&mut self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut some = [0; 63];
@@ -315,7 +315,7 @@ impl Bus for HungBus {
     }
 }
 
-/// The pin falls and rises this often, at once.
+/// A pin that falls and rises this often, without waiting.
 struct Edges {
     falls: u32,
     rises: u32,
@@ -375,7 +375,7 @@ impl OutputPin for Level {
     }
 }
 
-/// A controller that gets no request.
+/// A controller that is never used.
 struct NoController;
 
 impl ErrorType for NoController {

@@ -21,7 +21,7 @@ impl BackOff {
         Self { doublings: 0 }
     }
 
-    /// How long to wait before the next attempt, ms.
+    /// Returns the pause before the next attempt, ms.
     pub fn pause_ms(&mut self) -> u32 {
         let pause_ms = 10 << self.doublings;
         self.doublings = (self.doublings + 1).min(7);
@@ -56,7 +56,7 @@ mod tests {
         assert_eq!(back_off.pause_ms(), 10);
     }
 
-    /// After a brown-out the loop gives rates again, and none in between.
+    /// After a brown-out the loop gives rates again, and gives none in between.
     #[test]
     fn the_polled_loop_comes_back() {
         let twin = Twin::new(Spec::from_seed(1));

@@ -25,7 +25,7 @@ pub(crate) fn write(register: *mut u32, value: u32) {
     unsafe { register.write_volatile(value) }
 }
 
-/// Puts out bytes and a number, so that the compiler keeps the code that made them.
+/// Writes bytes and a number to a register, so that the compiler keeps the code that computed them.
 #[inline(never)]
 pub fn put(bytes: &[u8], number: u32) {
     for byte in bytes {

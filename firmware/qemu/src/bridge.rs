@@ -15,7 +15,7 @@ use embedded_hal_async::spi::{ErrorType, SpiDevice};
 
 /// SPI clock until a host asks for another, Hz.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
-/// The bridge looks for requests at least this often, in simulated time.
+/// Longest simulated time between two checks for requests.
 const LOOK_NS: u64 = 1_000_000;
 
 /// The line to the host.
@@ -23,10 +23,10 @@ pub trait Port {
     /// The error that ends the connection.
     type Closed;
 
-    /// The next byte, if there is one; with `wait` there always is.
+    /// Reads the next byte; `None` if there is none. With `wait` it waits for a byte.
     fn read(&mut self, wait: bool) -> Result<Option<u8>, Self::Closed>;
 
-    /// Sends them all.
+    /// Sends all bytes.
     fn write(&mut self, bytes: &[u8]) -> Result<(), Self::Closed>;
 }
 
@@ -62,7 +62,7 @@ fn send<P: Port>(port: &mut P, message: &Message<'_>) -> Result<(), P::Closed> {
     encode(message, &mut room).map_or(Ok(()), |frame| port.write(frame))
 }
 
-/// Nothing of the twin ever waits.
+/// Runs a future that never waits, since nothing of the twin does.
 fn at_once<F: Future>(future: F) -> F::Output {
     let mut future = pin!(future);
     loop {
@@ -72,7 +72,7 @@ fn at_once<F: Future>(future: F) -> F::Output {
     }
 }
 
-/// The twin's bus, whose clock is fixed: setting it changes nothing but the answer.
+/// The bus of the twin. Its clock is fixed, so setting the clock changes only the reported one.
 struct TwinBus {
     spi: TwinSpi,
     self_test: SelfTestPin,

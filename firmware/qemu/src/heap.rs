@@ -8,7 +8,7 @@ const BYTES: usize = 256 * 1024;
 #[global_allocator]
 static HEAP: LlffHeap = LlffHeap::empty();
 
-/// Gives the allocator its memory: once, before the first allocation.
+/// Gives the allocator its memory. Call it once, before the first allocation.
 #[expect(unsafe_code, reason = "a heap is memory that nothing else uses")]
 pub fn set_up() {
     static ONCE: AtomicBool = AtomicBool::new(false);

@@ -8,7 +8,7 @@ use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use zerorate::{Axis, CodeTable, Correction, CorrectionF32, IntegerCorrection, IntegerCurve};
 
-/// Readings of a run.
+/// Number of readings in a run.
 pub const READINGS: usize = 2_000;
 
 /// Step and span of the table, °C.
@@ -18,7 +18,7 @@ pub const TABLE_C: (f64, f64) = (0.02, 2.0);
 pub const ROWS: usize = 201;
 
 /// Quadratic and cubic term of the curve, °/s/°C² and °/s/°C³: the spread of curvature (M-02), and a cubic term that
-/// adds as much 250 °C from T3.
+/// is as large at 250 °C from T3.
 const CURVE: (f64, f64) = (0.0005, -2e-6);
 
 /// A part that gives no edge for this long is dead.
@@ -33,7 +33,7 @@ pub struct Reading {
     pub temp_code: u32,
     /// The corrected rate, in integers.
     pub corrected_code: u32,
-    /// The same by a curve of order 3.
+    /// The corrected rate by a curve of order 3, in integers.
     pub curved_code: u32,
     /// The row of the table, µ°/s.
     pub table_udps: i32,

@@ -14,8 +14,8 @@ const CHANGE_DPS: f64 = 0.004;
 /// White noise of a mean of 0.1 s, °/s (1 σ): 0.0125 °/s/√Hz (F-02) times √5.
 const WHITE_DPS: f64 = 0.028;
 
-/// Number of means, and how fast the part turns, °/s; none where it gives nothing. The first rest is longer than the
-/// longest test of means, 128 s. All lengths are whole seconds, so that the tracker's seconds stay in step.
+/// The periods of the series: number of means, and rate of rotation, °/s; `None` if there are no means. The first rest
+/// is longer than the longest test of means, 128 s. All periods are whole seconds, to stay in step with the tracker's.
 const STRETCHES: [(u32, Option<f64>); 6] =
     [(1_600, Some(0.0)), (600, Some(0.03)), (20, Some(5.0)), (400, Some(0.0)), (10, None), (300, Some(0.0))];
 
@@ -47,7 +47,7 @@ pub fn means(seed: u64) -> impl Iterator<Item = Mean> {
     let turns = STRETCHES.into_iter().flat_map(|(count, turn_dps)| (0..count).map(move |_| turn_dps));
     let mut state = seed;
     turns.enumerate().map(move |(index, turn_dps)| {
-        // it warms by 0.6 °C a minute
+        // the part warms by 0.6 °C a minute
         let temp_c = 27.0 + 0.01 * BLOCK_S * index as f64;
         let bias_dps = 0.25 + 0.04 * (temp_c - CORRECTION.t3_c) + CHANGE_DPS;
         let noise_dps = WHITE_DPS * normal(&mut state);
@@ -90,7 +90,7 @@ fn config() -> TrackerConfig {
     TrackerConfig::of(&Axis::ADIS16130, CORRECTION, prior)
 }
 
-/// Normal but for its tails, which end at 6 σ: the sum of twelve numbers of SplitMix64, exact on any machine.
+/// A number that is almost normal (its tails end at 6 σ): a sum of twelve numbers of SplitMix64, exact on any machine.
 fn normal(state: &mut u64) -> f64 {
     let mut uniform = || {
         *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);

@@ -15,7 +15,7 @@ const BAUD_DIVIDER: *mut u32 = 0x4000_4010 as *mut u32;
 const TRANSMIT_FULL: u32 = 1 << 0;
 const RECEIVE_FULL: u32 = 1 << 1;
 const TRANSMIT_AND_RECEIVE: u32 = 0b11;
-/// The smallest that the UART takes; the emulator sends as fast as it can.
+/// Smallest divisor that the UART accepts. The emulator sends as fast as it can in any case.
 const FASTEST: u32 = 16;
 
 impl Uart {

@@ -1,4 +1,4 @@
-"""Writes MCAP's conformance files anew, where a checkout has only pointers of Git LFS in their place.
+"""Makes MCAP's conformance files where a checkout has only pointers of Git LFS in their place.
 
 Each file is described by a JSON beside it. The pointer states the SHA-256 of the published file, and only a file with
 that sum is written. Arguments: the folder of the data, and the folder to write into. Prints the names of the files.
@@ -41,7 +41,7 @@ def numbers(values, form):
 
 
 def content(kind, f):
-    """The bytes of a record, but for its opcode and length."""
+    """The bytes of a record without its opcode and length."""
     n = {key: int(value) for key, value in f.items() if isinstance(value, str) and value.lstrip("-").isdigit()}
 
     def pack(form, *names):
@@ -91,7 +91,7 @@ def framed(kind, body, padding=b""):
 
 
 def chunked(records, features, padding):
-    """The records of the data section, in a chunk with its index behind it."""
+    """The records of the data section: in a chunk, followed by its index."""
     inside = [(kind, f) for kind, f in records if kind in ("Schema", "Channel", "Message")]
     body, offsets, times = b"", {}, []
     for kind, fields in inside:

@@ -1,4 +1,4 @@
-"""What PyArrow reads from files: a line of JSON for each, with its columns of numbers, or with the reason against it.
+"""Reads files with PyArrow. Prints a line of JSON for each: its columns of numbers, or the reason why it is refused.
 
 Arguments: `arrow` or `parquet`, and the files.
 """
@@ -23,7 +23,7 @@ def parquet(path):
 
 
 def number(value):
-    """A missing number, and one that is not finite, is `None`."""
+    """A number; `None` if it is missing or not finite."""
     value = None if value is None else float(value)
     return value if value is not None and abs(value) < float("inf") else None
 

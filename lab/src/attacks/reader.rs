@@ -119,7 +119,7 @@ fn judge(name: &str, ours: Reading, theirs: &Reading) -> Outcome {
     }
 }
 
-/// True if their reader has this column too. Missing numbers at the start and the end are ignored.
+/// True if the other project's reader has this column as well. Missing numbers at the start and the end are ignored.
 fn is_one_of(ours: &(String, Vec<Option<f64>>), theirs: &[(String, Vec<Option<f64>>)]) -> bool {
     let is_same = |a: &Option<f64>, b: &Option<f64>| match (a, b) {
         (Some(a), Some(b)) => (a - b).abs() <= ROUNDING * b.abs(),

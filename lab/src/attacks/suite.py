@@ -1,8 +1,8 @@
-"""Runs cases of Autobahn's test suite against a server that does not echo. For Python 2.7, as the suite.
+"""Runs cases of Autobahn's test suite, which needs Python 2.7, against a server that does not echo.
 
 The suite expects an echo of each message. The page's server answers each text with a text of its own, and sends
-binary frames unasked. So its n-th answer counts as the n-th echo, and its frames are left out. All else is as the
-suite has it.
+binary frames unasked. So its n-th answer counts as the n-th echo, and its frames are left out. Everything else is
+that of the suite.
 
 Prints a line of JSON to stderr for each case: its id, the suite's verdicts, and how the connection was closed.
 Arguments: the folder where the suite is installed, the address, the cases, and those to leave out.
@@ -22,7 +22,7 @@ OURS = fuzzing.FuzzingProtocol.onMessage
 
 
 def echo(case):
-    """What the suite waits for next."""
+    """The next message that the suite expects."""
     received = sum(1 for event in case.received if event[0] == "message")
     messages = [event for event in case.expected.get(case.OK, []) if event[0] == "message"]
     if received < len(messages):

@@ -28,8 +28,8 @@ const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\ns
     ragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
     correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
-/// The expected failures to read, with the numbers repeated, and the deadline: 64 periods of 175.7 µs (F-31) after a
-/// call.
+/// The expected failures to read, with the status numbers repeated here. The deadline is 64 periods of 175.7 µs (F-31)
+/// after a call.
 const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion \
     -25\nconverted 0\n\
     dip -22\ninitialise 0\nbroken -10\nafter it -15\ninitialise 0\nuntouched 7 7\nwhole 0\nheard 0\nquiet 0\nsilent \

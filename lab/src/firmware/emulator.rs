@@ -95,7 +95,7 @@ fn instructions(ticks: i64) -> Result<u64> {
 mod tests {
     use super::*;
 
-    /// From the notes of the first trial of the method: 1 000 rounds took 80 947 ticks, which are 3 162 instructions.
+    /// A measured case: 1 000 rounds of a loop took 80 947 ticks, which are 3 162 instructions.
     #[test]
     fn ticks_are_instructions() {
         assert_eq!(instructions(80_947).unwrap(), 3162);

@@ -156,13 +156,13 @@ mod tests {
         let tilted = std::array::from_fn(|k| 0.001 * (k as f64 - 3.0));
         let units = [judged([0.002; TEMPS], 0.002, 1), judged(tilted, 0.001, 2)];
         let summary = Summary::of(&units.iter().collect::<Vec<_>>());
-        // squares of 1/1000 °/s: nine times 4, and 9 4 1 0 1 4 9 16 25
+        // squared errors in (0.001 °/s)²: 9 · 4 of the first unit, and 9 4 1 0 1 4 9 16 25 of the second
         assert!((summary.residual_dph - 3.6 * (105.0f64 / 18.0).sqrt()).abs() < 1e-9, "{summary:?}");
-        // without their means, 2 and 1: nothing, and 16 9 4 1 0 1 4 9 16
+        // without the units' mean errors, 2 and 1, these are 0 and 16 9 4 1 0 1 4 9 16
         assert!((summary.shape_dph - 3.6 * (60.0f64 / 18.0).sqrt()).abs() < 1e-9, "{summary:?}");
         assert!((summary.at_temps_dph[3] - 3.6 * 2f64.sqrt()).abs() < 1e-9);
         let coverage = summary.coverage.unwrap();
-        // the tilted one is inside from −1 to 1, at three temperatures of nine
+        // the errors of the second unit are within the interval from −1 to 1 at three of nine temperatures
         assert_eq!((coverage.at_temps[0], coverage.at_temps[3], coverage.everywhere), (50.0, 100.0, 50.0));
         assert_eq!(coverage.worst(), 50.0);
         assert_eq!(summary.orders, Some([0.0, 50.0, 50.0, 0.0]));

@@ -2,7 +2,7 @@
 
     natives.py FOLDER
 
-The folder is bindings/python/tests. The slow tests are left out: what they add is arithmetic.
+The folder is bindings/python/tests. Slow tests are left out, because they only compute more.
 """
 
 import copy
@@ -50,7 +50,7 @@ class Called:
 
 
 def rest():
-    """What no test calls in this process, or only by way of Python's own functions."""
+    """Calls the functions that tests call only in other processes, or only through Python's own functions."""
     model = zerorate.allan(numpy.sin(numpy.arange(4096.0) ** 2), rate_hz=100.0)._core
     return [
         model.__copy__() is model,

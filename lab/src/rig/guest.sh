@@ -25,7 +25,7 @@ until_there() {
     done
 }
 
-# The adapter's driver suspends it after 10 ms without traffic, and then hears no edge.
+# The adapter's driver suspends the adapter after 10 ms without traffic, and then misses edges.
 keep_awake() { echo on > /sys/bus/usb/devices/1-1/power/control; }
 
 finished() {

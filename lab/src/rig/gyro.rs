@@ -39,7 +39,7 @@ const DESCRIPTOR: &[u8] = &[
     0x0A, 0x53, 0x08, 0x0A, 0x54, 0x08, 0x0A, 0x55, 0x08, // D2, D3, D4
     0xB1, 0x00, //
     0xC0, //
-    0x0A, 0x0E, 0x03, // property: report interval, ms where nothing is said
+    0x0A, 0x0E, 0x03, // property: report interval, in ms by default
     0x15, 0x00, 0x27, 0xFF, 0xFF, 0xFF, 0x7F, 0x75, 0x20, 0x95, 0x01, // 31 bits of 32
     0xB1, 0x02, // feature, a number
     0x0A, 0x01, 0x02, // sensor state
@@ -54,7 +54,7 @@ const DESCRIPTOR: &[u8] = &[
     0x81, 0x00, //
     0xC0, //
     0x16, 0x00, 0x80, 0x26, 0xFF, 0x7F, 0x75, 0x10, 0x95, 0x01, // 16 bits with a sign
-    0x55, 0x0E, // in 0.01 degrees per second, for that is the unit where nothing is said
+    0x55, 0x0E, // times 10⁻² of the default unit, degrees per second
     0x0A, 0x57, 0x04, 0x81, 0x02, // angular velocity about x
     0x0A, 0x58, 0x04, 0x81, 0x02, // y
     0x0A, 0x59, 0x04, 0x81, 0x02, // z
@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// Its messages to the kernel since then, and its record.
+    /// Takes the messages to the kernel and the record since the last call.
     fn told(gyro: &mut Gyro<Vec<u8>, Vec<u8>>) -> (Vec<u8>, String) {
         let record = std::mem::take(&mut gyro.record);
         (std::mem::take(&mut gyro.kernel), String::from_utf8(record).expect("text"))

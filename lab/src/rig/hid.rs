@@ -205,7 +205,7 @@ impl HidSummary {
 mod tests {
     use super::*;
 
-    /// Three readings of which the third was withheld, as they were sent and seen.
+    /// Readings 1, 2, 4 and 5 as the gyroscope sent them (3 was withheld), and the guest's rows of 2, 4 and 5.
     fn seen() -> (Vec<HidReading>, Vec<GuestRow>) {
         let sent = |number: u32| {
             let t_ns = i64::from(number) * 10_000_000;

@@ -99,8 +99,8 @@ fn record(method: Method, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// True if nothing in the hour distinguishes such conditions from good ones. The warning about the Earth's rotation,
-/// which every result has, covers them.
+/// True if nothing in the hour distinguishes the unit's conditions from good ones. The warning about the Earth's
+/// rotation, which every result has, covers them.
 fn is_unknowable(spec: &Spec) -> bool {
     let last_s = spec.fault_at_s.map_or(f64::INFINITY, |at_s| (HOUR_S - at_s).max(1.0));
     let sigma_mv = (WHITE_MV * WHITE_MV / last_s + FLICKER_MV * FLICKER_MV).sqrt();

@@ -1,4 +1,4 @@
-"""Logs of noise for `cargo xtask bench-peers`, and what reads them beside zerorate: polars and NumPy, then allantools.
+"""Makes logs of noise for `cargo xtask bench-peers`, and analyses them with polars or NumPy, then allantools.
 
 `files.py make FOLDER ROWS` writes one.csv, seven.csv, seven.parquet and one.npy. `files.py FILE COLUMN,…` reads
 columns and prints their overlapping Allan deviations at octaves. `files.py peak PROGRAM ARGUMENT…` prints the most

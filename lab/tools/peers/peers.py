@@ -35,7 +35,7 @@ def hundred(samples):
 
 
 def fine(samples):
-    """1, 2, 3, then four to an octave."""
+    """Averaging factors 1, 2, 3, then four per octave."""
     octaves = (float(quarter << k) for k in range(60) for quarter in (4, 5, 6, 7))
     return [1.0, 2.0, 3.0] + [m for m in octaves if 2 * m <= samples]
 

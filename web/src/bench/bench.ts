@@ -12,7 +12,7 @@ import { Tiles } from "./tiles";
 
 /** Time between two updates of the text for users who do not see the charts, ms. */
 const WORDS_MS = 5000;
-/** The least time between two changes of the numbers, so that they can be read, ms. */
+/** Shortest time between two changes of the numbers, so that they can be read, ms. */
 const NUMBERS_MS = 200;
 
 /** The first sentence of the page. */

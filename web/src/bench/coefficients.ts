@@ -2,7 +2,7 @@ import { duration, significant } from "../digits";
 import { h, say } from "../dom";
 import type { Coefficient, Statistics } from "../protocol";
 
-/** The three rows are there from the beginning, so that nothing moves when they fill. */
+/** The three rows exist from the beginning, so that nothing moves when they are filled. */
 const SYMBOLS = [
   ["N", "angle random walk"],
   ["B", "bias instability"],

@@ -4,7 +4,7 @@ import type { Calibrating } from "../protocol";
 import type { Stage } from "./calibrate";
 import { titleOf } from "./methods";
 
-/** Shows why a calibration ended without a result, and what to do. */
+/** Shows the reason why a calibration ended without a result, and the remedy. */
 export class Ended implements Stage {
   readonly element: HTMLElement;
   readonly #title = h("h1", {});

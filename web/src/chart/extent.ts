@@ -2,7 +2,7 @@
 export class Extent {
   #min = NaN;
   #max = NaN;
-  /** The least and largest value that was drawn last. */
+  /** The smallest and largest value of the last drawing. */
   seen: [number, number] | undefined;
 
   constructor(readonly least: number) {}

@@ -74,7 +74,7 @@ export abstract class Figure<T> {
     this.#plot = undefined;
   }
 
-  /** Whether there is something to draw. */
+  /** True if there is something to draw. */
   protected abstract isThere(data: T): boolean;
   protected abstract drawing(colours: Palette): Drawing;
   protected abstract columns(data: T): (number | null)[][];

@@ -11,11 +11,11 @@ export interface StripKind {
   column: Column;
   title: string;
   colour: "raw" | "corrected" | "temp";
-  /** The least range that the axis shows, °/s or °C. */
+  /** The smallest range that the axis shows, °/s or °C. */
   least: number;
-  /** Whether it shows a rate, in °/s or °/h. */
+  /** True if it shows a rate, in °/s or °/h. */
   isRate: boolean;
-  /** Whether its time axis has numbers. */
+  /** True if its time axis has numbers. */
   times: boolean;
   /** The text while there is nothing to show. */
   nothing: string;
@@ -37,7 +37,7 @@ const STEPS_S = [
   7200,
 ];
 
-/** The least time between two changes of the numbers above a strip, ms. */
+/** The shortest time between two changes of the numbers above a strip, ms. */
 const READ_MS = 250;
 
 /** Heights of the chart and of the numbers on its time axis, px. */
@@ -126,7 +126,7 @@ export class Strip {
     this.tell();
   }
 
-  /** Shows the values under the pointer, or the newest values, which change no more often than one can read them. */
+  /** Shows the values under the pointer, or else the newest values, at most every `READ_MS`. */
   tell(): void {
     const at = this.shared.hover;
     if (at === undefined && performance.now() - this.#told < READ_MS) return;
@@ -136,7 +136,7 @@ export class Strip {
     say(this.#readout, bin < 0 || bin >= this.#count ? "" : this.#words(bin, at !== undefined));
   }
 
-  /** The middle between least and largest value of the bin at a time, in the unit on view. */
+  /** The mean of the smallest and largest value of the bin at a time, in the displayed unit. */
   middle(at_s: number): number | undefined {
     const bin = this.#index(at_s);
     if (bin < 0 || bin >= this.#count) return undefined;
@@ -144,7 +144,7 @@ export class Strip {
     return Number.isFinite(middle) ? middle * this.scale : undefined;
   }
 
-  /** The least and largest value on view in words, for users who do not see the chart. */
+  /** The smallest and largest displayed value in words, for users who do not see the chart. */
   summary(): string {
     const range = this.#extent.seen;
     if (!range) return `${this.kind.title}: ${this.kind.nothing}`;
@@ -263,7 +263,7 @@ export class Strip {
     for (let bin = end - 1; bin >= from; bin--) area.lineTo(x(bin), y(this.#least, bin));
   }
 
-  /** A bin between empty ones, as of a part that is slower than the bins. It needs a width to be drawn. */
+  /** Draws a bin between empty bins, as with a part that is slower than the bins. It needs a width to be visible. */
   #alone(area: Path2D, x: number, top: number, bottom: number, u: uPlot): void {
     const { window } = this.shared;
     const bin = ((this.#ring?.bin_s ?? 0) / (window.to - window.from)) * u.bbox.width;

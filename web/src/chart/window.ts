@@ -8,7 +8,7 @@ export const SPANS = [1, 10, 60, 600, 3600] as const;
 const SHORTEST_S = 0.02;
 const LONGEST_S = 4 * 3600;
 
-/** The time on view: the newest so many seconds, or an interval that is held. */
+/** The displayed time: the newest `span_s` seconds, or an interval that is held. */
 export class TimeWindow {
   span_s = 10;
   #held: { from: number; to: number } | undefined;
@@ -19,7 +19,7 @@ export class TimeWindow {
     return this.#held !== undefined;
   }
 
-  /** The newest time, s since the first sample. */
+  /** Sets the newest time, s since the first sample. */
   follow(newest_s: number): void {
     this.#newest = newest_s;
   }
@@ -62,7 +62,7 @@ export class TimeWindow {
     this.hold(at - share * span, at - share * span + span);
   }
 
-  /** Moves by a share of the span on view. */
+  /** Moves by a share of the displayed span. */
   pan(share: number): void {
     const by = share * (this.to - this.from);
     if (!this.#held && by > 0) return;
@@ -71,7 +71,7 @@ export class TimeWindow {
   }
 }
 
-/** The finest level that covers the time on view and needs no more bins than are drawn. */
+/** The finest level that covers the displayed time with at most `DRAWN` bins. */
 export function levelFor(levels: readonly Ring[], from_s: number, to_s: number): Ring | undefined {
   const begin_s = Math.max(from_s, 0);
   for (const ring of levels) {

@@ -15,7 +15,7 @@ export class Inside implements Link {
   onstate: (state: LinkState) => void = () => {};
   /** Bytes for the serial port of this window. */
   onserial: (bytes: Uint8Array) => void = () => {};
-  /** The session no longer reads the port of this window. */
+  /** Called when the session no longer reads the port of this window. */
   onrelease: () => void = () => {};
   readonly #asking = new Asking();
   #port: Port | undefined;

@@ -40,8 +40,8 @@ function copied(bytes: Uint8Array, at: number, into: Uint8Array): number {
 }
 
 /**
- * Lets the module of this worker read a file; `progress` hears how far it is. The returned function restores the file
- * from before.
+ * Lets the module of this worker read a file. `progress` is called with the bytes read and the size. The returned
+ * function restores the previous file.
  */
 export function serveFile(file: File, progress: (read: number, size: number) => void = () => {}): () => void {
   const before = (self as { zerorate?: unknown }).zerorate;

@@ -11,9 +11,9 @@ interface Window {
   onmessage: ((event: MessageEvent<ToLive>) => void) | null;
 }
 
-/** Time between two turns, ms: 30 frames a second. */
+/** Time between two turns of the session, ms: 30 frames per second. */
 const TURN_MS = 33;
-/** The share of a turn for readings, ms. The rest is for requests of the windows. */
+/** Time for reading samples in a turn, ms. The rest is for requests of the windows. */
 const BUDGET_MS = 25;
 
 type Hello = Extract<ToLive, { do: "hello" }>;
@@ -120,7 +120,7 @@ function take(open: LiveSession, calibrations: string[], applied: string | null)
   if (applied !== null && calibrations.length > 0) open.apply(applied);
 }
 
-/** Shows the first look, except to a page that keeps calibrations: its cache already has the session. */
+/** Shows the first look, except to a page with stored calibrations, whose cache already has the session's module. */
 function lookFirst(window: Window, said: Hello): void {
   if (said.open.is !== "twin" || said.calibrations.length > 0) return;
   try {
@@ -131,7 +131,7 @@ function lookFirst(window: Window, said: Hello): void {
   }
 }
 
-/** Lets the session continue where the first look is. */
+/** Lets the session continue at the time that the first look has reached. */
 function goOn(open: LiveSession): void {
   if (look !== undefined) open.catch_up(look.shown_s());
   look?.free();

@@ -8,8 +8,8 @@ export type ToLog =
   | { do: "analyse" }
   | { do: "noise-file"; command: NoiseFileCommand };
 
-/** Messages from the worker. `looked` answers `look`; `axis` for each column, `bias` if there is one, and
- * then `summary` answer `analyse`. */
+/** Messages from the worker. `looked` answers `look`. `analyse` is answered by an `axis` for each column, a `bias` if
+ * there is one, and then the `summary`. */
 export type FromLog =
   /** Progress of the work: its share (0 … 1, if known), and what is being done. */
   | { is: "progress"; share: number | null; text: string }

@@ -1,4 +1,4 @@
-// What the charts show, against what is known of the twin, or of a recording by other means.
+// The charts, compared with the truth of the twin or with the samples of a recording.
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -21,7 +21,7 @@ function numbers(text) {
   return [Number(value.replace("−", "-")), Number(u)];
 }
 
-/** Pixels of a strip that have its own colour, or nearly. */
+/** Number of pixels of a strip that have about the strip's colour. */
 function drawn(page, strip) {
   return page.$eval(`.strip.${strip} canvas`, (canvas, name) => {
     const hex = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -36,7 +36,7 @@ function drawn(page, strip) {
 }
 
 test("a part that is slower than the bins is on the strips", { skip: without.program }, async () => {
-  // some 110 samples a second, in bins of 1 ms: eight of nine are empty
+  // about 110 samples per second in bins of 1 ms: eight of nine bins are empty
   const path = recorded(`${folder}/slow.arrows`, "seed=7", "--duration", "2m");
   const { page, context, faults } = await open(home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
@@ -57,7 +57,7 @@ test("the time on view, by choice and by the pointer", async () => {
   const over = page.locator(".strip.raw .u-over");
   const { width, height } = await over.boundingBox();
   const at = (share) => ({ x: share * width, y: height / 2 });
-  /** Seconds on view: between cursors at a tenth and at nine tenths. */
+  /** The displayed span, s, from cursors at a tenth and at nine tenths of the width. */
   const span = async () => {
     await over.click({ position: at(0.1) });
     await over.click({ position: at(0.9), modifiers: ["Shift"] });
@@ -94,7 +94,7 @@ test("marks of the spectrum, and when a coefficient will be identified", async (
   await becomes(page, ".marks", /bandwidth 300 Hz.*half of the sample rate, \d{4}/);
   const marks = await page.textContent(".marks");
   const [, folded, half] = /appears at ([\d.]+) Hz.*half of the sample rate, ([\d.]+) Hz/s.exec(marks);
-  // F-07: 14.3 kHz, which lies between 2.5 and 3 rates up (F-31)
+  // 14.3 kHz (F-07) is between 2.5 and 3 times the sample rate (F-31), and aliases to 3 times the rate minus itself
   assert.ok(Math.abs(Number(folded) - (6 * Number(half) - 14_300)) < 0.5, marks);
   await becomes(page, ".coefficients", /N.*identified/);
   await becomes(page, ".coefficients tbody tr:nth-child(3)", /identified in \d+/);
@@ -120,7 +120,7 @@ test("several axes: each has its own rate, by the switch", { skip: without.progr
   const lines = readFileSync(path, "utf8").split(/\r?\n/).filter((line) => /^\d/.test(line));
   const rows = lines.map((line) => line.split(",").map(Number));
   const last = rows.filter(([t_ns]) => t_ns > rows.at(-1)[0] - 1e9);
-  // t_ns, edge_seq and the codes: F-40 has 23 488 of them in 1 °/s, and 0 °/s in the middle of 24 bits
+  // columns t_ns, edge_seq and the codes; 1 °/s is 23 488 codes, and 0 °/s is 2²³ (F-40)
   const mean = (axis) => last.reduce((sum, row) => sum + row[axis], 0) / last.length;
   const truth = [2, 3, 4].map((axis) => (mean(axis) - 2 ** 23) / 23_488);
   const { page, context, faults } = await open(home.browser, `${home.site.url}#device`);

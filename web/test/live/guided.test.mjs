@@ -1,4 +1,4 @@
-// Guided calibrations to their ends, good and bad.
+// Guided calibrations, with and without a result.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { staticHome } from "../static.mjs";
@@ -8,7 +8,7 @@ import { becomes, open, PATIENCE, twinOf } from "../world.mjs";
 const home = staticHome();
 
 test("by every sample, until somebody says that this is enough", async () => {
-  // it warms itself by 20 °C in the 5 min before the oven cools by 2 °C/min (F-57)
+  // the part warms itself by 20 °C in the 5 min before the oven cools by 2 °C/min (F-57)
   const prepare = twinOf("seed=7,profile=oven,warmup_c=20,warmup_s=60");
   const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`, { prepare });
   await beginCalibration(page, "cycle", 1200);

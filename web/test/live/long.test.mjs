@@ -1,4 +1,4 @@
-// What takes long, or much: memory over minutes at speed, and a log of 20 million samples.
+// Long tests: memory over minutes at high speed, and a log of 20 million samples.
 import assert from "node:assert/strict";
 import { closeSync, mkdtempSync, openSync, rmSync, writeSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -8,7 +8,7 @@ import { staticHome } from "../static.mjs";
 import { liveBench } from "../suite.mjs";
 import { open, PATIENCE } from "../world.mjs";
 
-/** How long the heap is looked at, s. */
+/** Time for which the heap is observed, s. */
 const LOOK_S = 45;
 const SAMPLES = 20_000_000;
 const RATE_HZ = 1000;
@@ -42,7 +42,7 @@ test("the heap of the page does not grow, however fast the samples come", async 
   await context.close();
 });
 
-/** White noise as an NPY of one column: the same numbers on every machine, by xorshift and Box and Muller. */
+/** Writes white noise as an NPY file of one column, the same on every machine (xorshift, Box–Muller transform). */
 function writeNoise(path) {
   const file = openSync(path, "w");
   writeSync(file, npyHead(SAMPLES, 1));
@@ -92,7 +92,7 @@ test("20 million samples: the page stays alive, and finds the noise that they we
   console.log(`20 million samples in ${took_s} s; longest gap between frames ${Math.round(longest)} ms`);
   assert.match(await page.textContent(".log .doing"), /done/);
   assert.ok(longest < 1000, `${longest} ms without a frame`);
-  // 0.1 at 1 kHz is 0.1 · √0.001 s; of one column without a name nobody says that it is a gyroscope
+  // 0.1 per sample at 1 kHz is N = 0.1 · √0.001 s; an unnamed column has no unit
   const found = await page.textContent(".axes-of-log .coefficients tbody tr:first-child");
   const [, value, lo, hi] = /walk([\d.]+) \[([\d.]+), ([\d.]+)\] unit·√s/.exec(found) ?? assert.fail(found);
   assert.ok(Math.abs(Number(value) / 0.003_162_3 - 1) < 0.005, found);

@@ -1,4 +1,4 @@
-// A bridge behind Web Serial: the firmware in QEMU, its bytes through a port that the test puts into the page.
+// A bridge behind Web Serial: firmware in QEMU, connected to a fake port in the page.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { proxy, staticHome } from "../static.mjs";
@@ -37,7 +37,7 @@ test(
     await liveBench(page);
     assert.deepEqual(faults, []);
     child.kill();
-    // what came before is read first, which takes a busy machine its time
+    // the page reads the remaining bytes first, which takes a while on a busy machine
     await becomes(page, "header .state", /cannot be read/, 3 * PATIENCE);
     sockets.close();
     await context.close();

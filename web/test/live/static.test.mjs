@@ -24,7 +24,7 @@ test("the twin is on view without a click, and soon", async () => {
   const { page, context, faults } = await open(home.browser, home.site.url);
   await liveBench(page);
   await context.close();
-  // a second visit, as most are: the time is printed, and held to nothing but patience
+  // a second visit, with a filled cache; the time is only printed
   const again = await open(home.browser, home.site.url);
   console.log(`page to first picture: ${Math.round(await firstTrace(again.page))} ms`);
   assert.deepEqual([faults, again.faults], [[], []]);
@@ -37,7 +37,7 @@ test("the policy is in force, and nothing comes from elsewhere", async () => {
     prepare: (page) => page.on("request", (request) => hosts.add(new URL(request.url()).origin)),
   });
   for (const name of PAGES) await page.click(`nav a[href="#${name}"]`);
-  // not by evaluating: what the debugger evaluates is above the policy
+  // without page.evaluate of the script itself, because the debugger's scripts bypass the policy
   const refused = await page.evaluate(
     () =>
       new Promise((done) => {
@@ -68,7 +68,7 @@ test("the twin is seen before the session has come, which goes on in its place",
   const samples = async () => Number((await page.textContent(".tile.ledger .value")).replace(/\D/g, ""));
   await becomes(page, ".tile.raw .value", /\d/);
   await becomes(page, ".tile.ledger .value", /\d.?\d{3}/);
-  // nobody is there yet who could answer
+  // the first look cannot answer requests, so the session must do it later
   await page.getByLabel("max", { exact: true }).check();
   const before = await samples();
   assert.match(await page.textContent(".coefficients"), /angle random walk · not yet/);
@@ -98,7 +98,7 @@ test("a whole calibration, over a reload and in two windows, and its files", asy
   assert.deepEqual(faults, []);
   await second.page.close();
 
-  // it is kept: a browser that forgot the session still has the calibration
+  // the browser stores it: a window without the session still has the calibration
   await page.click('nav a[href="#device"]');
   await becomes(page, ".on-file", /T-1.*Applied/);
   const stored = await page.evaluate(() => JSON.parse(localStorage.getItem("zerorate.calibrations")));
@@ -229,7 +229,7 @@ test("who leaves a calibration is asked by the browser, who ends it by the page,
   });
   await page.getByRole("button", { name: "Abort" }).click();
   await page.waitForSelector("dialog[open]");
-  // the rest of the page is inert
+  // the rest of the page is inert while the dialog is open
   assert.deepEqual(await bars(page, 5), []);
   const done = await page.textContent(".run .left");
   await page.waitForFunction((done) => document.querySelector(".run .left").textContent !== done, done);

@@ -1,4 +1,4 @@
-// What goes wrong around the page: it says so, and goes on where it can.
+// Failures around the page: the page reports each and continues if it can.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { giveLog, LOGS } from "../logs.mjs";
@@ -8,7 +8,7 @@ import { becomes, open } from "../world.mjs";
 
 const home = staticHome();
 
-/** Canvases that the page holds, on view or not. */
+/** Number of canvases in the page's memory, visible or not. */
 async function canvases(page) {
   const chromium = await page.context().newCDPSession(page);
   const { result } = await chromium.send("Runtime.evaluate", { expression: "HTMLCanvasElement.prototype" });
@@ -46,7 +46,7 @@ test("a part of the page that is not there any more: said, and the rest goes on"
 
 test("a session that breaks down answers what is asked of it", async () => {
   const { page, context } = await open(home.browser, home.site.url, {
-    // a worker that says hello and no more, then that it failed
+    // a worker that fails at the first request
     prepare: (page) =>
       page.addInitScript(() => {
         const Real = SharedWorker;
@@ -94,7 +94,7 @@ test("charts that are gone are not kept", async () => {
   const stage = async () => {
     await page.click('nav a[href="#calibrate"]');
     await page.click(".choosing button.primary");
-    // not by waiting for it, which would keep it
+    // waitForSelector would keep the canvas in memory
     await page.waitForFunction(() => document.querySelector(".run .trace canvas") !== null);
     await page.getByRole("button", { name: "Abort" }).click();
     await page.getByRole("button", { name: "End it" }).click();
@@ -107,7 +107,7 @@ test("charts that are gone are not kept", async () => {
   const before = await canvases(page);
   for (let again = 0; again < 3; again += 1) await stage();
   assert.ok(before >= 3, `${before} canvases`);
-  // a picture that is still to be drawn keeps its chart until then
+  // a queued animation frame may keep a removed chart for a moment
   let after = await canvases(page);
   for (let look = 0; look < 50 && after !== before; look += 1) {
     await page.waitForTimeout(100);

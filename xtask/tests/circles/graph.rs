@@ -1,8 +1,8 @@
-//! Which module uses which, and the circles in that.
+//! A graph of modules that use each other, and its circles.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// Modules that use modules, each use with the place where it was seen first.
+/// Uses between modules, each with the place where it was seen first.
 #[derive(Default)]
 pub struct Graph {
     uses: BTreeMap<String, BTreeMap<String, String>>,
@@ -13,7 +13,8 @@ impl Graph {
         self.uses.entry(user.to_owned()).or_default().entry(used.to_owned()).or_insert(place);
     }
 
-    /// Each set of modules that reach each other: their names, and a shortest way around, a line for each use.
+    /// Finds the sets of modules that reach each other. Each has their names and a shortest circle, a line for each
+    /// use.
     pub fn circles(&self) -> Vec<String> {
         let mut seen = BTreeSet::new();
         let mut found = Vec::new();
@@ -40,7 +41,7 @@ impl Graph {
         text
     }
 
-    /// The shortest way from a module over at least one use to another, or back to itself.
+    /// The shortest path with at least one use from a module to another, or back to itself.
     fn way<'a>(&'a self, from: &'a str, to: &str) -> Option<Vec<&'a str>> {
         let mut before: BTreeMap<&str, &str> = BTreeMap::new();
         let mut open = VecDeque::from([from]);
@@ -60,7 +61,7 @@ impl Graph {
     }
 }
 
-/// The way that led to `to`, from its beginning.
+/// The path that led to `to`, from its beginning.
 fn back<'a>(before: &BTreeMap<&'a str, &'a str>, from: &str, to: &'a str) -> Vec<&'a str> {
     let mut way = vec![to];
     let mut module = before[to];

@@ -1,8 +1,8 @@
 //! No module of a crate reaches itself through another.
 //!
-//! A module is one that the root of the crate declares, together with everything below it. The root may name every
-//! module. A name that the root gives out counts for the module that the name comes from. What the root defines itself
-//! makes it a module like any other. Tests are left out.
+//! A module is declared in the root of the crate and includes everything below it. The root may name every module. A
+//! name that the root re-exports counts for the module that the name comes from. Items that the root defines itself
+//! make it a module like any other. Tests are left out.
 
 mod graph;
 mod rust;
@@ -30,7 +30,7 @@ fn no_module_reaches_itself_through_another() {
 
 /// One file of a crate.
 struct Source {
-    /// Below `src`.
+    /// Path of the file below `src`.
     path: String,
     text: String,
 }
@@ -48,7 +48,7 @@ impl Source {
         self.path.split('/').any(|part| matches!(part, "tests" | "tests.rs"))
     }
 
-    /// The modules that it lies in, from the root on.
+    /// The modules that contain the file, from the root on.
     fn modules(&self) -> Vec<&str> {
         let path = self.path.trim_end_matches(".rs").trim_end_matches("/mod");
         path.split('/').collect()
@@ -59,7 +59,7 @@ impl Source {
     }
 }
 
-/// Which module uses which, and where it does so first.
+/// Finds which module uses which, each with the first place.
 fn uses(sources: &[Source]) -> Graph {
     let roots: Vec<Vec<Token>> = sources.iter().filter(|file| file.is_root()).map(Source::tokens).collect();
     let modules: BTreeSet<&str> = roots.iter().flat_map(|root| rust::declared(root)).collect();

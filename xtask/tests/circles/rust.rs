@@ -7,7 +7,7 @@ pub struct Token<'a> {
     pub line: usize,
 }
 
-/// One end of a path that may branch: `a::{b, c as d}` has `a::b` and `a::c`, which is called `d`.
+/// One end of a branching path: `a::{b, c as d}` has the ends `a::b` and `a::c`, which is called `d`.
 #[derive(Debug)]
 pub struct Leaf<'a> {
     pub path: Vec<&'a str>,
@@ -37,7 +37,7 @@ fn is_part_of_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// How long the word, comment, text or other token is that `rest` begins with.
+/// Length of the word, comment, text or other token at the start of `rest`.
 fn token_length(rest: &str) -> usize {
     let until = |end: &str| rest.find(end).map_or(rest.len(), |at| at + end.len());
     if rest.starts_with("//") {
@@ -66,7 +66,7 @@ fn token_length(rest: &str) -> usize {
     if word > 0 { word } else { rest.chars().next().map_or(0, char::len_utf8) }
 }
 
-/// `'a'` and `'\n'`, not `'a`, which is a lifetime.
+/// True for `'a'` and `'\n'`, not for `'a`, which is a lifetime.
 fn is_char(rest: &str) -> bool {
     let mut inside = rest.chars().skip(1);
     inside.next() == Some('\\') || inside.next() == Some('\'')
@@ -83,7 +83,7 @@ fn quoted_length(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// Comments may contain comments.
+/// Length of a block comment, which may contain comments.
 fn comment_length(rest: &str) -> usize {
     let mut depth = 0;
     let mut at = 0;
@@ -102,7 +102,7 @@ fn comment_length(rest: &str) -> usize {
     at
 }
 
-/// The same without items behind `#[cfg(test)]` or `#[cfg(all(test, …))]`.
+/// The tokens without items behind `#[cfg(test)]` or `#[cfg(all(test, …))]`.
 pub fn without_tests(tokens: Vec<Token<'_>>) -> Vec<Token<'_>> {
     let mut kept = Vec::new();
     let mut at = 0;
@@ -118,7 +118,7 @@ pub fn without_tests(tokens: Vec<Token<'_>>) -> Vec<Token<'_>> {
     kept
 }
 
-/// Behind the bracket that closes the one at `at`.
+/// Index after the bracket that closes the one at `at`.
 fn end_of_group(tokens: &[Token], at: usize) -> usize {
     let mut depth = 0;
     for (ahead, token) in tokens[at..].iter().enumerate() {
@@ -130,7 +130,7 @@ fn end_of_group(tokens: &[Token], at: usize) -> usize {
     tokens.len()
 }
 
-/// Behind the item that begins at `at`: its semicolon, or its block.
+/// Index after the item that begins at `at`: after its semicolon or its block.
 fn end_of_item(tokens: &[Token], mut at: usize) -> usize {
     while at < tokens.len() {
         match tokens[at].text {
@@ -157,7 +157,7 @@ pub fn declared<'a>(root: &[Token<'a>]) -> Vec<&'a str> {
     triples.map(|three| three[1].text).collect()
 }
 
-/// Names that a root gives out or uses, each with the module that it comes from.
+/// Names that a root re-exports or uses, each with the module that it comes from.
 pub fn given<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     let mut found = Vec::new();
     for (at, _) in root.iter().enumerate().filter(|(_, token)| token.text == "use") {
@@ -188,7 +188,7 @@ pub fn used_by_items<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     given(root).into_iter().filter(|(name, module)| name != module && is_used(name)).collect()
 }
 
-/// What a file that lies `depth` modules below the root names of it, by `crate::` or `super::`, with the lines.
+/// Names of the root that a file `depth` modules below uses by `crate::` or `super::`, with their lines.
 pub fn names_of_the_root<'a>(tokens: &[Token<'a>], depth: usize) -> Vec<(&'a str, usize)> {
     let mut found = Vec::new();
     let mut braces = 0;
@@ -222,14 +222,14 @@ pub fn names_of_the_root<'a>(tokens: &[Token<'a>], depth: usize) -> Vec<(&'a str
     found
 }
 
-/// All ends of the path that `tokens` begin with.
+/// All ends of the path at the start of `tokens`.
 pub fn leaves<'a>(tokens: &[Token<'a>]) -> Vec<Leaf<'a>> {
     let mut found = Vec::new();
     follow(tokens, 0, &mut Vec::new(), &mut found);
     found
 }
 
-/// Follows the path at `at` and returns what comes behind it.
+/// Follows the path at `at`, and returns the index after it.
 fn follow<'a>(tokens: &[Token<'a>], mut at: usize, path: &mut Vec<&'a str>, found: &mut Vec<Leaf<'a>>) -> usize {
     let text = |at: usize| tokens.get(at).map_or("", |token| token.text);
     let before = path.len();

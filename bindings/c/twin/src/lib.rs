@@ -14,7 +14,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{InputPin, OutputPin, PinState};
 use embedded_hal::spi::SpiDevice;
 
-/// A twin with everything that it is reached by.
+/// A twin with its bus and pins.
 pub struct Rig {
     twin: Twin,
     spi: TwinSpi,
@@ -23,7 +23,7 @@ pub struct Rig {
     self_test: SelfTestPin,
 }
 
-/// A twin of a specification such as `seed=7,warmup-s=30`; null where that says nothing.
+/// Makes a twin by keys such as `seed=7,warmup_s=30`; null if they are invalid.
 ///
 /// # Safety
 /// `keys` is a C string.
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn zerorate_twin_new(keys: *const c_char) -> *mut Rig {
     Box::into_raw(Box::new(Rig { twin, spi, rdy, delay, self_test }))
 }
 
-/// Gives the memory back.
+/// Frees a twin.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`] and is not used again.
@@ -49,10 +49,10 @@ pub unsafe extern "C" fn zerorate_twin_free(rig: *mut Rig) {
     drop(unsafe { Box::from_raw(rig) });
 }
 
-/// One CS-low frame.
+/// Transfers one frame of CS.
 ///
 /// # Safety
-/// `rig` came from [`zerorate_twin_new`]; `bytes` are so many.
+/// `rig` came from [`zerorate_twin_new`]; `bytes` points to `length` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_transfer(rig: *mut Rig, bytes: *mut u8, length: usize) -> i32 {
     // SAFETY: by the contract.
@@ -90,7 +90,7 @@ pub unsafe extern "C" fn zerorate_twin_self_test(rig: *mut Rig, level: i32) -> i
     unsafe { &mut *rig }.self_test.set_state(PinState::from(level != 0)).map_or(-1, |()| 0)
 }
 
-/// Simulated time.
+/// Simulated time, ns.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`].
@@ -100,7 +100,7 @@ pub unsafe extern "C" fn zerorate_twin_now_ns(rig: *mut Rig) -> u64 {
     unsafe { &*rig }.twin.now_ns()
 }
 
-/// The next falling edge of RDY: 1 and its time and number, or 0 where none came within a tenth of a second.
+/// The next falling edge of RDY: returns 1, with its time and number, or 0 if none comes within a tenth of a second.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`]; the others can be written to.
@@ -133,7 +133,7 @@ pub unsafe extern "C" fn zerorate_twin_set_fault(rig: *mut Rig, fault: i32) {
     unsafe { &*rig }.twin.set_fault(fault);
 }
 
-/// C's memory.
+/// The allocator of C.
 struct Malloc;
 
 #[global_allocator]
@@ -145,7 +145,7 @@ unsafe extern "C" {
     fn abort() -> !;
 }
 
-// SAFETY: malloc gives memory for anything of up to 8 bytes alignment, and more is not asked for.
+// SAFETY: malloc aligns memory to 8 bytes at least, and `alloc` refuses larger alignments.
 unsafe impl GlobalAlloc for Malloc {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         if layout.align() > 8 {

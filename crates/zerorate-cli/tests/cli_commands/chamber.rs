@@ -4,7 +4,7 @@ use crate::harness::{Bench, PROGRAM, Run, send, start, wait_until};
 use serde_json::Value;
 use std::process::Command;
 
-/// A twin that warms itself in a minute, with 225 samples per second.
+/// A twin whose self-heating has a time constant of 10 s, with 223 samples per second (F-56).
 const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
 /// Two soak points, which take four minutes of simulated time.
 const QUICK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\

@@ -177,10 +177,10 @@ fn codes_of_axes() -> Vec<Vec<i64>> {
 }
 
 impl Trial {
-    /// The expected output. It begins with whether core and calibration cover the temperature. For each axis it has the
-    /// corrected code, the nearest row of the table, whether that row is valid, and the corrected code at the nearest
-    /// temperature that the calibration covers. Codes come from the core, which is tested against exact arithmetic. No
-    /// temperature code lies half-way between two rows.
+    /// The expected output. It begins with whether core and calibration cover the temperature. For each axis it has
+    /// the corrected code, the nearest row of the table, whether that row is valid, and the corrected code at the
+    /// nearest temperature that the calibration covers. Codes come from the core, which is tested against exact
+    /// arithmetic. No temperature code lies half-way between two rows.
     fn expected(&self) -> String {
         let (calibration, _) = Calibration::parse(&self.file).unwrap();
         let (temp_scale, validity) = (calibration.temp.unwrap(), calibration.validity.unwrap());

@@ -95,6 +95,7 @@ fn corrections(bench: &Bench, log: &str, part: &str) -> Vec<Correction> {
 
 /// The rates are in rad/s: the part file states it for the columns of ArduPilot, and PX4 defines it for its fields.
 /// The PX4 log is read with and without column names in the part file.
+#[test]
 fn every_form_gives_the_same_calibration() {
     let bench = Bench::new();
     bench.write("ardupilot.csv", of_ardupilot());

@@ -68,7 +68,7 @@ fn iio_info_shows_every_attribute() {
     assert_eq!(number(&info, "attr  0: raw value: ").fract(), 0.0);
     assert!((number(&info, "attr  1: scale value: ") / (1f64.to_radians() / 23_488.0) - 1.0).abs() < 1e-9, "{info}");
     assert_eq!(number(&info, "attr  2: offset value: "), -8_388_608.0);
-    // the rate of F-31 at a clock that is good to 1 % (F-32)
+    // the rate of F-31 at a clock that is good to 1 % (M-06)
     assert!((5_600.0..5_800.0).contains(&number(&info, "sampling_frequency value: ")), "{info}");
 }
 

@@ -103,7 +103,7 @@ def _save(content: bytes, output: Path) -> None:
 
 
 def _one_line(error: Exception) -> str:
-    """What is wrong; for a failed call of the system, with the file first."""
+    """The error text; for a failed system call, with the file first."""
     if isinstance(error, OSError) and error.filename and error.strerror:
         return f"{error.filename}: {error.strerror}"
     return " ".join(str(error).split())

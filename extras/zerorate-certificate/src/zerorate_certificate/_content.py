@@ -1,4 +1,4 @@
-"""What a certificate says. The page and the XML are two forms of this content, so that neither knows more."""
+"""The content of a certificate. The page and the XML are two forms of it, so that neither says more."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _Stated = TypeVar("_Stated")
 
 @dataclass(frozen=True)
 class Content:
-    """A calibration, the laboratory's part, and what follows from both."""
+    """A calibration, the laboratory's part, and values derived from both."""
 
     calibration: Calibration
     run: Run
@@ -97,7 +97,7 @@ class Content:
 
     @property
     def settings(self) -> str:
-        """How the method was carried out."""
+        """Settings with which the method was carried out."""
         run, calibration = self.run, self.calibration
         texts = [
             f"Recorded for {run.duration_s:.0f} s: {run.samples} samples at {run.rate_hz:.6g} Hz, "
@@ -144,7 +144,7 @@ def is_simulated(calibration: Calibration) -> bool:
 def _load(path: str | os.PathLike[str]) -> Calibration:
     text = Path(path).read_text(encoding="utf-8")
     with warnings.catch_warnings():
-        # The only warning is a missing checksum: then nothing shows that these numbers were measured.
+        # the only warning is a missing checksum, without which nothing shows that these numbers were measured
         warnings.simplefilter("error", UserWarning)
         try:
             return Calibration.parse(text)

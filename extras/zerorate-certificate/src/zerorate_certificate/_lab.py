@@ -1,4 +1,4 @@
-"""The laboratory's part of a certificate: what no measurement knows. It is read from ``lab.toml``."""
+"""The laboratory's part of a certificate: facts that the measurement does not know, read from ``lab.toml``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ EXAMPLE = Path(__file__).with_name("lab.toml")
 
 MAX_NUMBER = 80
 MAX_NAME = 240
-"""Characters of a certificate's number and of a laboratory's name, which stand above each page."""
+"""Largest number of characters of a certificate's number and of a laboratory's name, which are above each page."""
 
 PLACES = {
     "laboratory": "In the laboratory",
@@ -62,12 +62,12 @@ class Equipment:
 
 @dataclass(frozen=True)
 class Item:
-    """What the laboratory knows about the item."""
+    """The laboratory's facts about the item."""
 
     manufacturer: str
     condition: str
     serial: str | None = None
-    """None where the calibration has it."""
+    """None if the calibration has it."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Replaced:
 
 @dataclass(frozen=True)
 class Lab:
-    """What the laboratory states. `Lab.load` reads it from a file."""
+    """The statements of the laboratory. `Lab.load` reads them from a file."""
 
     number: str
     """Number of the certificate, unique in the laboratory."""
@@ -90,7 +90,7 @@ class Lab:
     """The first one authorises the certificate."""
     item: Item
     place: str
-    """Where the calibration was performed: a key of ``PLACES``."""
+    """Place of the calibration: a key of ``PLACES``."""
     issued: date
     deviations: str
     """Additions to the method, deviations and exclusions from it."""
@@ -98,7 +98,7 @@ class Lab:
     received: date | None = None
     remarks: str | None = None
     customer_data: str | None = None
-    """What the customer stated and the laboratory did not check."""
+    """Facts that the customer stated and the laboratory did not check."""
     equipment: list[Equipment] = field(default_factory=list)
     conditions: list[Quantity] = field(default_factory=list)
     replaces: Replaced | None = None
@@ -148,7 +148,7 @@ def _lab(root: Table) -> Lab:
 
 
 def _place_address(root: Table, place: str) -> str | None:
-    """Where the work was done; the two addresses of the file need not be repeated."""
+    """The address of the place. The two addresses of the file need not be repeated."""
     address = root.text_or_none("place_address")
     if address is None and place in ("laboratoryBranch", "customerBranch", "other"):
         root.missing("place_address")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 ATTACHMENT = "dcc.xml"
 
 OLDEST_WEASYPRINT = 67
-"""Older ones leave out a character that no font has, and say nothing. This one needs Python 3.10."""
+"""Older versions silently leave out a character that no font has. This version needs Python 3.10."""
 
 
 def pdf_of(content: Content) -> bytes:
@@ -47,7 +47,7 @@ def pdf_of(content: Content) -> bytes:
 
 def _weasyprint() -> Any:
     try:
-        # WeasyPrint prints a paragraph where a library is missing
+        # WeasyPrint prints a paragraph if a library is missing
         with contextlib.redirect_stdout(io.StringIO()):
             import weasyprint
     except ModuleNotFoundError as error:
@@ -64,7 +64,7 @@ def _weasyprint() -> Any:
 
 
 class _Complaints(logging.Handler):
-    """Collects what WeasyPrint logs. A character that no font has would become an empty box in silence."""
+    """Collects the log messages of WeasyPrint. A character that no font has would silently become an empty box."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)

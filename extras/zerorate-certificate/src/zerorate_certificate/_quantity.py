@@ -55,7 +55,7 @@ CONDITION_UNITS = {
 
 
 def covariance_unit(power: int) -> Unit:
-    """(°/s)²/°C to this power."""
+    """The unit (°/s)²/°C to this power."""
     digits = str(power).translate(str.maketrans("123456", "\u00b9\u00b2\u00b3\u2074\u2075\u2076"))
     kelvin = rf"\kelvin\tothe{{-{power}}}"
     return Unit(f"(°/s)²/°C{digits if power > 1 else ''}", rf"\degree\tothe{{2}}\second\tothe{{-2}}{kelvin}")
@@ -70,7 +70,7 @@ class Quantity:
     unit: Unit
     u: float | None = None
     decimals: int | None = None
-    """Decimals for readers where there is no uncertainty; None: four significant digits."""
+    """Decimals for readers if there is no uncertainty; None for four significant digits."""
 
     @property
     def expanded(self) -> float | None:
@@ -97,13 +97,13 @@ class Quantity:
 
 
 def place_of(value: float, digits: int) -> int:
-    """The power of ten of the last of so many significant digits; rounding 0.0996 to 0.10 moves it."""
+    """The power of ten of the last of ``digits`` significant digits, after rounding (0.0996 is 0.10)."""
     return int(f"{value:.{digits - 1}e}".partition("e")[2]) - digits + 1
 
 
 def plain(value: float, place: int) -> str:
     """The value, rounded to this power of ten, without an exponent."""
-    # repr, not the binary expansion: a half in the shortest decimal form is a half for a reader
+    # by the shortest decimal form: its halves, such as 0.125, round as a reader expects
     return format(Decimal(repr(value)).quantize(Decimal(1).scaleb(place)), "f")
 
 

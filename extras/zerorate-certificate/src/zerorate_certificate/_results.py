@@ -37,13 +37,13 @@ class Point:
 
 @dataclass(frozen=True)
 class AxisResult:
-    """What is stated about one axis."""
+    """The results of one axis."""
 
     name: str | None
     """None for the only axis of a part."""
     coefficients: list[Quantity]
     t3: Quantity
-    """The temperature at which PBC holds: a definition, so that it has no uncertainty of its own."""
+    """The temperature at which PBC holds. It is defined by the file, so it has no uncertainty of its own."""
     covariances: list[Quantity]
     curve: list[Point]
     noise: list[Quantity]
@@ -51,7 +51,7 @@ class AxisResult:
 
     @property
     def formula(self) -> str:
-        """How to apply the coefficients. All of them are added."""
+        """The formula that applies the coefficients. All of them are added."""
         terms = ["PBC", "d · BTC", "d² · BTC2", "d³ · BTC3"][: len(self.coefficients)]
         return f"corrected rate = rate + {' + '.join(terms)}, with d = temperature − T3"
 
@@ -60,7 +60,7 @@ def axis_result(axis: CalibratedAxis, validity: Validity, *, alone: bool) -> Axi
     """The results of this axis."""
     covariance = _covariance(axis)
     values = _polynomial(axis.correction)
-    # a curve that was averaged over several orders has an uncertainty of a term that is zero
+    # a curve averaged over several orders states an uncertainty even for a term that is zero
     known = [k for k in range(4) if k == 0 or values[k] or covariance[k, k]]
     count = known[-1] + 1
     name = None if alone else axis.name
@@ -144,7 +144,7 @@ def _measured_noise(noise: NoiseRecord | None) -> list[Quantity]:
 
 
 def typical_noise(noise: NoiseRecord | None) -> list[str]:
-    """Kinds of noise that were taken from elsewhere, with their source. They are part of the uncertainties."""
+    """Kinds of noise that were not measured but taken from a source. They are part of the uncertainties."""
     if noise is None:
         return []
     return [f"{name}: {source}" for name, _, source in _noise_rows(noise) if source != "measured"]

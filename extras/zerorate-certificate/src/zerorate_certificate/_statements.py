@@ -1,4 +1,4 @@
-"""The statements of a certificate, in the order in which it makes them."""
+"""The statements of a certificate, in order."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Statement:
     name: str
     text: str
     traceable: bool | None = None
-    """For the statement on traceability."""
+    """True or False for the statement on traceability; None for all others."""
     own_words: bool = False
     """True if the text is the laboratory's, in a language that nobody stated."""
 

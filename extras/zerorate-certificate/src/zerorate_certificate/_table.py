@@ -1,4 +1,4 @@
-"""Reading a TOML file that people write: everything that is wrong with it is said at once."""
+"""Reads a TOML file that people write, and reports all its errors at once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ else:
 if TYPE_CHECKING:
     import os
 
-# What XML 1.0 and a line of text cannot hold.
+# Characters that XML 1.0 or a line of text cannot contain.
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ufffe\uffff]")
 
 MAX_CHARACTERS = 2000
@@ -26,11 +26,11 @@ MAX_CHARACTERS = 2000
 
 
 class Problems(ValueError):
-    """What is wrong with a file."""
+    """The errors of a file."""
 
 
 class Table:
-    """A table of the file. What is asked for and is missing or wrong is noted, and a stand-in is returned."""
+    """A table of the file. A missing or wrong key is noted, and a placeholder is returned."""
 
     def __init__(self, content: dict[str, Any], path: str, problems: dict[str, list[str]]) -> None:
         self._content = content
@@ -71,7 +71,7 @@ class Table:
         return self.text(key) if self._offered(key) else None
 
     def choice(self, key: str, options: list[str]) -> str:
-        """One of these texts."""
+        """A text that must be one of ``options``."""
         value = self.text(key)
         return value if not value or value in options else self._wrong(key, f"must be one of {', '.join(options)}")
 
@@ -97,7 +97,7 @@ class Table:
         return value
 
     def table(self, key: str) -> Table:
-        """A table below this one. Where it is missing, each of its keys is."""
+        """A table below this one. If it is missing, so are all its keys."""
         self._asked.append(key)
         value = self._content.get(key, {})
         if not isinstance(value, dict):
@@ -109,7 +109,7 @@ class Table:
         return self.table(key) if self._offered(key) else None
 
     def tables(self, key: str) -> list[Table]:
-        """A list of tables; empty where there is none."""
+        """A list of tables; empty if there is none."""
         self._asked.append(key)
         value = self._content.get(key, [])
         if not isinstance(value, list) or not all(isinstance(row, dict) for row in value):
@@ -123,7 +123,7 @@ class Table:
         self._problems["missing"].append(self._name(key))
 
     def finish(self) -> None:
-        """Notes the keys that nobody asked for."""
+        """Notes the keys that were never asked for, which are unknown."""
         for key in self._content:
             if key not in self._asked:
                 near = difflib.get_close_matches(key, self._asked, n=1)

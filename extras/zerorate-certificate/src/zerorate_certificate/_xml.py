@@ -1,7 +1,7 @@
 """The certificate as XML: DCC 3.3.0 of PTB with D-SI 2.2.1 quantities.
 
-The order of the elements is that of the schema. Proper names have no language; sentences are in English. Where the
-laboratory's own words stand, their language is not stated, since nobody told it.
+The order of the elements is that of the schema. Proper names have no language; sentences are in English. For the
+laboratory's own words no language is stated, because it is unknown.
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ static ABOVE_USB: InterruptExecutor = InterruptExecutor::new();
 #[embassy_executor::main]
 async fn main(main: Spawner) {
     let p = embassy_rp::init(Default::default());
-    // before anything else runs: reading it takes the program's memory away for a moment
+    // before anything else runs: while the number is read, no code can run from flash
     let serial = serial(p.FLASH);
     let cs = Output::new(p.PIN_17, Level::High);
     let mut config = spi::Config::default();

@@ -70,7 +70,7 @@ async fn main(main: Spawner) {
     spawner.spawn(serve(bus, watchdog).expect("spawned once"));
 
     let mut config = usb::Config::default();
-    // the board does not lead VBUS to PA9
+    // the board does not connect VBUS to PA9
     config.vbus_detection = false;
     let driver = Driver::new_fs(p.USB_OTG_FS, Irqs, p.PA12, p.PA11, PACKETS.take(), config);
     main.spawn(shine(Output::new(p.PC13, Level::High, Speed::Low)).expect("spawned once"));

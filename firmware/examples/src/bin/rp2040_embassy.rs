@@ -43,7 +43,7 @@ async fn main(spawner: Spawner) {
     let mut back_off = BackOff::new();
     spawner.spawn(watch(Input::new(p.PIN_20, Pull::Up)).expect("spawned once"));
     loop {
-        // at first, after a brown-out, with a broken wire
+        // at first, and again after a brown-out or with a broken wire
         if gyro.restart().await.is_ok() {
             sampler.restarted();
             until_it_fails(&mut gyro, &mut sampler, &mut back_off).await;
@@ -69,7 +69,7 @@ async fn until_it_fails(gyro: &mut Gyro, sampler: &mut Sampler, back_off: &mut B
     let deadline = Duration::from_micros(sampler.silence_ns().div_ceil(1_000));
     let mut temp = None;
     while let Ok(edge) = with_timeout(deadline, EDGE.wait()).await {
-        // never dropped half-way: no select and no timeout around a transfer
+        // this transfer is never cancelled: there is no select and no timeout around it
         match gyro.sample(sampler, edge).await {
             Ok(Some(sample)) => {
                 back_off.done();

@@ -1,4 +1,5 @@
-//! RTIC on an STM32F411: the interrupt of RDY samples, a tick looks for silence. Wired as in `docs/wiring.md`.
+//! RTIC on an STM32F411: the interrupt of RDY reads samples, and a tick checks that edges still come. Wired as in
+//! `docs/wiring.md`.
 
 #![no_std]
 #![no_main]
@@ -24,7 +25,7 @@ mod app {
     /// The line of EXTI.
     const RDY: usize = 10;
 
-    /// The core runs from the internal oscillator of 16 MHz; a tick every 10 ms.
+    /// Length of a tick in cycles: 10 ms of the internal oscillator of 16 MHz.
     const TICK: u32 = 160_000;
 
     #[shared]
@@ -84,7 +85,7 @@ mod app {
         cx.shared.part.lock(|part| part.sample(t_ns));
     }
 
-    /// Brings the part back where it fell silent or failed: at first, after a brown-out, with a broken wire.
+    /// Initialises the part at first, and again if it falls silent or fails: after a brown-out, or with a broken wire.
     #[task(binds = SysTick, shared = [part], local = [wait_ticks], priority = 1)]
     fn tick(mut cx: tick::Context) {
         let wait_ticks = cx.local.wait_ticks;

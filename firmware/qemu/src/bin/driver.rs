@@ -1,5 +1,5 @@
-//! The driver alone: reset, verified initialisation, samples on the RDY line with losses counted, recovery after an
-//! error.
+//! The smallest image with the driver: reset, verified initialisation, samples at edges of RDY with counted losses,
+//! and recovery after an error.
 
 #![no_std]
 #![no_main]

@@ -1,4 +1,4 @@
-//! The image of `driver` without the driver: what remains is the start-up code and the bus.
+//! The image of `driver` without the driver, that is, with the start-up code and the bus only.
 
 #![no_std]
 #![no_main]

@@ -1,4 +1,4 @@
-//! The tracker alone: begun, fed with means, saved and taken up again.
+//! The smallest image with the tracker: it begins, takes means, is saved and is resumed.
 
 #![no_std]
 #![no_main]

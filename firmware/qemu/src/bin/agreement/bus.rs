@@ -1,4 +1,4 @@
-//! A bus that costs next to nothing: every register's answer lies ready in memory.
+//! A bus that costs almost no instructions: the answers of all registers are prepared in memory.
 
 use adis16130::registers::Address;
 use core::cell::Cell;

@@ -10,10 +10,10 @@ use cortex_m::peripheral::syst::SystClkSource;
 use firmware_qemu::scenario::{Corrections, Reading, corrected_dps};
 use firmware_qemu::tracking::{self, Mean};
 
-/// From one rate reading to the next with F-30: 1054 cycles of MCLK (F-31), ns.
+/// Time from one rate reading to the next with F-30: 1054 cycles of MCLK (F-31), ns.
 const PERIOD_NS: u64 = 175_667;
 
-/// Means that the tracker takes in each second.
+/// Number of means per second that the tracker takes.
 const BLOCKS_PER_S: usize = 10;
 
 /// Registers of a part that runs with F-30 and has a reading of each channel waiting (docs/facts.md section 3).
@@ -22,7 +22,7 @@ const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempSt
 /// The counts, by name.
 type Counts = [(&'static str, Ticks); 14];
 
-/// Least and most ticks of a piece of work.
+/// Smallest and largest number of ticks of a piece of work.
 #[derive(Clone, Copy)]
 pub struct Ticks {
     pub least: u32,
@@ -71,7 +71,7 @@ pub fn all(readings: &[Reading], corrections: &Corrections, seed: u64, systick: 
     ])
 }
 
-/// The clock that counts.
+/// Counts ticks of SysTick.
 struct Counter(SYST);
 
 impl Counter {
@@ -126,7 +126,7 @@ impl Operand {
     }
 }
 
-/// The objects of a read: a driver whose bus has the answers, and the sampler's arguments.
+/// A driver whose bus has prepared answers, and the arguments of its sampler.
 struct Reader<'a> {
     gyro: Adis16130<Bus<'a>, NoPin>,
     sampler: Sampler,
