@@ -13,7 +13,7 @@ const { storage } = await bundled({ entryPoints: ["src/storage.ts"] });
 
 beforeEach(() => store.clear());
 
-test("what the session did not take stays, and what it has is added once", () => {
+test("calibrations that the session refused stay, and its own are added once", () => {
   store.set(KEY, JSON.stringify({ calibrations: ["damaged", "one"], applied: "1" }));
   const entries = [
     { id: "1", toml: "one", applied: false },

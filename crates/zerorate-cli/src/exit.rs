@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn context_keeps_the_kind() {
+    fn context_keeps_the_kind_of_an_error() {
         let error = anyhow::Error::from(CodedRefusal::new("moving", "it moves")).context("step 4");
         assert_eq!(report(&error), ExitCode::from(3));
     }

@@ -357,7 +357,7 @@ mod tests {
 
     /// A pulled cable is noticed by the bus or by the data-ready line, depending on which waits just then.
     #[test]
-    fn a_pulled_cable_is_one_wherever_it_is_seen() {
+    fn a_pulled_cable_is_recognised_on_the_bus_and_on_rdy() {
         let address = SpiAddress::read("/dev/spidev0.0?rdy=gpiochip0:3").unwrap();
         let seen = |raw| {
             let os = gpiocdev::Error::Os(gpiocdev_uapi::Errno(raw));

@@ -147,7 +147,7 @@ test("several axes: each has its own rate, by the switch", { skip: without.progr
   await context.close();
 });
 
-test("what was said stays where it stands, and is not read out again", async () => {
+test("a notice stays in its place and is not read out again", async () => {
   const { page, context } = await open(home.browser, `${home.site.url}#device`);
   const openWrong = async (keys) => {
     await page.click('nav a[href="#device"]');

@@ -7,7 +7,7 @@ import { becomes, open, PATIENCE, twinOf } from "../world.mjs";
 
 const home = staticHome();
 
-test("by every sample, until somebody says that this is enough", async () => {
+test("a calibration by every sample can be finished early", async () => {
   // the part warms itself by 20 °C in the 5 min before the oven cools by 2 °C/min (F-57)
   const prepare = twinOf("seed=7,profile=oven,warmup_c=20,warmup_s=60");
   const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`, { prepare });

@@ -210,7 +210,7 @@ test("without shared workers the bench comes", async () => {
   await context.close();
 });
 
-test("who leaves a calibration is asked by the browser, who ends it by the page, which goes on", async () => {
+test("leaving a calibration is confirmed by the browser, and ending it by the page, which goes on", async () => {
   const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`);
   await becomes(page, ".before", /Keep this page open/);
   await page.click(".choosing button.primary");

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_burst_is_given_and_then_so_many_a_second() {
+    fn a_burst_is_allowed_and_then_a_rate() {
         let began = Instant::now();
         let at = |ms| began + Duration::from_millis(ms);
         let mut bucket = Bucket::new(3, 10.0, began);

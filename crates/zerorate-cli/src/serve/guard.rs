@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_name_of_its_own_leads_here() {
+    fn only_its_own_names_reach_the_server() {
         let local = guard("127.0.0.1:8130", &["bench.local"]);
         for own in ["127.0.0.1:8130", "localhost:9000", "LOCALHOST", "[::1]:8130", "127.1.2.3", "bench.local:8130"] {
             assert_eq!(get(&local, &[("host", own)]), None, "{own}");

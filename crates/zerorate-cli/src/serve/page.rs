@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn packed_bytes_go_to_whom_takes_them_alone() {
+    fn packed_bytes_go_only_to_clients_that_accept_them() {
         assert!(["gzip", "deflate, GZIP;q=0.5, br", "br , gzip"].map(headers).iter().all(takes_gzip));
         assert!(!["", "br", "gzip;q=0", "xgzip"].map(headers).iter().any(takes_gzip));
         let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());

@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn so_many_are_tried_and_then_the_right_one_waits_as_well() {
+    fn after_many_wrong_tokens_the_right_one_waits_as_well() {
         let (began, token) = (Instant::now(), Token::random().unwrap());
         let (trials, right) = (Trials::new(began), token.reveal());
         let status = |shown: &str, at_s: u64| {

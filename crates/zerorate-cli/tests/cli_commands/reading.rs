@@ -33,7 +33,7 @@ fn capture_ends_by_count_or_by_time_in_the_form_that_the_name_says() {
 
 /// The recording of a frozen part is completed first, then refused with exit code 3. Invalid readings are counted.
 #[test]
-fn a_recording_of_a_frozen_part_is_whole_and_3() {
+fn a_recording_of_a_frozen_part_is_whole_and_refused() {
     let bench = Bench::new();
     let device = "--device twin:fault=frozen,fault_at_s=2,rotation_dps=360";
     let run = bench.zerorate(&format!("capture {device} --duration 4s -o f.arrows --json"));
@@ -115,7 +115,7 @@ fn a_reader_that_goes_away_ends_a_stream_quietly() {
 }
 
 #[test]
-fn interrupted_a_capture_is_whole_and_a_stream_ends_well() {
+fn an_interrupted_capture_is_whole_and_a_stream_ends_well() {
     let bench = bench();
     let capture = start(&mut bench.command("capture --realtime -o long.arrows"));
     let mut stream = start(&mut bench.command("stream --realtime --rate 20 --cal unit.toml"));

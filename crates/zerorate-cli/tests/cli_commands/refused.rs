@@ -25,7 +25,7 @@ fn refused(cases: &[(&str, i32, &str)]) {
 }
 
 #[test]
-fn of_an_analysis() {
+fn requests_about_an_analysis_are_refused() {
     refused(&[
         ("allan log.csv --column gz_dps --fit --max-freq abc", 2, "must be a frequency above 0, in Hz"),
         ("allan log.csv --column gz_dps --fit --max-freq -1", 2, "must be a frequency above 0, in Hz"),
@@ -37,7 +37,7 @@ fn of_an_analysis() {
 }
 
 #[test]
-fn of_a_calibrated_rate() {
+fn requests_about_a_calibrated_rate_are_refused() {
     let stream = "stream --cal unit.toml --device twin:seed=4";
     refused(&[
         (&format!("{stream} --serial A7"), 1, "a part without a serial number, not of part A7"),
@@ -49,7 +49,7 @@ fn of_a_calibrated_rate() {
 
 #[cfg(feature = "serve")]
 #[test]
-fn of_a_server() {
+fn requests_about_a_server_are_refused() {
     refused(&[
         ("serve --device twin: --listen 192.0.2.1:8080", 1, "this machine has another address"),
         ("serve --device twin: --listen 127.0.0.1:0 --folder noise.bin", 1, "--folder noise.bin: "),

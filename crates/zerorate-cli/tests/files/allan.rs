@@ -15,7 +15,7 @@ fn points(json: &str) -> Vec<(u64, f64)> {
 
 /// A real gyroscope, published with the R package avar: its overlapping Allan variance at 18 averaging times.
 #[test]
-fn published_allan_variance_of_a_real_gyroscope() {
+fn the_published_allan_variance_of_a_real_gyroscope_is_found() {
     let Some(folder) = reference_data().map(|data| data.join("adis16405")) else {
         return;
     };

@@ -35,7 +35,7 @@ fn the_contract_of_json() {
 }
 
 #[test]
-fn every_statistic_at_every_spacing() {
+fn every_statistic_works_at_every_spacing() {
     let bench = bench();
     let help = bench.zerorate("allan --help").ok().split_whitespace().collect::<Vec<_>>().join(" ");
     for stat in Stat::ALL {
@@ -104,7 +104,7 @@ fn a_record_without_a_model_is_refused_in_every_mode() {
 }
 
 #[test]
-fn the_fit_in_words() {
+fn the_fit_is_printed_in_words() {
     let bench = bench();
     let text = bench.zerorate(&format!("allan {LOG} --unit dps --fit")).ok();
     assert!(text.contains("N  angle random walk") && text.contains("°/√h"), "{text}");

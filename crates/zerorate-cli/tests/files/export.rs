@@ -45,7 +45,7 @@ fn json_has_coefficients_and_table() {
 
 /// A curve adds its terms, the integer form of order 3, and a table along the curve. A line has none of these.
 #[test]
-fn json_and_csv_of_a_curve() {
+fn json_and_csv_hold_a_curve() {
     let bench = Bench::new();
     let correction = CORRECTIONS[3];
     bench.write("unit.toml", measured(&correction));
@@ -294,7 +294,7 @@ fn by_the_core(calibration: &Calibration, axis: &CalibratedAxis, rate: i64, temp
 }
 
 #[test]
-fn c_gives_what_rust_gives() {
+fn exported_c_computes_what_the_core_computes() {
     if !installed("gcc") {
         return;
     }
@@ -313,7 +313,7 @@ fn c_gives_what_rust_gives() {
 }
 
 #[test]
-fn rust_gives_what_rust_gives() {
+fn exported_rust_computes_what_the_core_computes() {
     if !installed("rustc") {
         return;
     }
@@ -451,7 +451,7 @@ fn an_impossible_export_is_explained() {
 }
 
 #[test]
-fn csv_and_json_of_three_axes() {
+fn csv_and_json_hold_three_axes() {
     let bench = Bench::new();
     bench.write("unit.toml", super::AXES);
     let expected = "delta_c,x_correction_dps,y_correction_dps,z_correction_dps\n0.4,-0.016,0.008,-0.004\n\

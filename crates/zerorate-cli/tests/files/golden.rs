@@ -1,7 +1,7 @@
-//! Results that must stay as they are, bit for bit: made by the program as it was before its core knew of other parts.
+//! Results that must not change, bit for bit. An early version of the program made the files.
 //!
-//! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter
-//! case `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --all-features --test cli golden` makes the files anew.
+//! A difference is either a defect, or a changed result that CHANGELOG.md must mention. In the latter case
+//! `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --all-features --test cli golden` writes the files again.
 
 use super::{Bench, FORMS};
 use sha2::{Digest, Sha256};
@@ -9,8 +9,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// Calibrations by name, with the options that make them: one of four minutes at every sample, and hours at every
-/// ninth.
+/// Names of calibrations, and the options that make them: one of four minutes with every sample, and three of an hour
+/// with every ninth edge.
 const CALIBRATIONS: [(&str, &str); 4] = [
     ("short", "--device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2"),
     ("hour-1", "--device twin:seed=1 --divider 9"),
@@ -22,7 +22,7 @@ const CALIBRATIONS: [(&str, &str); 4] = [
 const WORDS: [&str; 3] = ["warnings", "checksum", "line_checks"];
 
 #[test]
-fn calibrations() {
+fn calibrations_do_not_change() {
     for (name, options) in CALIBRATIONS {
         let bench = Bench::new();
         bench.zerorate(&format!("calibrate {options} -o unit.toml")).ok();
@@ -33,7 +33,7 @@ fn calibrations() {
 }
 
 #[test]
-fn captures() {
+fn captures_do_not_change() {
     let bench = Bench::new();
     let mut hashes = String::new();
     for options in ["seed=7", "seed=8,fault=rdy_stutter,fault_at_s=0.2", "seed=9,width=16"] {
@@ -50,13 +50,13 @@ fn captures() {
 }
 
 /// Compares with the file of this name, or writes it where the environment asks for that.
-#[track_caller]
+/// Compares with the file of this name, or writes the file if the environment asks for it.
 fn unchanged(name: &str, now: &str) {
     unchanged_lines(name, now, |_| true);
 }
 
 /// The same of some lines of the file; only where these are all is it written.
-#[track_caller]
+/// Compares the lines of the file for which `is_there` holds. Writes the file only if it holds for all.
 fn unchanged_lines(name: &str, now: &str, is_there: impl Fn(&str) -> bool) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
     let before = fs::read_to_string(&path).unwrap_or_default();

@@ -67,7 +67,7 @@ fn an_unstated_unit_is_reported() {
 
 /// The folder of a ROS 2 bag, read in the order of its description.
 #[test]
-fn bags_in_folders() {
+fn a_bag_in_a_folder_is_read() {
     let bench = Bench::new();
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures/bag_of_two");
     let folder = bench.path("bag");
@@ -114,7 +114,7 @@ fn bags_in_folders() {
 
 /// A log in any format can be read from standard input.
 #[test]
-fn a_log_from_standard_input() {
+fn a_log_is_read_from_standard_input() {
     let bench = Bench::new();
     bench.write("log.csv", "t_ms,gz_dps\n0,0.5\n10,1.5\n20,0.25\n30,2.5\n");
     let said = |log: &Path, options: &str| {

@@ -16,7 +16,7 @@ fn says(bench: &Bench, line: &str, what: &str, feature: &str) {
 
 #[cfg(not(feature = "parquet"))]
 #[test]
-fn parquet() {
+fn parquet_names_its_feature() {
     let bench = Bench::new();
     for line in
         ["capture -o out.parquet", "calibrate --log out.parquet", "chamber f57 --device twin: --log out.parquet"]
@@ -33,7 +33,7 @@ fn parquet() {
 
 #[cfg(not(feature = "png"))]
 #[test]
-fn png() {
+fn png_names_its_feature() {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
     bench.write("log.csv", "gz\n1\n2\n1\n3\n2\n1\n2\n3\n");
@@ -45,7 +45,7 @@ fn png() {
 
 #[cfg(not(feature = "serve"))]
 #[test]
-fn the_page() {
+fn the_page_names_its_feature() {
     let bench = Bench::new();
     for line in ["serve", "serve --listen 127.0.0.1:0 --device twin:seed=7 -o log.arrows"] {
         says(&bench, line, "`zerorate serve`", "serve");

@@ -75,7 +75,7 @@ fn near(value: &Value, truth: f64, relative: f64) -> bool {
 /// Requirements: N within 1 % of the plateau, and 96 % of all octaves inside the band. The other numbers come from the
 /// prototype. Its model had no upper frequency, and its N had no cosines beyond the selected ones.
 #[test]
-fn seven_real_axes() {
+fn seven_real_axes_get_the_models_of_the_prototype() {
     let Some(folder) = reference_data() else { return };
     let bench = Bench::new();
     let (mut inside, mut octaves) = (0, 0);

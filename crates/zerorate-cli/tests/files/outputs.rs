@@ -110,7 +110,7 @@ fn no_input_of_a_command_is_its_output() {
 
 #[cfg(unix)]
 #[test]
-fn nor_is_a_standard_stream() {
+fn no_input_of_a_command_is_its_stdout() {
     let bench = bench();
     let before = content(bench.dir.path());
     for (line, input) in [("export unit.toml --format csv", "unit.toml"), ("allan log.csv --rate 10 --csv", "log.csv")]
@@ -175,7 +175,7 @@ fn two_outputs_are_two_files() {
 
 /// Commands that write without `--force`, and files whose names the program makes.
 #[test]
-fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
+fn no_input_of_a_command_is_its_state_its_recording_or_a_file_beside_its_output() {
     let bench = bench();
     bench.write("token", "0123456789abcdef\n");
     fs::hard_link(bench.path("unit.toml"), bench.path("unit.arrows")).unwrap();

@@ -97,7 +97,7 @@ fn the_page_needs_nothing_else_and_obeys_nobody() {
 }
 
 #[test]
-fn it_goes_to_a_file() {
+fn the_page_goes_to_a_file() {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
     assert_eq!(bench.zerorate("report unit.toml -o report.html").ok(), "");
@@ -146,7 +146,7 @@ fn every_axis_has_its_section() {
 
 /// The page of a curve has its terms in the formula, the table and the caption. The page of a line does not.
 #[test]
-fn the_page_of_a_curve() {
+fn the_page_shows_a_curve() {
     let bench = Bench::new();
     let (mut unit, _) = Calibration::parse(&measured()).unwrap();
     bench.write("line.toml", unit.to_toml());

@@ -65,7 +65,7 @@ fn torn_and_damaged_files_are_told_apart() {
 
 /// Advice to repair a file works: `repair` keeps as many rows as stated, that is, every undamaged block.
 #[test]
-fn advice_that_can_be_followed() {
+fn advice_to_repair_can_be_followed() {
     let bench = bench();
     let of = |name: &str| fs::read(bench.path(name)).unwrap();
     let flipped = |name: &str, at: usize| {

@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_corrected_rate_is_of_its_own_sample_and_only_of_one_that_is_believed() {
+    fn a_corrected_rate_belongs_to_its_sample_and_needs_a_valid_reading() {
         let corrector = Corrector::new(zerorate::CorrectorConfig {
             corrections: vec![Correction::line(-0.25, 0.0, 25.0)],
             validity: None,

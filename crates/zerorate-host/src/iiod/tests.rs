@@ -189,7 +189,7 @@ fn buffers_open_once_and_give_whole_samples() {
 }
 
 #[test]
-fn the_rest_of_the_protocol() {
+fn the_other_requests_are_answered() {
     let device = device("twin:", None).expect("a device");
     let mut session = Session::new(&device);
     for (line, expected) in [

@@ -39,7 +39,7 @@ fn fails(content: impl AsRef<[u8]>, reason: &str) {
 }
 
 #[test]
-fn codes_times_and_losses() {
+fn codes_times_and_losses_become_rows() {
     let found = rows("t_ms,temp,z,x,y\n100,5,3,1,-2\n110,,6,4,-5\n140,7,9,7,-8\n150,8,,0,0\n160,9,12,10,-11\n");
     let row = |t_ms: u64, seq, codes: &[i64]| Row::new(t_ms * 1_000_000, seq, codes).unwrap();
     let expected = [
@@ -58,7 +58,7 @@ fn codes_times_and_losses() {
 }
 
 #[test]
-fn a_rate_in_place_of_times() {
+fn a_rate_replaces_the_times() {
     let options = ColumnOptions { rate: Some(3.0), ..ColumnOptions::default() };
     let found: Vec<u64> =
         open("x,y,z,temp\n1,2,3,4\n1,2,3,4\n1,2,3,4\n", &part(), &options).unwrap().map(|row| row.t_ns).collect();
@@ -80,7 +80,7 @@ fn values_become_codes() {
 }
 
 #[test]
-fn columns_of_other_names() {
+fn columns_may_have_other_names() {
     let text = ADIS16405
         .replace("{ name = \"x\" }", "{ name = \"x\", column = \"gx [rad/s]\" }")
         .replace("zero_c = 25", "zero_c = 25, column = \"T (°C)\"");

@@ -59,7 +59,7 @@ fn parquet_of(axes: &[Vec<i32>], temps: &[i32]) -> Vec<u8> {
 }
 
 #[test]
-fn a_real_log_in_and_out_of_every_form() {
+fn a_real_log_is_the_same_in_every_form() {
     let Some(axes) = reference() else { return };
     let temps = simulated_temps(axes[0].len());
     let dir = TempDir::new().unwrap();

@@ -62,7 +62,7 @@ fn ask(stream: &mut TcpStream) -> bool {
 }
 
 #[test]
-fn the_next_request_is_waited_for_so_long() {
+fn the_wait_for_the_next_request_is_limited() {
     let served = TestServer::with(Limits { head: Duration::from_millis(300), ..NEVER }, 0);
     let mut stream = served.connect();
     assert!(ask(&mut stream) && ask(&mut stream));
@@ -72,7 +72,7 @@ fn the_next_request_is_waited_for_so_long() {
 }
 
 #[test]
-fn a_connection_lives_so_long_however_much_is_asked_on_it() {
+fn the_life_of_a_connection_is_limited() {
     let lifetime = Duration::from_millis(700);
     let served = TestServer::with(Limits { lifetime, ..NEVER }, 0);
     let (mut stream, begun) = (served.connect(), Instant::now());
@@ -89,7 +89,7 @@ fn a_connection_lives_so_long_however_much_is_asked_on_it() {
 }
 
 #[test]
-fn so_many_frames_wait_for_a_page_and_then_it_gets_everything_anew() {
+fn a_page_that_is_far_behind_gets_everything_anew() {
     let next = |page: &mut WebSocket<TcpStream>| page.read().unwrap().into_data();
     let in_time = TestServer::with(NEVER, BEHIND);
     let mut page = in_time.watch();
