@@ -60,7 +60,7 @@ mod tests {
         assert_eq!(bucket.take(at(0)), Err(Duration::from_millis(100)));
         assert_eq!(bucket.take(at(100)), Ok(()));
         assert!(bucket.take(at(150)).is_err());
-        // it holds no more than a burst, however long nobody came
+        // the bucket holds no more than a burst, however long it was not used
         assert_eq!((0..10).filter(|_| bucket.take(at(3_600_000)).is_ok()).count(), 3);
         let mut patient = Bucket::new(2, 10.0, began);
         let mut now = began;

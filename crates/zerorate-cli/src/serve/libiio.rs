@@ -20,7 +20,7 @@ pub struct Libiio {
 }
 
 impl Libiio {
-    /// Does not serve yet.
+    /// Prepares the server, which does not serve yet.
     pub fn new(listener: TcpListener, calibration: Option<Calibration>, may_be_written: bool) -> Self {
         Self { listener, calibration, may_be_written, running: None }
     }

@@ -89,7 +89,7 @@ mod tests {
         let status = |shown: &str, at_s: u64| {
             trials.admit(&token, [shown], began + Duration::from_secs(at_s)).err().map(|(status, _)| status.as_u16())
         };
-        // the right one is none, nor what cannot be one, nor what was tried before
+        // the right token, an impossible token and a repeated wrong token do not count as attempts
         assert!((0..100).all(|_| status(right, 0).is_none() && status("0", 0) == Some(401)));
         assert!((0..100).all(|_| status(&wrong(0), 0) == Some(401)));
         assert!((1..5).all(|k| status(&wrong(k), 0) == Some(401)));
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn all_of_a_request_count() {
+    fn each_token_of_a_request_counts() {
         let (began, token) = (Instant::now(), Token::random().unwrap());
         let many: Vec<String> = (0..100).map(wrong).chain([token.reveal().to_owned()]).collect();
         let refused = Trials::new(began).admit(&token, many.iter().map(String::as_str), began).unwrap_err();

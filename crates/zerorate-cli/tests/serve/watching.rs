@@ -230,7 +230,7 @@ fn a_calibration_that_was_removed_does_not_come_back() {
         fs::read_dir(bench.path("shelf")).expect("a folder").map(|file| file.expect("a file")).collect();
     let [removed] = &names[..] else { panic!("{names:?}") };
     assert_eq!(fs::read_to_string(removed.path()).expect("it is kept"), unit);
-    // and one that is made again is written again
+    // a removed calibration that is added again is also written again
     let again = page.ask(&json!({"id": 2, "do": "add-calibration", "toml": unit}));
     assert_eq!(again["ok"]["id"], id);
     let kept = bench.path(&format!("shelf/calibration-{}.toml", id.as_str().expect("an id")));
@@ -255,7 +255,7 @@ fn it_says_what_to_do_where_it_cannot_begin() {
     assert!(why.contains("0.0.0.0:8130"), "{why}");
 }
 
-/// A page connects again by itself, and sees all there is.
+/// The restarted server can use its port at once, so a page that reconnects finds it.
 #[test]
 fn a_server_that_was_restarted_takes_its_port_again() {
     let bench = Bench::new();

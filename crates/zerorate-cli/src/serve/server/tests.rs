@@ -1,4 +1,4 @@
-//! Bounds that are too long to wait for, made short. The rest is tested from outside: tests/serve/safety.rs.
+//! Time limits, shortened for the tests. tests/serve/safety.rs tests the rest from outside.
 
 use super::*;
 use crate::serve::session_thread::{BEHIND, SessionRequest, Subscription};
@@ -11,11 +11,11 @@ use std::thread;
 use tokio::sync::broadcast;
 use tungstenite::{Message, WebSocket};
 
-/// Longer than anything takes on the slowest machine.
+/// Time limit of every wait, long enough for the slowest machine.
 const LONG: Duration = Duration::from_secs(60);
 const NEVER: Limits = Limits { head: LONG, lifetime: LONG, sign_of_life: LONG };
 
-/// A server with a session thread that has no device: each page finds so many frames waiting beside the snapshot.
+/// A server whose session thread has no device. The first viewer finds `frames_waiting` frames beside the snapshot.
 struct TestServer {
     address: SocketAddr,
     begun: Arc<AtomicUsize>,
@@ -55,7 +55,7 @@ impl TestServer {
     }
 }
 
-/// False where the connection has ended.
+/// Sends a request. Returns false if the connection has ended.
 fn ask(stream: &mut TcpStream) -> bool {
     let sent = stream.write_all(b"GET /home.json HTTP/1.1\r\nhost: localhost\r\n\r\n");
     sent.is_ok() && stream.read(&mut [0; 4096]).is_ok_and(|length| length > 0)
@@ -81,7 +81,7 @@ fn the_life_of_a_connection_is_limited() {
         thread::sleep(Duration::from_millis(60));
     }
     assert!(begun.elapsed() >= lifetime, "{:?}", begun.elapsed());
-    // a page that looks on is another matter
+    // the connection of a viewer has no such limit
     let mut page = served.watch();
     thread::sleep(2 * lifetime);
     page.send(Message::Ping(Bytes::new())).unwrap();
@@ -102,13 +102,13 @@ fn a_page_that_is_far_behind_gets_everything_anew() {
     assert_eq!(late.begun.load(Ordering::Relaxed), 2);
 }
 
-/// Nothing is sent where nothing is read: without being asked, a page that vanished would keep its seat.
+/// Without pings, the server would not notice that a page vanished, and the page would keep its seat.
 #[test]
 fn a_page_that_gives_no_sign_of_life_loses_its_seat() {
     let sign_of_life = Duration::from_secs(2);
     let served = TestServer::with(Limits { sign_of_life, ..NEVER }, 0);
     let (mut lively, mut dead) = (served.watch(), served.watch());
-    // what reads answers
+    // a client that reads also answers pings
     let reads = thread::spawn(move || {
         let mut pings = 0;
         while pings < 3 {
@@ -117,7 +117,7 @@ fn a_page_that_gives_no_sign_of_life_loses_its_seat() {
     });
     thread::sleep(3 * sign_of_life);
     let begun = Instant::now();
-    // closed, or reset
+    // returns when the server has closed or reset the connection
     let _ = dead.get_mut().read_to_end(&mut Vec::new());
     assert!(begun.elapsed() < LONG / 2, "it goes on");
     reads.join().unwrap();
