@@ -87,7 +87,7 @@ async function opened(calibrations = [], applied = null) {
 
 const bytes = new Uint8Array([7]);
 
-test("only the window whose port is read may send bytes, and it loses the port when another opens a device", async () => {
+test("only the window that reads the port may send bytes, and loses it when another opens a device", async () => {
   const [one, other] = [await opened(), await opened()];
   await one.say({ do: "open", what: { is: "serial" } });
   said.length = 0;
