@@ -14,6 +14,7 @@ use crate::picture::Pictures;
 use anyhow::Result;
 use axes::{AxisArgs, option};
 use clap::Args;
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use zerorate_allan::{FitOptions, span};
 use zerorate_imu::{AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoiseFileOptions, Record, Rule};
@@ -180,6 +181,9 @@ fn run_one(args: &ImuArgs) -> Result<()> {
     };
     warn(&at_most(LINES, &with(&first_of_each(&doubts))));
     written?.iter().for_each(say);
+    if args.output.is_none() && !args.json && std::io::stderr().is_terminal() {
+        say("no noise file was written; -o imu.yaml writes the one of Kalibr, and --format names others");
+    }
     printed
 }
 
