@@ -66,8 +66,10 @@ impl Axes {
         let mut topics: Vec<String> = options.log.topic.iter().chain(&options.more_topics).cloned().collect();
         if topics.len() < 2 {
             match Self::of_topic(path, parts.try_clone()?, options) {
-                Err(LogError::Merged { groups, .. }) if options.listed().is_none() => {
-                    return Self::of_groups(path, &parts, &groups, options);
+                Err(LogError::Merged { groups, has_own_times, .. }) if options.listed().is_none() => {
+                    let time_column = options.log.time_column.clone().filter(|_| !has_own_times);
+                    let log = ColumnOptions { time_column, ..options.log.clone() };
+                    return Self::of_groups(path, &parts, &groups, &ImuOptions { log, ..options.clone() });
                 }
                 Err(LogError::Choose { question, table, topics: all }) if topics.is_empty() => match halves(&all) {
                     Some(pair) => topics = pair,
@@ -84,7 +86,7 @@ impl Axes {
         Self::together(path, each, options)
     }
 
-    /// The axes of a table that joins the rows of several sensors by time. Each sensor is read alone.
+    /// The axes of a table that has the columns of several sensors in groups. Each sensor is read alone.
     fn of_groups(
         path: &Path,
         parts: &Parts,
@@ -95,8 +97,9 @@ impl Axes {
         let of_group = |columns: Vec<String>| {
             Self::of_topic(path, parts.try_clone()?, &ImuOptions { columns: Some(columns), ..options.clone() })
         };
-        let axes = groups.iter().map(|names| names.iter().filter(is_axis).cloned().collect::<Vec<String>>());
-        let axes = axes.filter(|names| !names.is_empty());
+        let is_read = |name: &&String| is_axis(name) || is_temperature_name(name);
+        let with_axes = groups.iter().filter(|names| names.iter().any(|name| is_axis(&name)));
+        let axes = with_axes.map(|names| names.iter().filter(is_read).cloned().collect::<Vec<String>>());
         let each = axes.map(of_group).collect::<zerorate_logs::Result<Vec<Self>>>()?;
         if each.is_empty() {
             return Err(no_axes(path, &groups.concat(), options));
@@ -231,13 +234,17 @@ impl Axes {
     }
 }
 
-/// True if a column is a temperature, by its unit or its name: `temp_c`, `imu_temp`, `Temperature`, `T`.
+/// True if a column is a temperature, by its unit or its name.
 fn is_temperature(column: &Column) -> bool {
-    let name = column.name.rsplit('.').next().unwrap_or_default().to_lowercase();
+    column.quantity.map_or_else(|| is_temperature_name(&column.name), |quantity| quantity == Quantity::Temperature)
+}
+
+/// True if a name is that of a temperature: `temp_c`, `imu_temp`, `Temperature`, `T`.
+fn is_temperature_name(name: &str) -> bool {
+    let name = name.rsplit('.').next().unwrap_or_default().to_lowercase();
     let is_word =
         |word: &str| matches!(word, "t" | "temps" | "temperature" | "temperatures") || word.ends_with("temp");
-    let is_named = || name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature");
-    column.quantity.map_or_else(is_named, |quantity| quantity == Quantity::Temperature)
+    name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature")
 }
 
 /// Asks for the columns of a kind if the user states something about the kind, but no column name shows it. Asks also

@@ -307,9 +307,9 @@ impl TimeUnit {
     pub fn of_column(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
         match &*lower {
-            "timeus" | "micros" | "us" | "usec" | "microseconds" => return Some(Self::Us),
-            "millis" | "ms" | "msec" | "milliseconds" => return Some(Self::Ms),
-            "sec" | "secs" | "seconds" | "seconds_elapsed" | "secondselapsed" => return Some(Self::S),
+            "timeus" | "micros" | "us" | "usec" | "microseconds" | "microsecond" => return Some(Self::Us),
+            "millis" | "ms" | "msec" | "milliseconds" | "millisecond" => return Some(Self::Ms),
+            "sec" | "secs" | "second" | "seconds" | "seconds_elapsed" | "secondselapsed" => return Some(Self::S),
             "nanos" | "ns" | "nsec" | "nanoseconds" => return Some(Self::Ns),
             // in `gx_rad/s`, the `s` belongs to the unit of a rate
             _ if Unit::of_column(name).is_some() => return None,

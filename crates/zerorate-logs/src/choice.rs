@@ -3,13 +3,16 @@
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
-use crate::time_names::{is_bare_unit, is_fraction, is_like_time, is_named_time, states_time};
+use crate::time_names::{fraction_of_clock_s, fraction_s, is_bare_unit, is_like_time, is_named_time, states_time};
 use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_input::{Quantity, Unit, is_celsius};
 
 /// Largest number of columns that a message lists.
 const LISTED: usize = 100;
+
+/// Fewest columns behind a time that may be those of a sensor with a time of its own.
+const BLOCK: usize = 3;
 
 /// The wanted columns of a log, each by its name or its number counted from 0.
 #[derive(Clone, Copy, Debug)]
@@ -107,6 +110,9 @@ impl Columns<'_> {
             ColumnSelection::First(names) => self.positions(names)?,
             _ => Vec::new(),
         };
+        if let (ColumnSelection::All, []) = (wanted, default) {
+            self.check_blocks(time)?;
+        }
         let time = match (wanted, default) {
             (ColumnSelection::First(_), _) if is_open => self.time(&first),
             (ColumnSelection::All, []) if is_open => self.time(&[]),
@@ -136,7 +142,7 @@ impl Columns<'_> {
         );
         let time = if is_open && are_named { self.time(&values) } else { time };
         self.check(&values, time)?;
-        let is_rest = |at: &usize| time.is_some_and(|time| is_fraction(self.names[*at], self.names[time]));
+        let is_rest = |at: &usize| time.is_some_and(|time| self.is_fraction(*at, time));
         let rest =
             (0..self.names.len()).filter(|at| is_open && self.numeric[*at] && !values.contains(at)).find(is_rest);
         let values = values.into_iter().chain(rest).collect();
@@ -163,7 +169,49 @@ impl Columns<'_> {
             _ => likely.iter().find(is_of_sensor).copied(),
         };
         let has_others = self.numeric.iter().filter(|is_numeric| **is_numeric).count() > 1;
-        self.stated_time(values).or_else(|| only().filter(|_| has_others))
+        self.stated_time(values).or_else(|| only().filter(|_| has_others)).or_else(|| self.time_of_block(values))
+    }
+
+    /// The time in front of the wanted columns, if several sensors stand beside each other, each behind its time.
+    fn time_of_block(&self, values: &[usize]) -> Option<usize> {
+        let first = values.first()?;
+        let of = |(time, block): &(usize, Vec<usize>)| block.contains(first).then_some(*time);
+        let blocks = self.blocks();
+        let (time, block) = blocks.iter().find(|block| of(block).is_some())?;
+        (blocks.len() > 1 && values.iter().all(|at| block.contains(at))).then_some(*time)
+    }
+
+    /// The columns of numbers behind each time that at least three follow, as in `t_gyro,gx,gy,gz,t_accel,ax,ay,az`.
+    /// There are none if the first column of numbers is not a time.
+    fn blocks(&self) -> Vec<(usize, Vec<usize>)> {
+        let is_time = |at: usize| states_time(self.names[at]) || is_like_time(self.names[at]);
+        let mut blocks: Vec<(usize, Vec<usize>)> = Vec::new();
+        for at in (0..self.names.len()).filter(|at| self.numeric[*at]) {
+            match blocks.last_mut() {
+                _ if is_time(at) => blocks.push((at, Vec::new())),
+                Some((_, block)) => block.push(at),
+                None => return Vec::new(),
+            }
+        }
+        blocks.retain(|(_, block)| block.len() >= BLOCK);
+        blocks
+    }
+
+    /// Checks that all columns have one time. `given` is the time that the user gave.
+    fn check_blocks(&self, given: Option<usize>) -> Result<()> {
+        let blocks = self.blocks();
+        let is_alone = given.is_none_or(|given| blocks.iter().all(|(time, _)| *time != given));
+        if blocks.len() < 2 || is_alone && (given.is_some() || self.time(&[]).is_some()) {
+            return Ok(());
+        }
+        let name = |at: &usize| match self.names.iter().filter(|name| **name == self.names[*at]).count() {
+            1 => self.names[*at].to_owned(),
+            _ => at.to_string(),
+        };
+        let groups = blocks.iter().map(|(_, block)| block.iter().map(name).collect()).collect();
+        let (path, option) = (self.path.display(), self.settings.of(Setting::Column));
+        let question = format!("{path}: it has a time for each sensor; choose one of them with {option}:");
+        Err(LogError::Merged { question, groups, has_own_times: true })
     }
 
     /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns. A
@@ -176,8 +224,8 @@ impl Columns<'_> {
         let (bare, clear): (Vec<usize>, Vec<usize>) =
             (0..self.names.len()).filter(states).partition(|at| is_bare_unit(self.names[*at]));
         let pair = |of: &[usize]| match *of {
-            [one, other] if is_fraction(self.names[other], self.names[one]) => Some(one),
-            [one, other] if is_fraction(self.names[one], self.names[other]) => Some(other),
+            [one, other] if self.is_fraction(other, one) => Some(one),
+            [one, other] if self.is_fraction(one, other) => Some(other),
             _ => None,
         };
         let is_alone = !self.names.iter().any(|name| is_like_time(name));
@@ -196,6 +244,13 @@ impl Columns<'_> {
         let mut clocks = (0..self.clocks.len()).filter(|at| self.clocks[*at] && !values.contains(at));
         let only = clocks.next().filter(|_| clocks.next().is_none())?;
         (!self.names.iter().enumerate().any(is_other)).then_some(only)
+    }
+
+    /// True if a column holds what the times in another lack: the parts of a second.
+    fn is_fraction(&self, at: usize, time: usize) -> bool {
+        let is_clock = self.clocks.get(time) == Some(&true);
+        fraction_s(self.names[at], self.names[time]).is_some()
+            || is_clock && fraction_of_clock_s(self.names[at]).is_some()
     }
 
     fn check(&self, values: &[usize], time: Option<usize>) -> Result<()> {
@@ -222,7 +277,7 @@ impl Columns<'_> {
     /// All columns of numbers, except the time, and except an unnamed column among named ones, which is an index.
     fn all(&self, time: Option<usize>) -> Vec<usize> {
         let are_named = self.names.iter().any(|name| !name.is_empty());
-        let is_fraction = |index: usize| time.is_some_and(|time| is_fraction(self.names[index], self.names[time]));
+        let is_fraction = |index: usize| time.is_some_and(|time| self.is_fraction(index, time));
         let is_meant = |index: &usize| !(are_named && self.names[*index].is_empty() || is_fraction(*index));
         (0..self.names.len()).filter(|index| self.numeric[*index] && Some(*index) != time).filter(is_meant).collect()
     }

@@ -302,9 +302,11 @@ impl Times {
         let longest = self.intervals().fold(0.0, f64::max);
         let [shortest, usual, longest] =
             [shortest, self.interval().unwrap_or_default(), longest].map(|dt| dt / unit.per_s());
+        let span_s = self.since_first.last().copied().unwrap_or_default() / unit.per_s();
+        let mean_hz = (self.since_first.len() - 1) as f64 / span_s;
         format!(
             "the clock is unsteady: intervals of {shortest:.6} s to {longest:.6} s around {usual:.6} s, and {why}; \
-             give {rate} and no time column if the samples themselves are evenly spaced"
+             give {rate} and no time column if the samples themselves are evenly spaced ({mean_hz:.3} Hz on average)"
         )
     }
 }

@@ -23,13 +23,16 @@ pub enum LogError {
         /// The topics, if the candidates are topics.
         topics: Vec<String>,
     },
-    /// The rows are of several sensors, joined by time: the question, and the columns of each sensor.
+    /// The rows are of several sensors, joined by time or beside each other: the question, and the columns of each
+    /// sensor.
     #[error("{question}\n  {}", .groups.iter().map(|names| names.join(",")).collect::<Vec<_>>().join("\n  "))]
     Merged {
         /// The question to the user, with the options that answer it.
         question: String,
         /// The columns of each sensor.
         groups: Vec<Vec<String>>,
+        /// True if each sensor has a time column of its own, which is found if only its columns are asked for.
+        has_own_times: bool,
     },
     /// The numbers are readable, but must not become a result: a code for scripts, and the reason.
     #[error("{1}")]

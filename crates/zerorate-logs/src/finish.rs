@@ -10,7 +10,7 @@ use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
 use crate::series::Series;
 use crate::setting::{Names, Setting};
 use crate::stated_rate::StatedRate;
-use crate::time_names::{is_fraction, is_step, ticks};
+use crate::time_names::{fraction_of_clock_s, fraction_s, is_step, ticks};
 use crate::warning::LogWarning;
 use crate::{given_rate, lost_digits, mixed_rows, order, rate_changes, time_unit, unsigned};
 use std::path::Path;
@@ -94,7 +94,7 @@ impl Clock {
 impl RawColumns {
     /// Puts the rows in the order of their times, and warns about times that were irregular.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
-        self.add_nanoseconds(path, args.names)?;
+        self.add_fraction(path, args.names)?;
         self.clock.scale_ticks(args);
         mixed_rows::check(self, path, args)?;
         self.separate_sensors(path, args)?;
@@ -124,28 +124,32 @@ impl RawColumns {
         Ok(())
     }
 
-    /// Adds the nanoseconds of stamps that stand in two columns to the whole seconds.
-    fn add_nanoseconds(&mut self, path: &Path, settings: Names) -> Result<()> {
+    /// Adds to whole seconds the parts of a second that stand in another column.
+    fn add_fraction(&mut self, path: &Path, settings: Names) -> Result<()> {
         let Clock::Column(seconds, times) = &mut self.clock else { return Ok(()) };
-        let is_rest = |column: &RawColumn| is_fraction(&column.name, seconds);
-        let Some(at) = self.columns.iter().position(is_rest).filter(|_| self.columns.len() > 1) else { return Ok(()) };
+        let is_date = times.unit == Some(TimeUnit::Ns);
+        let unit_s = |name: &str| if is_date { fraction_of_clock_s(name) } else { fraction_s(name, seconds) };
+        let found = self.columns.iter().enumerate().find_map(|(at, column)| Some((at, unit_s(&column.name)?)));
+        let Some((at, unit_s)) = found.filter(|_| self.columns.len() > 1) else { return Ok(()) };
         let RawColumn { name, values, .. } = self.columns.remove(at);
-        let ns = values.into_rows();
-        let whole_s = times.since_first().iter().all(|since| (times.first() + since).fract() == 0.0);
-        let is_rest = |ns: &f64| (0.0..1e9).contains(ns) && ns.fract() == 0.0;
+        let rests = values.into_rows();
+        let per_s = if is_date { TimeUnit::Ns.per_s() } else { 1.0 };
+        let first = if is_date { 0.0 } else { times.first() };
+        let are_whole = times.since_first().iter().all(|since| (first + since) % per_s == 0.0);
+        let is_rest = |rest: &f64| (0.0..1.0).contains(&(rest * unit_s)) && (unit_s == 1.0 || rest.fract() == 0.0);
         let seconds = seconds.clone();
-        if !whole_s || !ns.iter().filter(|ns| ns.is_finite()).all(is_rest) {
-            let why = format!("`{seconds}` and `{name}` are not whole seconds and the nanoseconds within them");
+        if !are_whole || !rests.iter().filter(|rest| rest.is_finite()).all(is_rest) {
+            let why = format!("`{seconds}` and `{name}` are not whole seconds and the parts of a second");
             let [time, unit] = [Setting::TimeColumn, Setting::TimeUnit].map(|setting| settings.of(setting));
             return Err(LogError::Ask(format!("{}: {why}; give {time} with {unit}", path.display())));
         }
-        if let Some(row) = ns.iter().position(|ns| !ns.is_finite()) {
+        if let Some(row) = rests.iter().position(|rest| !rest.is_finite()) {
             let what = "no time; every row must have one";
             return Err(InputError::damaged(path, format!("row {row}, column {name}"), what).into());
         }
-        let first = ns.first().copied().unwrap_or_default();
-        let since = times.since_first().iter().zip(&ns).map(|(whole_s, ns)| whole_s + 1e-9 * (ns - first)).collect();
-        times.replace(since);
+        let first = rests.first().copied().unwrap_or_default();
+        let since = |(whole, rest): (&f64, &f64)| whole + per_s * unit_s * (rest - first);
+        times.replace(times.since_first().iter().zip(&rests).map(since).collect());
         Ok(())
     }
 
@@ -204,7 +208,9 @@ impl RawColumns {
             column.warnings.splice(..0, of_file.drain(..));
             Ok(Column { skipped_s, start_s, ..column.finish(path, rate_hz, &lost, args)? })
         };
-        Ok((columns.into_iter().map(finish).collect::<Result<_>>()?, no_rate))
+        let mut columns = columns.into_iter().map(finish).collect::<Result<Vec<_>>>()?;
+        unsigned::unwrap_others(path, &mut columns);
+        Ok((columns, no_rate))
     }
 }
 

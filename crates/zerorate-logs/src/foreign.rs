@@ -248,7 +248,7 @@ fn logs_of_ardupilot() {
 fn a_file_that_is_not_a_log_gets_advice() {
     let folder = Folder::new();
     for (start, said) in [
-        (&b"{\"t\":0,\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
+        (&b"{\"t\":0,\n\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
         (b"\xA3\x95\x80\x80\x59FMT", "a log of ArduPilot without messages IMU, GYR or ACC"),
         (b"FMT, 128, 89, FMT, BBnNZ, Type,Length\n", "`mavlogdump.py --format csv --types IMU FILE > imu.csv`"),
         (b"[{\"t\":0}]", "it is JSON"),

@@ -41,7 +41,7 @@ impl RawColumns {
                 "{}: its rows are of several sensors, joined by time; choose one with {option}:",
                 path.display()
             );
-            return Err(LogError::Merged { question, groups });
+            return Err(LogError::Merged { question, groups, has_own_times: false });
         }
         if others.any(|other| other.alternates(first) || first.is_thinner(&other)) {
             self.drop_empty_rows();

@@ -50,7 +50,7 @@ impl Array {
         let (header, start) = header(file).map_err(|what| InputError::damaged(path, place, what))?;
         let end = start + check_length(path, &header, length.saturating_sub(start))?;
         let is_rate = is_rate(name) && header.shape.iter().all(|length| *length == 1);
-        let header = if is_rate { Header { shape: vec![1], ..header } } else { header };
+        let header = if is_rate { Header { shape: vec![1], ..header } } else { header.upright() };
         let rows = header.shape.first().copied().unwrap_or_default();
         let fields = match (header.shape.as_slice(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
@@ -304,8 +304,23 @@ fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, InputError> {
     }
 }
 
-/// Largest number of columns of a two-dimensional array. One with more is probably an image, or lies on its side.
+/// Largest number of columns of a two-dimensional array. One with more is probably an image.
 const MAX_COLUMNS: u64 = 4096;
+
+/// Number of columns above which an array with fewer rows has its samples beside each other, not below each other.
+const FEW_COLUMNS: u64 = 64;
+
+impl Header {
+    /// The same array, with its samples below each other.
+    fn upright(self) -> Self {
+        match self.shape[..] {
+            [rows, columns] if columns > FEW_COLUMNS.max(rows) => {
+                Self { is_fortran: !self.is_fortran, shape: vec![columns, rows], ..self }
+            }
+            _ => self,
+        }
+    }
+}
 
 /// The size of the data in bytes; all of it must be there.
 fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, InputError> {

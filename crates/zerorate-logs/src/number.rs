@@ -76,8 +76,10 @@ impl Numerals {
         if is_missing(cell) {
             return Ok(Number::Missing);
         }
-        let number =
-            cell.parse().ok().or_else(|| of_fortran(cell)).ok_or_else(|| format!("`{cell}` is not a number"))?;
+        if let Some(code) = of_hexadecimal(cell) {
+            return Ok(Number::Integer(code));
+        }
+        let number = cell.parse().ok().or_else(|| of_fortran(cell)).ok_or_else(|| not_a_number(cell))?;
         if cell.contains('.') {
             self.with_point(cell)?;
         }
@@ -201,6 +203,18 @@ fn of_fortran(cell: &str) -> Option<f64> {
     is_one.then(|| cell.replacen(['d', 'D'], "e", 1).parse().ok())?
 }
 
+/// A code such as 0x1F2A, without a sign.
+fn of_hexadecimal(cell: &str) -> Option<i64> {
+    let digits = cell.strip_prefix("0x").or_else(|| cell.strip_prefix("0X"))?;
+    i64::from_str_radix(digits, 16).ok().filter(|_| digits.starts_with(|c: char| c.is_ascii_hexdigit()))
+}
+
+fn not_a_number(cell: &str) -> String {
+    let is_code = matches!(cell.len(), 2 | 4 | 6 | 8) && cell.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let remedy = if is_code { "; write hexadecimal codes with 0x in front" } else { "" };
+    format!("`{cell}` is not a number{remedy}")
+}
+
 /// True if a comma may separate thousands. It may in 1,234, but not in 0,123, 1,5 or 1,234e5.
 fn could_be_thousands(cell: &str) -> bool {
     let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
@@ -264,6 +278,13 @@ mod tests {
         let number = |value| Ok(Number::Decimal(value));
         assert_eq!(read(&["1,234.5", "-12,345,678.25", "7"]).0[..2], [number(1234.5), number(-12_345_678.25)]);
         assert_eq!(read(&["0,5", "-1.234,5", "12.345.678,25"]).0[1..], [number(-1234.5), number(12_345_678.25)]);
+    }
+
+    #[test]
+    fn hexadecimal_codes_have_a_mark() {
+        assert_eq!(read(&["0x1F", "0XfFfe"]).0, [Ok(Number::Integer(31)), Ok(Number::Integer(65_534))]);
+        assert!(read(&["0x"]).0[0].is_err() && read(&["0x-1"]).0[0].is_err() && read(&["-0x1"]).0[0].is_err());
+        assert!(read(&["000A"]).0[0].as_ref().unwrap_err().contains("0x"));
     }
 
     #[test]

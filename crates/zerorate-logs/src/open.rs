@@ -60,11 +60,21 @@ impl Log<'_> {
     pub fn check(&self) -> Result<(), InputError> {
         let foreign = FOREIGN.iter().find(|(mark, _)| self.start.starts_with(mark));
         match foreign {
+            Some((_, JSON)) if has_object_in_line(&self.start) => Ok(()),
             Some((_, advice)) => Err(InputError::not_a_log(self.path, *advice)),
             None if self.start.is_empty() => Err(InputError::not_a_log(self.path, "it is empty")),
             None => Ok(()),
         }
     }
+}
+
+/// True if the first object of a JSON file ends in the line in which it begins, as far as `start` shows.
+fn has_object_in_line(start: &[u8]) -> bool {
+    let Some(first) = start.iter().position(|byte| *byte == b'{') else { return false };
+    let line = start[first..].split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let is_alone = start[..first].iter().all(|byte| b"[\r\n ".contains(byte)) && !start.starts_with(b"[{");
+    let is_whole = line.trim_ascii_end().ends_with(b"}") || line.trim_ascii_end().ends_with(b"},");
+    is_alone && line.get(1) != Some(&b'\r') && (is_whole || first + line.len() == start.len())
 }
 
 /// The start of every message of ArduPilot's logs.
@@ -124,7 +134,7 @@ const ECHO: &str = "it is the output of `rostopic echo`; record a bag, or write 
 const NOVATEL: &str = "it holds messages of NovAtel, whose increments are counts of its IMU; convert it to columns of \
                        rates with the scales in the manual of the IMU";
 
-const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
+pub const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
                     `lines=True` if each line is an object";
 
 const RDA: &str = "it is a workspace of R; save a table there: `write.csv(DATA, 'log.csv', row.names = FALSE)`";

@@ -61,7 +61,7 @@ fn unread(sample: &[Sampled]) -> Option<String> {
         // a word that every row repeats is not a time
         let cell = words().next().filter(|first| words().any(|word| word != *first))?;
         let why = dates::reason(cell)?;
-        let is_read = dates::nanoseconds(cell, DateColumn::of(words()).order).is_some();
+        let is_read = dates::nanoseconds(cell, DateColumn::of(words()).format).is_some();
         (!is_read).then(|| format!("column `{}` (`{cell}`) {why}", column.name))
     })
 }
@@ -95,7 +95,10 @@ fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
 /// True if a name states a unit or a scale of time that is not known, so that no unit can be proposed.
 fn has_other_unit(name: &str) -> bool {
     let words = ["min", "mins", "minutes", "h", "hours", "days", "ticks", "tick", "cycles", "khz", "mhz", "hz", "ps"];
-    !states_time(name) && name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| words.contains(&word))
+    let name_lower = name.to_lowercase();
+    let is_counter = name_lower.contains("32k") || name_lower.contains("32768");
+    !states_time(name)
+        && (is_counter || name_lower.split(|c: char| !c.is_alphabetic()).any(|word| words.contains(&word)))
 }
 
 /// A column of numbers that rises as a time does.

@@ -346,19 +346,27 @@ fn a_unit_that_a_type_states_is_not_overridden() {
     assert!(why.contains("by its type") && why.contains("leave --time-unit out"), "{why}");
 }
 
-/// bagpy writes whole seconds and nanoseconds into two columns.
+/// bagpy writes whole seconds and nanoseconds into two columns, and data loggers a clock and milliseconds.
 #[test]
 fn a_stamp_in_two_columns_is_one_time() {
-    let row = |at: u64| {
-        let ns = 1_574_793_141_500_000_000 + at * 10_000_000;
-        format!("{},{},{}\n", ns / 1_000_000_000, ns % 1_000_000_000, at % 7)
-    };
-    let kept = (0..300).filter(|at| !(100..110).contains(at));
-    let text = kept.map(row).fold("stamp.secs,stamp.nsecs,gz_dps\n".to_owned(), |text, row| text + &row);
-    for options in ["", "--column gz_dps"] {
-        let column = Folder::new().read(&text, options).unwrap();
-        assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
-        assert_eq!(column.gaps, [Gap { at: 100, missing: 10 }]);
+    let cases: [(&str, u64, fn(u64) -> String); 4] = [
+        ("stamp.secs,stamp.nsecs", 1_000_000_000, |s| s.to_string()),
+        ("tv_sec,tv_usec", 1_000_000, |s| s.to_string()),
+        ("second,millisecond", 1000, |s| s.to_string()),
+        ("time,ms", 1000, |s| format!("12:{:02}:{:02}", s % 3600 / 60, s % 60)),
+    ];
+    for (names, parts, seconds) in cases {
+        let row = |at: u64| {
+            let ms = 1_574_793_141_500 + at * 10;
+            format!("{},{},{}\n", seconds(ms / 1000), ms % 1000 * (parts / 1000), at % 7)
+        };
+        let kept = (0..300).filter(|at| !(100..110).contains(at));
+        let text = kept.map(row).fold(format!("{names},gz_dps\n"), |text, row| text + &row);
+        for options in ["", "--column gz_dps"] {
+            let column = Folder::new().read(&text, options).unwrap();
+            assert!((column.rate_hz - 100.0).abs() < 1e-6, "{names}: {}", column.rate_hz);
+            assert_eq!(column.gaps, [Gap { at: 100, missing: 10 }], "{names}");
+        }
     }
 }
 
@@ -394,6 +402,8 @@ fn a_unit_of_time_may_be_a_number_of_ticks() {
         ("t_10_ms", 1.0),
         ("SampleTimeFine", 100.0),
         ("SampleTimeFine", 10_000.0),
+        ("ts [25 us]", 400.0),
+        ("ticks_32768Hz", 327.68),
     ];
     for (name, step) in cases {
         let column = Folder::new().read(stepping(name, step), "--column gz_dps").unwrap();
@@ -499,7 +509,7 @@ fn a_time_that_two_readings_fit_is_asked_for() {
     let running = text("sec,nanosec,gz_dps", &|at| format!("{},{},{}", 17 + at / 200, at * 5_000_000, at % 7));
     for text in [twice, running] {
         let why = folder.fails(&text, "--column gz_dps");
-        assert!(why.contains("are not whole seconds and the nanoseconds within them"), "{why}");
+        assert!(why.contains("are not whole seconds and the parts of a second"), "{why}");
     }
     // nanoseconds since power-on, 17 days ago, are dates of 2017 in microseconds
     let uptime = text("timestamp,gz_dps", &|at| format!("{},{}", 1_500_000_000_000_000 + at * 5_000_000, at % 7));

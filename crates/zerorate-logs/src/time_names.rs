@@ -60,25 +60,34 @@ fn is_in_time_unit(name: &str) -> bool {
 }
 
 /// The unit of a time and the size of its step in that unit, if the name states a step other than one unit: 0.1 ms
-/// of `time [0.1 ms]` and `ticks_100us`, 60 s of `Time (min)`.
+/// of `time [0.1 ms]` and `ticks_100us`, 60 s of `Time (min)`, 1/32768 s of `ticks_32768Hz`.
 pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     let name = name.to_lowercase();
-    let is_bare_t = name.strip_prefix('t').is_some_and(|rest| rest.starts_with(['_', ' ', '[', '(']));
-    let is_time = is_bare_t || is_like_time(&name) || name.contains("tick");
+    let is_short =
+        ["ts", "t"].iter().any(|t| name.strip_prefix(t).is_some_and(|rest| rest.starts_with(['_', ' ', '[', '('])));
+    let is_time = is_short || is_like_time(&name) || name.contains("tick");
     let text = name.trim_end_matches([']', ')']);
+    let text = text.strip_suffix("/lsb").unwrap_or(text);
     let longer = [("min", 60.0), ("minutes", 60.0), ("h", 3600.0), ("hours", 3600.0)];
     let ends = |word: &str| text.strip_suffix(word).is_some_and(|rest| rest.ends_with(['[', '(']));
     if let Some((_, step)) = longer.into_iter().find(|(word, _)| is_time && ends(word)) {
         return Some((TimeUnit::S, step));
     }
+    // the last letter of a unit is that of a longer one as well, so seconds come last
     let units =
         [(TimeUnit::Ms, "ms"), (TimeUnit::Us, "us"), (TimeUnit::Us, "µs"), (TimeUnit::Ns, "ns"), (TimeUnit::S, "s")];
+    let rates = [("khz", 1e3), ("mhz", 1e6), ("hz", 1.0)];
+    let number = |rest: &str| {
+        let rest = rest.trim_end_matches([' ', '_']);
+        let number = &rest[rest.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.').len()..];
+        let is_apart = rest[..rest.len() - number.len()].ends_with(['[', '(', '_', ' ']);
+        number.parse().ok().filter(|number: &f64| is_time && is_apart && *number > 0.0)
+    };
+    if let Some((rest, per_s)) = rates.into_iter().find_map(|(word, per_s)| Some((text.strip_suffix(word)?, per_s))) {
+        return Some((TimeUnit::S, 1.0 / (number(rest)? * per_s)));
+    }
     let (unit, rest) = units.into_iter().find_map(|(unit, word)| Some((unit, text.strip_suffix(word)?)))?;
-    let rest = rest.trim_end_matches([' ', '_']);
-    let number = &rest[rest.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.').len()..];
-    let is_apart = rest[..rest.len() - number.len()].ends_with(['[', '(', '_', ' ']);
-    let step = number.parse().ok().filter(|step| is_time && is_apart && *step > 0.0 && *step != 1.0)?;
-    Some((unit, step))
+    Some((unit, number(rest).filter(|step| *step != 1.0)?))
 }
 
 /// True if a column may hold the time since the row before: `dt_ms`.
@@ -88,31 +97,54 @@ pub fn is_step(name: &str) -> bool {
     matches!(stem, "dt" | "deltat" | "Δt" | "δt") || name.starts_with("delta_t") || name.starts_with("time_step")
 }
 
-/// True if a column holds the nanoseconds of the stamps whose whole seconds stand in another: `stamp.nsecs` and
-/// `stamp.secs`.
-pub fn is_fraction(name: &str, seconds: &str) -> bool {
-    let stem = |name: &str, unit: TimeUnit| {
+/// The number of seconds in one unit of a column that holds the rest of stamps whose seconds stand in another:
+/// 1e-9 of `stamp.nsecs` beside `stamp.secs`, 1e-3 of `millisecond` beside `second`.
+pub fn fraction_s(name: &str, seconds: &str) -> Option<f64> {
+    let parted = |name: &str| {
         let name = name.to_lowercase();
         let end = name.trim_end_matches(char::is_alphanumeric).len();
-        let word = &name[end..];
-        let is_known = match unit {
-            TimeUnit::S => ["sec", "secs"].contains(&word),
-            _ => ["nsec", "nsecs", "nanosec", "nanosecs"].contains(&word),
-        };
-        is_known.then(|| name[..end].to_owned())
+        (name[..end].to_owned(), name[end..].to_owned())
     };
-    stem(name, TimeUnit::Ns).is_some_and(|of| stem(seconds, TimeUnit::S) == Some(of))
+    let ((stem, word), (stem_of_seconds, second)) = (parted(name), parted(seconds));
+    let are_seconds = stem == stem_of_seconds && ["sec", "secs", "second", "seconds"].contains(&&*second);
+    let unit_s = FRACTIONS.iter().find_map(|(unit_s, words)| words.contains(&&*word).then_some(*unit_s));
+    unit_s.or((stem.is_empty() && word == "ms").then_some(1e-3)).filter(|_| are_seconds)
 }
+
+/// The number of milliseconds, or the like, beside times of day that lack them: 1e-3 of `ms` beside `time`.
+pub fn fraction_of_clock_s(name: &str) -> Option<f64> {
+    fraction_s(name, "seconds").filter(|unit_s| *unit_s < 1.0)
+}
+
+/// Words for the rest of a stamp behind its whole seconds, with the number of seconds in one.
+const FRACTIONS: [(f64, &[&str]); 4] = [
+    (1e-9, &["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds"]),
+    (1e-6, &["usec", "usecs", "microsec", "microsecond", "microseconds"]),
+    (1e-3, &["msec", "msecs", "millisec", "millisecond", "milliseconds"]),
+    (1.0, &["fraction", "frac", "subsec", "subsecond", "subseconds"]),
+];
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn nanoseconds_belong_to_the_seconds_of_the_same_stamp() {
-        assert!(is_fraction("header.stamp.nsecs", "header.stamp.secs") && is_fraction("nsec", "sec"));
-        assert!(is_fraction("stamp_nanosec", "stamp_sec"));
-        assert!(!is_fraction("b.nsecs", "a.secs") && !is_fraction("t_ns", "t_s") && !is_fraction("secs", "nsecs"));
+    fn a_fraction_belongs_to_the_seconds_of_the_same_stamp() {
+        let cases = [
+            ("header.stamp.nsecs", "header.stamp.secs", Some(1e-9)),
+            ("nsec", "sec", Some(1e-9)),
+            ("stamp_nanosec", "stamp_sec", Some(1e-9)),
+            ("tv_usec", "tv_sec", Some(1e-6)),
+            ("millisecond", "second", Some(1e-3)),
+            ("ms", "seconds", Some(1e-3)),
+            ("fraction", "seconds", Some(1.0)),
+            ("b.nsecs", "a.secs", None),
+            ("t_ns", "t_s", None),
+            ("t_ms", "t_sec", None),
+            ("secs", "nsecs", None),
+        ];
+        cases.into_iter().for_each(|(name, of, expected)| assert_eq!(fraction_s(name, of), expected, "{name}"));
+        assert_eq!((fraction_of_clock_s("ms"), fraction_of_clock_s("fraction")), (Some(1e-3), None));
     }
 
     #[test]
@@ -130,6 +162,12 @@ mod tests {
             ("gyro_avg_100ms", None),
             ("gyro [0.1 ms]", None),
             ("time_1_s", None),
+            ("timestamp (25us/LSB)", Some((TimeUnit::Us, 25.0))),
+            ("ts[25 us]", Some((TimeUnit::Us, 25.0))),
+            ("ticks_32768Hz", Some((TimeUnit::S, 1.0 / 32_768.0))),
+            ("time [40 kHz]", Some((TimeUnit::S, 1.0 / 40_000.0))),
+            ("gyro [200 Hz]", None),
+            ("time_hz", None),
         ];
         cases.into_iter().for_each(|(name, expected)| assert_eq!(ticks(name), expected, "{name}"));
     }

@@ -1,6 +1,9 @@
 //! Detects signed codes that were written without a sign: 65530 in place of -6.
 
+use crate::column::Column;
 use crate::series::Series;
+use crate::warning::LogWarning;
+use std::path::Path;
 
 /// The usual widths of codes, bits.
 const WIDTHS: [i32; 7] = [12, 14, 16, 18, 20, 24, 32];
@@ -21,13 +24,42 @@ pub fn unwrap(series: &mut Series) -> Option<i32> {
         Series::Codes(codes) => bits(|| codes.iter().map(|code| f64::from(*code))),
         Series::Numbers(numbers) => bits(|| numbers.iter().copied().filter(|number| !number.is_nan())),
     }?;
+    sign(series, bits);
+    Some(bits)
+}
+
+/// Gives the codes of a column their sign if they all lie at the upper end of the range of another column, whose codes
+/// wrapped around: the column is always negative.
+pub fn unwrap_others(path: &Path, columns: &mut [Column]) {
+    let wrapped = |column: &Column| {
+        column.warnings.iter().find_map(|warning| match warning {
+            LogWarning::CodesUnsigned { bits, .. } => Some(*bits),
+            _ => None,
+        })
+    };
+    let Some(bits) = columns.iter().find_map(wrapped) else { return };
+    let full = 2f64.powi(bits);
+    for column in columns.iter_mut().filter(|column| wrapped(column).is_none()) {
+        let high = full * (1.0 - END)..full;
+        let are_high = match &column.series {
+            Series::Codes(codes) => codes.iter().all(|code| high.contains(&f64::from(*code))),
+            Series::Numbers(_) => false,
+        };
+        if are_high {
+            sign(&mut column.series, bits);
+            let (path, name) = (path.display().to_string(), column.name.clone());
+            column.warnings.push(LogWarning::CodesUnsigned { path, column: name, bits });
+        }
+    }
+}
+
+fn sign(series: &mut Series, bits: i32) {
     let full = 2f64.powi(bits);
     let signed = |code: f64| if code < full / 2.0 { code } else { code - full };
     match series {
         Series::Codes(codes) => codes.iter_mut().for_each(|code| *code = signed(f64::from(*code)) as i32),
         Series::Numbers(numbers) => numbers.iter_mut().for_each(|number| *number = signed(*number)),
     }
-    Some(bits)
 }
 
 /// The width of codes that wrapped around zero.

@@ -226,3 +226,40 @@ fn columns_of_one_name_are_chosen_by_number() {
     let Err(said) = noisy("t_ms,gx_dps,gy_dps,gz_dps,gx_dps,gy_dps,gz_dps", noise) else { panic!("one sensor") };
     assert!(said.to_string().contains("several columns `gx_dps`") && said.to_string().contains("by number from 0"));
 }
+
+/// The accelerometer has half the rate of the gyroscope, and its rows end in the middle of the file.
+#[test]
+fn sensors_beside_each_other_have_their_own_times() {
+    let row = |at: usize| {
+        let cells = |rate_hz: f64, unit: f64| {
+            let numbers = (0..3).map(|axis| format!("{:.5}", unit + 0.1 * noise(at, axis))).collect::<Vec<_>>();
+            format!("{},{}", at as f64 / rate_hz, numbers.join(","))
+        };
+        let accel = if at < 600 { cells(50.0, 0.5) } else { ",,,".to_owned() };
+        format!("{},{accel}\n", cells(100.0, 0.0))
+    };
+    for [gyro, accel] in [["t_gyro_s", "t_accel_s"], ["Time (s)", "Time (s)"]] {
+        let head = format!("{gyro},gx_dps,gy_dps,gz_dps,{accel},ax_g,ay_g,az_g\n");
+        let text = (0..1200).map(row).fold(head, |text, row| text + &row);
+        for time_column in [None, Some("0".to_owned())] {
+            let log = ColumnOptions { time_column, ..ColumnOptions::default() };
+            let parts = vec![(std::path::PathBuf::from("imu.csv"), text.clone().into_bytes().into())];
+            let options = ImuOptions { log, ..ImuOptions::default() };
+            let found = Axes::read(Path::new("imu.csv"), parts, &options).unwrap();
+            let rates: Vec<(f64, usize)> =
+                found.columns.iter().map(|column| (column.rate_hz.round(), column.series.len())).collect();
+            assert_eq!(rates, [[(100.0, 1200); 3], [(50.0, 600); 3]].concat(), "{gyro}");
+        }
+    }
+}
+
+/// Codes of 16 bits in hexadecimal digits. The second axis is always negative, which only the first one tells.
+#[test]
+fn an_axis_that_is_always_negative_gets_its_sign_from_another() {
+    let row = |at: i16| format!("{},0x{:04X},0x{:04X},0x{:04X}\n", 10 * at, at % 9 - 4, at % 5 - 900, at % 7);
+    let text = (0..300).map(row).fold("t_ms,gx_dps,gy_dps,gz_dps\n".to_owned(), |text, row| text + &row);
+    let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+    let found = Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default()).unwrap();
+    let zerorate_logs::Series::Codes(codes) = &found.columns[1].series else { panic!("integers") };
+    assert_eq!(codes[..3], [-900, -899, -898]);
+}

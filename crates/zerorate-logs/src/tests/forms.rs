@@ -137,6 +137,10 @@ fn npy_of_two_dimensions_and_of_fields() {
         );
         assert!(folder.fails(&file, "--rate 10").contains("several columns; choose with --column one of: 0, 1"));
     }
+    // samples beside each other: more columns than rows
+    let header = "{'descr': '<i2', 'fortran_order': False, 'shape': (2, 300), }";
+    let file = npy(header, (0..600i16).map(i16::to_le_bytes).collect::<Vec<_>>().concat());
+    assert_eq!(numbers(&folder.read(&file, "--column 1 --rate 10").unwrap())[..2], [300.0, 301.0]);
     let descr = "[('t', '<M8[ms]'), ('ok', '|u1'), ('gz_rad_s', '>f4'), ('name', '<U2')]";
     let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (3,), }}");
     let row = |t: i64, z: f32| [&t.to_le_bytes()[..], &[1], &z.to_be_bytes(), &[0; 8]].concat();

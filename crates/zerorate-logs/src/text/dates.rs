@@ -3,6 +3,7 @@
 use jiff::civil::{Date, DateTime};
 use jiff::tz::TimeZone;
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// The order of day and month in a date of numbers, such as 10/19/2023.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,8 +17,18 @@ pub enum DateOrder {
 pub struct DateColumn {
     /// True if the cells are times of day, with or without a date, that rise from row to row.
     pub are_times: bool,
+    /// How the cells are written.
+    pub format: DateFormat,
+}
+
+/// How dates and times of day are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DateFormat {
     /// The order of day and month, if a day above 12 or the points of a German date show it.
     pub order: Option<DateOrder>,
+    /// The digits behind the seconds that a fraction without zeros in front stands for: 3 where 5 ms are written as
+    /// `12:00:01.5`, and 6 where it counts µs.
+    unpadded: Option<usize>,
 }
 
 /// Share of the cells that must be times, and of the rows at which times may go back: at midnight, or out of order.
@@ -29,13 +40,30 @@ impl DateColumn {
     pub fn of<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
         let decided = cells.clone().find_map(order_of);
         let order = decided.or_else(|| cells.clone().find_map(dotted).map(|_| DateOrder::DayFirst));
-        let times: Vec<i64> =
-            cells.clone().filter(|cell| is_clear(cell)).filter_map(|cell| nanoseconds(cell, order)).collect();
-        let count = cells.count() as f64;
-        let falls = times.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64;
-        let rises = times.windows(2).any(|pair| pair[1] > pair[0]) && falls <= 1.0 + FALLS * count;
-        Self { are_times: rises && times.len() as f64 >= TIMES * count, order }
+        let count = cells.clone().count() as f64;
+        let with = |unpadded| {
+            let format = DateFormat { order, unpadded };
+            let clear = cells.clone().filter(|cell| is_clear(cell));
+            let times: Vec<i64> = clear.filter_map(|cell| nanoseconds(cell, format)).collect();
+            let falls = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
+            let rises = times.windows(2).any(|pair| pair[1] > pair[0]) && falls as f64 <= 1.0 + FALLS * count;
+            (falls, Self { are_times: rises && times.len() as f64 >= TIMES * count, format })
+        };
+        let (falls, found) = with(None);
+        let longest = cells.clone().filter_map(|cell| fraction(cell).map(|place| place.len())).max();
+        let digits = longest.filter(|_| falls > 0).map(|longest| if longest <= 3 { 3 } else { 6 });
+        let unpadded = digits.map(|digits| with(Some(digits))).filter(|(others, _)| others * 2 < falls);
+        unpadded.map_or(found, |(_, unpadded)| unpadded)
     }
+}
+
+/// The place of the fraction of a second in a time.
+fn fraction(cell: &str) -> Option<Range<usize>> {
+    let colon = cell.find(':')?;
+    let rest = &cell[colon..];
+    let mark = rest.find(['.', ',']).or_else(|| rest.match_indices(':').nth(2).map(|(at, _)| at))? + colon + 1;
+    let digits = cell[mark..].bytes().take_while(u8::is_ascii_digit).count();
+    (digits > 0).then_some(mark..mark + digits)
 }
 
 /// True if a cell can only be a time: 12:30 alone may be hours and minutes, or minutes and seconds.
@@ -45,8 +73,13 @@ fn is_clear(cell: &str) -> bool {
 }
 
 /// Time in ns: of a date with a time of day since the epoch, or of a time of day alone since midnight. A date without
-/// a zone is taken as UTC, which no interval depends on. A date whose `order` is not known does not count.
-pub fn nanoseconds(cell: &str, order: Option<DateOrder>) -> Option<i64> {
+/// a zone is taken as UTC, which no interval depends on. A date whose order is not known does not count.
+pub fn nanoseconds(cell: &str, format: DateFormat) -> Option<i64> {
+    let DateFormat { order, unpadded } = format;
+    if let Some((digits, place)) = unpadded.zip(fraction(cell)) {
+        let padded = format!("{}{:0>digits$}{}", &cell[..place.start], &cell[place.clone()], &cell[place.end..]);
+        return nanoseconds(&padded, DateFormat { order, unpadded: None });
+    }
     of_iso(cell).or_else(|| {
         let (fields, clock_ns) = parts(cell)?;
         if fields.is_empty() { Some(clock_ns) } else { date_ns(&fields, order)?.checked_add(clock_ns) }
@@ -236,13 +269,13 @@ mod tests {
             "10/19/2023 11:59:55.01AM",
         ] {
             let column = DateColumn::of([cell].into_iter());
-            assert_eq!(nanoseconds(cell, column.order), Some(NS), "{cell}");
+            assert_eq!(nanoseconds(cell, column.format), Some(NS), "{cell}");
         }
     }
 
     #[test]
     fn hours_of_twelve_begin_with_twelve() {
-        let s = |cell| nanoseconds(cell, None).map(|ns| ns / 1_000_000_000);
+        let s = |cell| nanoseconds(cell, DateFormat::default()).map(|ns| ns / 1_000_000_000);
         let cases = [("12:00:01 AM", 1), ("1:00:00 am", 3600), ("12:00:00 PM", 43_200), ("11:59:59 pm", 86_399)];
         cases.into_iter().for_each(|(cell, expected)| assert_eq!(s(cell), Some(expected), "{cell}"));
         assert_eq!((s("13:00:00 PM"), s("0:30:00 AM"), s("24:00:00"), s("12:60:00")), (None, None, None, None));
@@ -251,9 +284,10 @@ mod tests {
     /// The time of day is known even if 5/6 may be in May or in June.
     #[test]
     fn a_date_without_an_order_does_not_count() {
-        assert_eq!(nanoseconds("05/06/2026 07:08 PM", None), nanoseconds("19:08", None));
-        assert_eq!(nanoseconds("13/06/2026 07:08", None), None);
-        assert_eq!(nanoseconds("05/13/2026 07:08", Some(DateOrder::DayFirst)), None);
+        let ns = |cell, order| nanoseconds(cell, DateFormat { order, ..DateFormat::default() });
+        assert_eq!(ns("05/06/2026 07:08 PM", None), ns("19:08", None));
+        assert_eq!(ns("13/06/2026 07:08", None), None);
+        assert_eq!(ns("05/13/2026 07:08", Some(DateOrder::DayFirst)), None);
     }
 
     #[test]
@@ -273,10 +307,34 @@ mod tests {
             "12:00:00.x",
         ];
         for other in others {
-            assert!(other == "2023-10-19" || nanoseconds(other, None).is_none(), "{other}");
+            assert!(other == "2023-10-19" || nanoseconds(other, DateFormat::default()).is_none(), "{other}");
         }
         assert!(reason("59:55.0").is_some_and(|why| why.contains("Excel")));
         assert!(reason("59:55.010").is_some_and(|why| !why.contains("Excel")));
+    }
+
+    /// `%d` writes 5 ms as 5, and a program that drops zeros at the end writes half a second so.
+    #[test]
+    fn fractions_without_zeros_in_front_are_told_by_their_order() {
+        let first_ms = |cells: &[&str]| {
+            let column = DateColumn::of(cells.iter().copied());
+            assert!(column.are_times, "{cells:?}");
+            nanoseconds(cells[0], column.format).unwrap() % 1_000_000_000 / 1_000_000
+        };
+        let unpadded: Vec<String> = (0..200).map(|row| format!("12:00:{}.{}", row / 20, 5 + row % 20 * 50)).collect();
+        let unpadded: Vec<&str> = unpadded.iter().map(String::as_str).collect();
+        assert_eq!(first_ms(&unpadded), 5);
+        assert_eq!(
+            first_ms(&[
+                "2026-03-01 12:00:00:90",
+                "2026-03-01 12:00:00:100",
+                "2026-03-01 12:00:00:110",
+                "2026-03-01 12:00:01:0",
+                "2026-03-01 12:00:01:10"
+            ]),
+            90
+        );
+        assert_eq!(first_ms(&["12:00:00.5", "12:00:00.75", "12:00:01", "12:00:01.25"]), 500);
     }
 
     #[test]

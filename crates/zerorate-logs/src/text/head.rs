@@ -8,6 +8,7 @@ use super::scales::Scales;
 use super::sentence;
 use crate::error::{LogError, Result};
 use crate::number::Decimal;
+use crate::open::JSON;
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
 use std::path::Path;
@@ -125,12 +126,14 @@ impl Head {
             scales: Scales::default(),
             open: Open::Nothing,
         };
-        let (used, is_named) = head.name_by_marks(path, above, &comments)?;
+        let named = &above[..head.names_end(above)];
+        let (used, is_named) = head.name_by_marks(path, named, &comments)?;
         axes_in_name::spread(&mut head.names);
         if !is_named && rows.all_are_cut {
             return Err(InputError::damaged(path, format!("line {start}"), CLASH).into());
         }
-        head.skip(&above[..above.len() - used], &comments);
+        let skipped = [&named[..named.len() - used], &above[named.len()..]].concat();
+        head.skip(&skipped, &comments);
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
         if !is_named && undecided && rows.all_integers {
             head.open = Open::TwoOrDecimals;
@@ -179,6 +182,9 @@ impl Head {
         if !is_text {
             return Err(not_text(path, args.names));
         }
+        if first.starts_with("{\"") {
+            return Err(InputError::not_a_log(path, JSON).into());
+        }
         let what = format!("none of its first {some} lines holds a number (`{}`): is it a log?", shortened(first));
         Err(InputError::damaged(path, "as a text file", what).into())
     }
@@ -191,10 +197,32 @@ impl Head {
             return Ok((0, true));
         }
         let used = self.name(path, above, comments)?;
-        if let (Some(first), true) = (self.marks.first(), used > 0) {
+        let first = self.marks.first().filter(|first| used > 0 || TimeUnit::of_column(first).is_some());
+        if let Some(first) = first {
             first.clone_into(&mut self.names[0]);
+        } else if used == 0 && comments.is_empty() && self.are_of_ros() {
+            self.names = ros_names();
+            return Ok((0, true));
         }
         Ok((used, used > 0))
+    }
+
+    /// The end of the lines above the data that may be names. A board may speak between its header and its first row.
+    fn names_end(&self, above: &[Numbered<'_>]) -> usize {
+        let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
+        let is_spoken = above.last().is_some_and(|(_, line)| cells(line).len() == 1);
+        let are_names = |(_, line): &Numbered<'_>| are_names(&cells(line), self.width);
+        let is_cut = self.delimiter != Delimiter::Blanks && self.width > 1;
+        let names = above.iter().rposition(are_names).filter(|_| is_cut && is_spoken);
+        names.map_or(above.len(), |names| names + 1)
+    }
+
+    /// True if the columns are those of `ros2 topic echo --csv` of a `sensor_msgs/Imu`: numbers, and the frame.
+    fn are_of_ros(&self) -> bool {
+        let is_expected = |(at, is_numeric): (usize, &bool)| *is_numeric == (at != FRAME);
+        self.delimiter == Delimiter::Comma
+            && self.width == ros_names().len()
+            && self.numeric.iter().enumerate().all(is_expected)
     }
 
     /// Takes the names from the lines above the data, or from the comments there. Returns the number of lines used.
@@ -267,6 +295,21 @@ impl Head {
     pub fn has_clash(&self) -> bool {
         self.cuts_numbers && self.names.len() > 1
     }
+}
+
+/// The place of the frame among the fields of a `sensor_msgs/Imu`.
+const FRAME: usize = 2;
+
+/// The fields of a `sensor_msgs/Imu` in their order.
+fn ros_names() -> Vec<String> {
+    let header = ["header.stamp.sec", "header.stamp.nanosec", "header.frame_id"].map(str::to_owned);
+    let vector = |name: &str, axes: &[&str]| {
+        let numbers = axes.iter().map(|axis| format!("{name}.{axis}")).collect::<Vec<String>>();
+        numbers.into_iter().chain((0..9).map(|at| format!("{name}_covariance.{at}"))).collect::<Vec<String>>()
+    };
+    let orientation = vector("orientation", &["x", "y", "z", "w"]);
+    let vectors = ["angular_velocity", "linear_acceleration"].map(|name| vector(name, &["x", "y", "z"]));
+    header.into_iter().chain(orientation).chain(vectors.concat()).collect()
 }
 
 /// The delimiter of the other lines, if every second line is a single number or date: the stamp of the line below it.

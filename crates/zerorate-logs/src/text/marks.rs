@@ -1,6 +1,9 @@
-//! Marks that a serial monitor or a sketch writes between the numbers: an arrow behind the time of a line, and a label
-//! in front of each value. Blanks replace them before lines are cut into cells.
+//! Marks that a serial monitor, a logger or a sketch writes between the numbers: an arrow behind the time of a line, and
+//! a label in front of each value. Blanks replace them before lines are cut into cells.
 
+use super::json_lines;
+use super::stamp::{Stamp, is_value, preamble, without_colours};
+use std::borrow::Cow;
 use std::ops::Range;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{Quantity, TimeUnit};
@@ -9,60 +12,93 @@ use zerorate_input::{Quantity, TimeUnit};
 const LINES: usize = 1000;
 const FEWEST: usize = 3;
 
-/// The marks behind the time of a line in serial monitors: Arduino's, PlatformIO's, and Tera Term's, which puts the
-/// time in brackets.
-const ARROWS: [&str; 3] = [" -> ", " > ", "] "];
-/// An arrow, or a word in front of the values, begins before this byte of the line.
-const ARROW_START: usize = 40;
-
 /// The marks in most lines of a text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
-    /// The delimiter that replaces the arrow: `15:23:45.000 -> 0.5,0.25`.
-    arrow: Option<Delimiter>,
+    /// True if the lines have the colours of a terminal.
+    colours: bool,
+    /// The delimiter that replaces what stands behind the time of a line, and the name of the column of times:
+    /// `15:23:45.000 -> 0.5,0.25`.
+    stamp: Option<(Delimiter, &'static str)>,
     /// The labels of the values, in order, and the delimiter behind values: `gx:0.5,gy:0.25` or `gx=0.5 gy=0.25`.
     labels: Option<(Delimiter, Vec<String>)>,
-    /// A word in front of all values of a row: `Raw:` in `Raw:1,2,3`.
-    word: Option<String>,
+    /// The words in front of all values of a row: `Raw:` in `Raw:1,2,3`.
+    words: Option<String>,
     /// True if rows stand in brackets: `(0.5, 0.25)`.
     brackets: bool,
+    /// The names of the values, if lines are JSON objects.
+    json: Option<Vec<String>>,
 }
 
 impl Marks {
     /// The marks in the first lines of `text`.
     pub fn of(text: &str) -> Self {
+        let colours = text.contains('\x1b');
+        let text = if colours { Cow::Owned(plain(text)) } else { Cow::Borrowed(text) };
         let lines: Vec<&str> = text.lines().map(str::trim_ascii).filter(|line| !line.is_empty()).take(LINES).collect();
-        let rests: Vec<&str> = lines.iter().filter_map(|line| Some(&line[arrow(line)?.end..])).collect();
         let are_most = |count: usize| count * 2 > lines.len() && count >= FEWEST;
-        let has_arrow = are_most(rests.len());
-        let rests = if has_arrow { rests } else { lines.clone() };
-        let arrow = most(rests.iter().map(|rest| Delimiter::detect(rest))).map(|(delimiter, _)| delimiter);
-        let labels = most(rests.iter().filter_map(|rest| {
-            let delimiter = Delimiter::detect(rest);
-            let labels = labels(rest, delimiter)?;
-            Some((delimiter, labels.iter().map(|label| label.name(rest)).collect()))
-        }));
-        let labels = labels.filter(|(_, count)| are_most(*count)).map(|(labels, _)| labels);
-        let word = most(rests.iter().filter_map(|rest| word(rest).map(str::to_owned)));
-        let word = word.filter(|(_, count)| labels.is_none() && are_most(*count)).map(|(word, _)| word);
+        let json = most(lines.iter().filter_map(|line| json_lines::names(line)));
+        if let Some((names, _)) = json.filter(|(_, count)| are_most(*count)) {
+            return Self { json: Some(names), ..Self::default() };
+        }
+        let stamps: Vec<(&str, Stamp)> = lines.iter().filter_map(|line| Some((*line, Stamp::of(line)?))).collect();
+        let has_stamps = are_most(stamps.len());
+        let rests: Vec<&str> = match has_stamps {
+            true => stamps.iter().map(|(line, stamp)| &line[stamp.end..]).collect(),
+            false => lines.clone(),
+        };
+        let labelled = |rests: &[&str]| {
+            let labels = most(rests.iter().filter_map(|rest| {
+                let delimiter = Delimiter::detect(rest);
+                let labels = labels(rest, delimiter)?;
+                Some((delimiter, labels.iter().map(|label| label.name(rest)).collect::<Vec<String>>()))
+            }));
+            labels.filter(|(_, count)| are_most(*count)).map(|(labels, _)| labels)
+        };
+        let words = most(rests.iter().filter_map(|rest| preamble(rest)));
+        let words = words.filter(|(_, count)| are_most(*count)).map(|(words, _)| words);
+        let without = |words: Option<&str>| -> Vec<&str> {
+            rests.iter().map(|rest| words.and_then(|of| rest.strip_prefix(of)).unwrap_or(rest)).collect()
+        };
+        // a colon may be that of the first label, and a dash is not
+        let is_label = words.is_some_and(|words| words.trim_end().ends_with(':')) && labelled(&rests).is_some();
+        let words = words.filter(|_| !is_label);
+        let rests = without(words);
+        let delimiter = most(rests.iter().map(|rest| Delimiter::detect(rest))).map(|(delimiter, _)| delimiter);
+        let name = most(stamps.iter().map(|(_, stamp)| stamp.name)).filter(|_| has_stamps).map(|(name, _)| name);
         let brackets = are_most(lines.iter().filter(|line| are_in_brackets(line)).count());
-        Self { arrow: arrow.filter(|_| has_arrow), labels, word, brackets }
+        Self {
+            colours,
+            stamp: delimiter.zip(name),
+            labels: labelled(&rests),
+            words: words.map(str::to_owned),
+            brackets,
+            json: None,
+        }
     }
 
     /// The names of the cells according to the labels; `None` without labels.
     pub fn names(&self) -> Option<Vec<String>> {
+        if self.json.is_some() {
+            return self.json.clone();
+        }
         let (_, labels) = self.labels.as_ref()?;
-        Some(self.arrow.map(|_| CLOCK.to_owned()).into_iter().chain(labels.iter().cloned()).collect())
+        Some(self.first().map(str::to_owned).into_iter().chain(labels.iter().cloned()).collect())
     }
 
-    /// The name of the first cell, if an arrow stands behind it.
+    /// The name of the first cell, if it is the time in front of a line.
     pub fn first(&self) -> Option<&'static str> {
-        self.arrow.map(|_| CLOCK)
+        self.stamp.map(|(_, name)| name)
     }
 
     /// True if the text has any marks.
     pub fn are_there(&self) -> bool {
-        self.arrow.is_some() || self.labels.is_some() || self.word.is_some() || self.brackets
+        self.json.is_some()
+            || self.colours
+            || self.stamp.is_some()
+            || self.labels.is_some()
+            || self.words.is_some()
+            || self.brackets
     }
 
     /// Replaces the marks in whole lines by blanks. A line with other labels stays as it is, and is a broken line.
@@ -73,42 +109,56 @@ impl Marks {
     }
 
     fn erase_in(&self, line: &mut [u8]) {
+        if let Some(names) = &self.json {
+            return json_lines::erase(line, names);
+        }
+        if self.colours {
+            without_colours(line);
+        }
+        let start = line.len() - line.trim_ascii_start().len();
+        let line = &mut line[start..];
         let Ok(text) = std::str::from_utf8(line) else { return };
         if self.brackets && are_in_brackets(text.trim_ascii()) {
-            let ends = text.len() - text.trim_ascii_start().len()..text.trim_ascii_end().len();
-            line[ends.start] = b' ';
-            line[ends.end - 1] = b' ';
+            let end = text.trim_ascii_end().len();
+            line[0] = b' ';
+            line[end - 1] = b' ';
             return;
         }
-        let found = self.arrow.and_then(|delimiter| Some((delimiter, arrow(text)?)));
-        let start = found.as_ref().map_or(0, |(_, arrow)| arrow.end);
+        let stamp = self.stamp.and_then(|(delimiter, _)| Some((delimiter, Stamp::of(text)?)));
+        let behind = stamp.as_ref().map_or(0, |(_, stamp)| stamp.end);
+        let words = self.words.as_deref().filter(|words| text[behind..].starts_with(words));
+        let start = behind + words.map_or(0, str::len);
         let rest = &text[start..];
         let labels = self.labels.as_ref().and_then(|(delimiter, wanted)| {
             let labels = labels(rest, *delimiter)?;
             labels.iter().map(|label| label.name(rest)).eq(wanted.iter().cloned()).then_some(labels)
         });
-        let found = found.filter(|(delimiter, _)| has_cells(rest, *delimiter));
+        let stamp = stamp.filter(|(delimiter, _)| has_cells(rest, *delimiter));
+        line[behind..start].fill(b' ');
         if let Some((labels, (delimiter, _))) = labels.zip(self.labels.as_ref()) {
-            for Label { name, unit } in labels {
-                let mark = line[start + name.end..].iter().position(|byte| matches!(byte, b':' | b'='));
-                line[start + name.start..=start + name.end + mark.unwrap_or_default()].fill(b' ');
-                line[start + unit.start..start + unit.end].fill(b' ');
-            }
-            let end = line.trim_ascii_end().len();
-            if let Some(last) = line[..end].last_mut().filter(|last| Some(**last) == delimiter.byte()) {
-                *last = b' ';
-            }
+            erase_labels(&mut line[start..], &labels, *delimiter);
         }
-        if let Some(word) = self.word.as_ref().filter(|word| line[start..].starts_with(word.as_bytes())) {
-            line[start..start + word.len()].fill(b' ');
+        if let Some((delimiter, stamp)) = stamp {
+            stamp.keep(line, delimiter);
         }
-        if let Some((delimiter, arrow)) = found {
-            if line[0] == b'[' {
-                line[0] = b' ';
-            }
-            line[arrow.clone()].fill(b' ');
-            line[arrow.start] = delimiter.byte().unwrap_or(b' ');
-        }
+    }
+}
+
+fn plain(text: &str) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    without_colours(&mut bytes);
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+fn erase_labels(line: &mut [u8], labels: &[Label], delimiter: Delimiter) {
+    for Label { name, unit } in labels {
+        let mark = line[name.end..].iter().position(|byte| matches!(byte, b':' | b'='));
+        line[name.start..=name.end + mark.unwrap_or_default()].fill(b' ');
+        line[unit.clone()].fill(b' ');
+    }
+    let end = line.trim_ascii_end().len();
+    if let Some(last) = line[..end].last_mut().filter(|last| Some(**last) == delimiter.byte()) {
+        *last = b' ';
     }
 }
 
@@ -119,31 +169,6 @@ fn are_in_brackets(line: &str) -> bool {
 /// True if a line holds values, and is not a message that a board prints when it starts.
 fn has_cells(line: &str, delimiter: Delimiter) -> bool {
     delimiter.byte().is_none_or(|byte| line.contains(char::from(byte))) || is_value(line)
-}
-
-fn is_value(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_ascii_digit() || "+-.nN".contains(c))
-}
-
-/// The name of the cell in front of an arrow.
-const CLOCK: &str = "clock";
-
-/// The place of the arrow behind a time of day.
-fn arrow(line: &str) -> Option<Range<usize>> {
-    let of = |arrow: &&str| {
-        let start = line.find(arrow).filter(|start| *start < ARROW_START)?;
-        let time = if *arrow == "] " { line[..start].strip_prefix('[')? } else { &line[..start] };
-        super::dates::nanoseconds(time, None)?;
-        Some(start..start + arrow.len())
-    };
-    ARROWS.iter().find_map(of)
-}
-
-/// The word in front of all values of a row, with its colon.
-fn word(line: &str) -> Option<&str> {
-    let end = line.find(':').filter(|end| *end < ARROW_START)? + 1;
-    let is_word = line.starts_with(char::is_alphabetic) && !line[..end].contains([',', ';', '\t', '=']);
-    (is_word && is_value(line[end..].trim_start())).then(|| &line[..end])
 }
 
 /// The place of a label, and that of the unit behind its value, which may be empty.
@@ -236,11 +261,19 @@ mod tests {
             ("[15:23:45.000] 0.5,-0.25", "", "15:23:45.000|0.5|-0.25"),
             ("[2024-01-01 12:00:00.010] 0.5,-0.25", "", "2024-01-01 12:00:00.010|0.5|-0.25"),
             ("Raw:1,2,-3", "", "1|2|-3"),
+            ("I (321) imu: gx: 0.5 gy: -.25", "clock [ms] gx gy", "321|0.5|-.25"),
+            ("\x1b[0;32mI (321) imu: gx=0.5, gy=-.25\x1b[0m", "clock [ms] gx gy", "321|0.5|-.25"),
+            ("I (321) imu: 0.5, -.25", "", "321|0.5|-.25"),
+            ("[00:00:01.125,250] <inf> main: gx:0.5 gy:-.25", "clock gx gy", "00:00:01.125250|0.5|-.25"),
+            ("<info> app: gx: 0.5, gy: -.25", "gx gy", "0.5|-.25"),
+            ("[   12.345678] imu: gx=0.5 gy=-.25", "clock [s] gx gy", "12.345678|0.5|-.25"),
+            ("2026-03-01 12:00:00,125 - INFO - gx=0.5 gy=-.25", "clock gx gy", "2026-03-01T12:00:00.125|0.5|-.25"),
+            ("12:00:00.125 INFO: 0.5 -.25", "", "12:00:00.125|0.5|-.25"),
             ("Gyro(dps): 0.5, 2", "", "0.5|2"),
             ("at: 15:23:45, gx: 1", "at gx", "15:23:45|1"),
         ] {
-            let names = Some(names).filter(|names| !names.is_empty());
-            let names = names.map(|names| names.split(' ').map(str::to_owned).collect());
+            let names = Some(names.replace("clock [", "clock_[")).filter(|names| !names.is_empty());
+            let names = names.map(|names| names.split(' ').map(|name| name.replace('_', " ")).collect());
             assert_eq!(erased(line), (names, cells.to_owned()), "{line}");
         }
         for line in ["t: 10 ms gx: 0.5 °/s ax: -.25 g", "t: 10 ms, gx: 0.5 °/s, ax: -.25 g"] {

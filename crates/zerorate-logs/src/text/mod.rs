@@ -4,10 +4,12 @@ mod axes_in_name;
 mod blocks;
 pub mod dates;
 mod head;
+mod json_lines;
 mod marks;
 mod rows;
 mod scales;
 mod sentence;
+mod stamp;
 mod survey;
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use super::super::number::{Number, Numerals};
 use super::blocks::Block;
-use super::dates::{self, DateOrder};
+use super::dates::{self, DateFormat};
 use super::head::{Head, is_comment};
 use super::sentence;
 use crate::error::wrong;
@@ -25,8 +25,8 @@ pub struct Cut<'a> {
     pub wanted: Vec<(usize, usize)>,
     /// The index of the time among the wanted cells.
     pub time: Option<usize>,
-    /// The order of day and month in the time.
-    pub order: Option<DateOrder>,
+    /// How dates and times of day are written.
+    pub format: DateFormat,
     /// The names of the wanted cells.
     pub names: Vec<String>,
     /// Number of lines at the start that are not data.
@@ -184,10 +184,17 @@ impl<'t> Reading<'_, 't> {
         if width > self.cut.width || is_half {
             return Err(format!("it has {width} cells, and the others have {}", self.cut.width));
         }
+        // behind the last row of a sensor, the rows of another may go on
+        if self.cut.time.is_some_and(|time| self.cells[time].is_empty())
+            && self.cells.iter().all(|cell| cell.is_empty())
+        {
+            self.piece.rows -= 1;
+            return Ok(());
+        }
         let mut time = None;
         for (at, cell) in self.cells.iter().enumerate() {
             if self.cut.time == Some(at) {
-                let found = read_time(&mut self.piece.numerals, cell, number, self.cut.order);
+                let found = read_time(&mut self.piece.numerals, cell, number, self.cut.format);
                 time = Some(found.map_err(|what| named(at, &what))?);
                 continue;
             }
@@ -297,7 +304,7 @@ fn trimmed(cell: &str) -> &str {
 }
 
 /// Reads a time: a number, or a date with a time of day.
-fn read_time(numerals: &mut Numerals, cell: &str, line: u64, order: Option<DateOrder>) -> Result<Time, String> {
+fn read_time(numerals: &mut Numerals, cell: &str, line: u64, format: DateFormat) -> Result<Time, String> {
     let unreadable = match numerals.read(cell, line) {
         Ok(Number::Integer(time)) => return Ok(Time::Integer(time)),
         Ok(Number::Decimal(time)) if time.is_finite() => return Ok(Time::Number(time)),
@@ -308,7 +315,7 @@ fn read_time(numerals: &mut Numerals, cell: &str, line: u64, order: Option<DateO
         Some(why) => format!("`{cell}` {why}"),
         None => format!("{unreadable}, and no time such as 2026-03-01 12:00:00.25 or 12:00:00.25"),
     };
-    dates::nanoseconds(cell, order).map(Time::Date).ok_or_else(no_time)
+    dates::nanoseconds(cell, format).map(Time::Date).ok_or_else(no_time)
 }
 
 /// The number of broken lines of a text so far, and the first one.
@@ -365,7 +372,7 @@ pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize
         width: head.width,
         wanted,
         time: time.map(|_| chosen.len()),
-        order: time.and_then(|index| head.dates[index].order),
+        format: time.map(|index| head.dates[index].format).unwrap_or_default(),
         names: chosen.iter().chain(&time).map(|index| head.names[*index].clone()).collect(),
         head: head.lines,
         sentence: head.sentence.clone(),

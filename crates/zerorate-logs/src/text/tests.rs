@@ -367,9 +367,55 @@ fn a_serial_monitor_writes_times_and_labels() {
         let text = format!("15:23:44.990 -> wx,wy\n{text}");
         assert_eq!(read(&text, "--column 1").name, if name == "1" { "wx" } else { "gx" });
     }
+    // an ESP32 writes milliseconds since its start
+    let row = |at: u32| format!("\x1b[0;32mI ({}) imu: gx: 0.{} gy: -0.5\x1b[0m\n", 321 + 10 * at, at % 7);
+    let column = read(&(0..300).map(row).collect::<String>(), "--column gx");
+    assert_eq!((column.rate_hz.round(), column.series.len(), numbers(&column)[2]), (100.0, 300, 0.2));
     // a row with labels in another order is broken
     let rows = "gx:1,gy:2\n".repeat(200);
     let text = format!("{rows}gy:1,gx:2\n{rows}");
     let column = read(&text, "--column gx --rate 10");
     assert_eq!((column.missing(), there(&column)[0]), (1, Some(1.0)));
+}
+
+/// `ros2 topic echo --csv` writes the fields of a message without their names.
+#[test]
+fn the_fields_of_a_ros_message_have_names() {
+    let row = |at: u32| {
+        let vector = |first: f64| format!("{first},0.25,0.5,{}", ["0.0"; 9].join(","));
+        let stamp = format!("1770000000,{},imu_link", at * 10_000_000);
+        format!("{stamp},0.0,{},{},{}\n", vector(0.0), vector(f64::from(at)), vector(9.5))
+    };
+    let text: String = (0..90).map(row).collect();
+    let column = read(&text, "--column angular_velocity.x");
+    assert_eq!(
+        (column.rate_hz.round(), numbers(&column)[7], column.quantity),
+        (100.0, 7.0, Some(Quantity::AngularRate))
+    );
+    assert_eq!(numbers(&read(&text, "--column linear_acceleration.x"))[0], 9.5);
+}
+
+/// Programs print the codes of registers in hexadecimal digits.
+#[test]
+fn hexadecimal_codes_have_a_sign() {
+    let text: String = (0..300i16).map(|at| format!("0x{:04X}\n", (at % 9 - 4) * 100)).collect();
+    assert_eq!(numbers(&read(&text, "--rate 100"))[..3], [-400.0, -300.0, -200.0]);
+}
+
+#[test]
+fn each_line_may_be_an_object_of_json() {
+    let row = |at: u32| format!("{{\"t_ms\":{},\"gyro\":{{\"x\":{at}.5,\"y\":[1,2]}}}}", 10 * at);
+    let rows: Vec<String> = (0..90).map(row).collect();
+    for text in [rows.join("\n"), format!("[\n{}\n]\n", rows.join(",\n"))] {
+        let column = read(&text, "--column gyro.x");
+        assert_eq!((column.rate_hz.round(), numbers(&column)[7]), (100.0, 7.5));
+        assert_eq!(numbers(&read(&text, "--column gyro.y.1"))[0], 2.0);
+    }
+}
+
+#[test]
+fn a_board_may_speak_between_names_and_rows() {
+    let rows: String = (0..90).map(|at| format!("{},{at}.5\n", 10 * at)).collect();
+    let column = read(&format!("t_ms,gx\nMPU6050 connected\n{rows}"), "");
+    assert_eq!((column.name.as_str(), column.rate_hz.round(), numbers(&column)[1]), ("gx", 100.0, 1.5));
 }

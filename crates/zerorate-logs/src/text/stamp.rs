@@ -1,0 +1,138 @@
+//! The time that a serial monitor or a logger writes in front of each line, and the words behind it.
+
+use super::dates::{self, DateFormat};
+use std::ops::Range;
+use zerorate_input::delimited::Delimiter;
+
+/// What serial monitors write behind the time of a line: Arduino's, PlatformIO's, and Tera Term's, which puts the time
+/// in brackets.
+const ARROWS: [&str; 3] = [" -> ", " > ", "] "];
+
+/// The byte in front of which the arrow, or a word in front of the values, ends.
+const LONGEST: usize = 60;
+
+/// Fewest digits behind the point of seconds in brackets, as the Linux kernel and ROS write them.
+const DECIMALS: usize = 3;
+
+/// The time in front of a line.
+pub struct Stamp {
+    /// The place of the time.
+    pub time: Range<usize>,
+    /// The end of the time and the marks behind it.
+    pub end: usize,
+    /// The name of the column of these times.
+    pub name: &'static str,
+}
+
+/// Column of times of day and dates, of milliseconds, and of seconds.
+const CLOCK: &str = "clock";
+const CLOCK_MS: &str = "clock [ms]";
+const CLOCK_S: &str = "clock [s]";
+
+impl Stamp {
+    /// The time in front of a line, if it has one.
+    pub fn of(line: &str) -> Option<Self> {
+        ARROWS.iter().find_map(|arrow| Self::with_arrow(line, arrow)).or_else(|| Self::of_esp(line)).or_else(|| {
+            let (time, end) = Self::of_logger(line)?;
+            Some(Self { time, end, name: CLOCK })
+        })
+    }
+
+    fn with_arrow(line: &str, arrow: &str) -> Option<Self> {
+        let end = line.find(arrow).filter(|end| *end < LONGEST)?;
+        let start = usize::from(arrow == "] ");
+        if start == 1 && !line.starts_with('[') {
+            return None;
+        }
+        let time = line[start..end].trim_start();
+        let decimals = time.split_once('.').filter(|_| start == 1 && time.parse::<f64>().is_ok());
+        let name = match decimals {
+            Some((_, decimals)) if decimals.len() >= DECIMALS => CLOCK_S,
+            _ => dates::nanoseconds(&plain(time), DateFormat::default()).map(|_| CLOCK)?,
+        };
+        Some(Self { time: end - time.len()..end, end: end + arrow.len(), name })
+    }
+
+    /// The milliseconds since the start of an ESP32: `I (321) imu: `.
+    fn of_esp(line: &str) -> Option<Self> {
+        let rest = line.strip_prefix(['E', 'W', 'I', 'D', 'V'])?.strip_prefix(" (")?;
+        let digits = rest.find(|c: char| !c.is_ascii_digit()).filter(|digits| *digits > 0)?;
+        let is_whole = rest[digits..].starts_with(") ");
+        is_whole.then_some(Self { time: 3..3 + digits, end: 3 + digits + 2, name: CLOCK_MS })
+    }
+
+    /// A date with a time of day, or a time of day, in front of words: `2026-03-01 12:00:00,125 - INFO - `.
+    fn of_logger(line: &str) -> Option<(Range<usize>, usize)> {
+        let ends = line.match_indices(' ').map(|(at, _)| at).take(2).collect::<Vec<usize>>();
+        let end = ends
+            .into_iter()
+            .rev()
+            .find(|end| dates::nanoseconds(&plain(&line[..*end]), DateFormat::default()).is_some())?;
+        let rest = line[end..].trim_start_matches([' ', '-']);
+        preamble(rest).map(|_| (0..end, line.len() - rest.len()))
+    }
+
+    /// Leaves of a line only its time, as one cell, and puts `delimiter` behind it.
+    pub fn keep(&self, line: &mut [u8], delimiter: Delimiter) {
+        line[..self.time.start].fill(b' ');
+        line[self.time.end..self.end].fill(b' ');
+        let time = &mut line[self.time.clone()];
+        let has_point = time.contains(&b'.');
+        if let Some(comma) = time.iter().position(|byte| *byte == b',') {
+            time[comma] = if has_point { b' ' } else { b'.' };
+            if has_point {
+                time[comma..].rotate_left(1);
+            }
+        }
+        let blank = time.iter().position(|byte| *byte == b' ').filter(|at| time[at + 1..].contains(&b':'));
+        if let Some(blank) = blank.filter(|_| delimiter == Delimiter::Blanks) {
+            time[blank] = b'T';
+        }
+        line[self.end - 1] = delimiter.byte().unwrap_or(b' ');
+    }
+}
+
+/// A time without the comma in front of or within its decimals: `12:00:00.125` of `12:00:00,125`, and `12:00:00.125250`
+/// of `12:00:00.125,250`.
+fn plain(time: &str) -> String {
+    time.replace(',', if time.contains('.') { "" } else { "." })
+}
+
+/// The words in front of the values of a row, or of its labels, with the mark behind them: `imu: `, `<inf> main: `,
+/// `INFO - `, `Raw:`.
+pub fn preamble(line: &str) -> Option<&str> {
+    let marks = [": ", " - ", "> ", "] ", ":"];
+    let ends = |mark: &str| line.match_indices(mark).map(move |(at, _)| at + mark.len()).collect::<Vec<usize>>();
+    let mut ends: Vec<usize> = marks.iter().flat_map(|mark| ends(mark)).filter(|end| *end < LONGEST).collect();
+    ends.sort_unstable();
+    let are_words = |words: &str| {
+        words.starts_with(|c: char| c.is_alphabetic() || "<[".contains(c)) && !words.contains([',', ';', '\t', '='])
+    };
+    let end = ends.into_iter().find(|end| are_words(&line[..*end]) && begins_data(line[*end..].trim_start()))?;
+    Some(&line[..end])
+}
+
+/// True if a row begins here, with a value or with the label of one.
+fn begins_data(rest: &str) -> bool {
+    let label = || {
+        let (label, value) = rest.split_once([':', '='])?;
+        let is_word = label.starts_with(char::is_alphabetic) && !label.trim_end().contains([' ', ',', ';', '\t']);
+        Some(is_word && is_value(value.trim_start()))
+    };
+    is_value(rest) || label() == Some(true)
+}
+
+/// True if a text begins with a number.
+pub fn is_value(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_digit() || "+-.nN".contains(c))
+}
+
+/// Replaces the colours of a terminal in a text by blanks.
+pub fn without_colours(text: &mut [u8]) {
+    let mut at = 0;
+    while let Some(start) = text[at..].iter().position(|byte| *byte == b'\x1b').map(|found| at + found) {
+        let end = text[start..].iter().position(u8::is_ascii_alphabetic).map_or(text.len(), |found| start + found + 1);
+        text[start..end].fill(b' ');
+        at = end;
+    }
+}
