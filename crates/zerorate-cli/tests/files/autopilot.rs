@@ -168,8 +168,7 @@ fn values_that_a_flight_controller_lacks_are_refused() {
         ("imu.toml --format kalibr", 2, "no place for a bias"),
         ("imu.toml --format ros", 2, "no place for a bias"),
     ] {
-        let text = bench.zerorate(&format!("export {line}")).fails(code);
-        assert!(text.contains(said), "{line}: {text}");
+        bench.zerorate(&format!("export {line}")).fails(code, &[said]);
     }
     // no span is stated, so the file holds for nine degrees as elsewhere, with a warning
     bench.write("bare.toml", AXES.split("[validity]").next().unwrap());

@@ -48,8 +48,7 @@ fn errors_of_a_log_name_the_cause() {
         bench.write(name, content);
     }
     for (line, code, reason) in CASES {
-        let said = bench.zerorate(&format!("allan {line}")).fails(code);
-        assert!(said.contains(reason), "allan {line}: {said}");
+        bench.zerorate(&format!("allan {line}")).fails(code, &[reason]);
     }
 }
 
@@ -75,8 +74,7 @@ fn a_bag_in_a_folder_is_read() {
     for (from, to) in [("bag_of_two_0.mcap", "a_1.mcap"), ("bag_of_two_1.mcap", "a_0.mcap")] {
         fs::copy(fixtures.join(from), folder.join(to)).unwrap();
     }
-    let said = bench.zerorate("allan bag --column z").fails(1);
-    assert!(said.contains("several bags and without a metadata.yaml"), "{said}");
+    bench.zerorate("allan bag --column z").fails(1, &["several bags and without a metadata.yaml"]);
     let files = "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - a_1.mcap\n    \
                  - \"a_0.mcap\"\n  duration:\n";
     fs::write(folder.join("metadata.yaml"), files).unwrap();
@@ -107,9 +105,9 @@ fn a_bag_in_a_folder_is_read() {
         assert!(!counted(19, is_first).contains("messages-miscounted"));
     }
     fs::remove_file(folder.join("a_0.mcap")).unwrap();
-    assert!(bench.zerorate("allan bag --column z").fails(1).contains("a_0.mcap"));
+    bench.zerorate("allan bag --column z").fails(1, &["a_0.mcap"]);
     fs::create_dir(bench.path("none")).unwrap();
-    assert!(bench.zerorate("allan none --rate 1").fails(1).contains("neither a metadata.yaml nor a bag"));
+    bench.zerorate("allan none --rate 1").fails(1, &["neither a metadata.yaml nor a bag"]);
 }
 
 /// A log in any format can be read from standard input.
@@ -140,8 +138,7 @@ fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
     assert!(in_g.contains("warning: implausible: in-g.csv: gravity is 96.2"), "{in_g}");
     let mixed = fs::read_to_string(bench.path("imu.csv")).expect("the log");
     bench.write("mixed.csv", mixed.replacen("gyro_z_dps", "x", 1).replacen("az [m/s^2]", "gyro_z [rad/s]", 1));
-    let asked = bench.zerorate("imu mixed.csv").fails(2);
-    assert!(asked.contains("ax [m/s^2],ay [m/s^2] are two axes of the accelerometer"), "{asked}");
+    bench.zerorate("imu mixed.csv").fails(2, &["ax [m/s^2],ay [m/s^2] are two axes of the accelerometer"]);
     let mixed = bench.zerorate("imu mixed.csv --column 1,2,4,5,6").ended_with(0).stderr;
     assert!(mixed.contains("implausible: mixed.csv: gyro_z [rad/s] is 562 °/s in the mean"), "{mixed}");
     let marked = said("marked.csv", &|log| {

@@ -8,7 +8,7 @@ const COMMAND: &str = "`cargo install --path crates/zerorate-cli --features full
 
 #[track_caller]
 fn says(bench: &Bench, line: &str, what: &str, feature: &str) {
-    let said = bench.zerorate(line).fails(2);
+    let said = bench.zerorate(line).fails(2, &[]);
     let sentence = format!("this program was built without {what} (feature `{feature}`): {COMMAND}");
     let last = said.lines().last().map(|last| format!("{last}\n")).unwrap_or_default();
     assert!(last.starts_with("error: ") && last.ends_with(&sentence), "{said}");

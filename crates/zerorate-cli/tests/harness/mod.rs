@@ -130,8 +130,8 @@ impl Run {
 
     /// Checks that the run failed with this code and printed no data. Returns stderr.
     #[track_caller]
-    pub fn fails(self, code: i32) -> String {
-        let run = self.ended_with(code);
+    pub fn fails(self, code: i32, reasons: &[&str]) -> String {
+        let run = self.ended_with(code).saying(reasons);
         assert_eq!(run.stdout, "", "{} printed data", run.line);
         run.stderr
     }

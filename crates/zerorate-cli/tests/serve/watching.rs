@@ -191,17 +191,16 @@ fn a_calibration_of_another_part_is_refused() {
     bench.write("a1.toml", unit("A1"));
     bench.write("b2.toml", unit("B2"));
     bench.zerorate("capture --samples 100 --serial B2 -o b2.arrows").ended_with(0);
-    let why = bench.zerorate("serve --listen 127.0.0.1:0 --no-iio --device replay:b2.arrows --cal a1.toml").fails(1);
-    assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
-    let why = bench.zerorate("serve --listen 127.0.0.1:0 --no-iio --cal a1.toml --serial B2").fails(1);
-    assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
+    bench
+        .zerorate("serve --listen 127.0.0.1:0 --no-iio --device replay:b2.arrows --cal a1.toml")
+        .fails(1, &["part A1", "part B2"]);
+    bench.zerorate("serve --listen 127.0.0.1:0 --no-iio --cal a1.toml --serial B2").fails(1, &["part A1", "part B2"]);
     let given = TestServer::start(&bench, "--cal b2.toml --serial B2 -o given.arrows");
     let first = given.watch().frame();
     let codes: Vec<_> = first["notices"].as_array().expect("notices").iter().map(|one| &one["code"]).collect();
     assert!(codes.contains(&&json!("no-checksum")) && !codes.contains(&&json!("unknown-serial")), "{codes:?}");
     assert!(given.interrupt().success());
-    let why = bench.zerorate("correct given.arrows --cal a1.toml -o given.csv").fails(1);
-    assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
+    bench.zerorate("correct given.arrows --cal a1.toml -o given.csv").fails(1, &["part A1", "part B2"]);
     let mut start = bench.command("serve --listen 127.0.0.1:0 --no-iio --cal a1.toml");
     let mut unknown = start.stderr(std::process::Stdio::piped()).spawn().expect("the program starts");
     let lines = std::io::BufReader::new(unknown.stderr.take().expect("stderr"));
@@ -242,17 +241,13 @@ fn it_says_what_to_do_where_it_cannot_begin() {
     let bench = Bench::new();
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = taken.local_addr().expect("a port");
-    let why = Run::of(&mut command(&["serve", "--listen", &address.to_string()])).fails(1);
-    assert!(why.contains("something serves there already") && why.contains("--listen 127.0.0.1:"), "{why}");
-    let why = bench.zerorate("serve --listen 127.0.0.1:0 --device replay:nothing.arrows").fails(1);
-    assert!(why.contains("nothing.arrows"), "{why}");
+    Run::of(&mut command(&["serve", "--listen", &address.to_string()]))
+        .fails(1, &["something serves there already", "--listen 127.0.0.1:"]);
+    bench.zerorate("serve --listen 127.0.0.1:0 --device replay:nothing.arrows").fails(1, &["nothing.arrows"]);
     bench.write("unit.arrows", "");
-    let why = bench.zerorate("serve --listen 127.0.0.1:0 -o unit.arrows").fails(2);
-    assert!(why.contains("unit.arrows"), "{why}");
-    let why = bench.zerorate("serve --listen 127.0.0.1:0 --cal nothing.toml").fails(1);
-    assert!(why.contains("nothing.toml"), "{why}");
-    let why = bench.zerorate("serve --listen bench.local:80").fails(2);
-    assert!(why.contains("0.0.0.0:8130"), "{why}");
+    bench.zerorate("serve --listen 127.0.0.1:0 -o unit.arrows").fails(2, &["unit.arrows"]);
+    bench.zerorate("serve --listen 127.0.0.1:0 --cal nothing.toml").fails(1, &["nothing.toml"]);
+    bench.zerorate("serve --listen bench.local:80").fails(2, &["0.0.0.0:8130"]);
 }
 
 /// The restarted server can use its port at once, so a page that reconnects finds it.
