@@ -106,12 +106,8 @@ fn capture(device: &str, samples: &str) -> (Run, Bench) {
     (run, bench)
 }
 
-fn text(bench: &Bench) -> String {
-    std::fs::read_to_string(bench.path("unit.csv")).expect("a capture")
-}
-
 fn rows(bench: &Bench) -> Vec<Vec<u64>> {
-    let text = text(bench);
+    let text = bench.text("unit.csv");
     let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
     rows.map(|row| row.split(',').map(|field| field.parse().unwrap_or(0)).collect()).collect()
 }
@@ -149,7 +145,7 @@ fn a_bridge_is_told_of_a_counter_in_the_line() {
     let device = bridge(Spec::from_seed(7), Cable::default());
     let (run, bench) = capture(&format!("{device}?divided=50"), "50");
     run.ended_with(0);
-    let text = text(&bench);
+    let text = bench.text("unit.csv");
     assert!(text.contains("zerorate.divided = 50"), "{}", &text[..1_000]);
     // the bridge's line has no counter; a second command without the counter resets the setting
     let (run, bench) = capture(&device, "5000");

@@ -9,10 +9,6 @@ fn calibrated(bench: &Bench, more: &str) -> Run {
     bench.zerorate(&format!("calibrate {} {more}", SHORT.join(" "))).ended_with(0)
 }
 
-fn text(bench: &Bench, name: &str) -> String {
-    std::fs::read_to_string(bench.path(name)).expect("a calibration")
-}
-
 #[test]
 fn the_json_object_has_the_keys_of_the_contract() {
     let result = calibrate(&["--device", "twin:seed=7", "--json"]).ended_with(0).json();
@@ -56,7 +52,7 @@ fn a_simulated_calibration_says_so() {
     let given = "--device twin:seed=7 --operator Ada --ambient-note 23°C -o unit.toml --json";
     let result = calibrated(&bench, given).json();
     assert_eq!((&result["simulated"], &result["file"]), (&true.into(), &"unit.toml".into()));
-    let text = text(&bench, "unit.toml");
+    let text = bench.text("unit.toml");
     for line in ["schema = 4", "created = \"SIMULATED\"", "operator = \"Ada\"", "ambient_note = \"23°C\""] {
         assert!(text.contains(line), "{line} in {text}");
     }
@@ -93,11 +89,11 @@ fn a_recorded_warm_up_gives_the_same_file() {
     let early = calibrated(&bench, &format!("{plan} --log log.arrows -o live.toml")).json();
     assert!(number(&early, "duration_s") < 200.0, "60 °/h are reached before the end: {early}");
     bench.zerorate("recalibrate log.arrows --method warmup --max-u-btc 0.2 -o again.toml").ended_with(0);
-    let [live, again] = ["live.toml", "again.toml"].map(|name| text(&bench, name));
+    let [live, again] = ["live.toml", "again.toml"].map(|name| bench.text(name));
     let curve = |text: &str| text.split("[curve]").nth(1).expect("a curve").to_owned();
     assert_eq!(curve(&live), curve(&again));
     bench.zerorate("report live.toml --capture log.arrows -o live.html").ended_with(0);
-    let page = text(&bench, "live.html");
+    let page = bench.text("live.html");
     let shown = ["The measurement</h", "rate with the correction, °/s", "not in the uncertainty (earth-included)"];
     assert!(shown.iter().all(|part| page.contains(part)), "{page}");
     bench.zerorate("capture --device twin:seed=4 --samples 900 -o other.arrows").ended_with(0);

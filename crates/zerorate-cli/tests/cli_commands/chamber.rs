@@ -20,10 +20,6 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"))
 }
 
-fn text(bench: &Bench, name: &str) -> String {
-    std::fs::read_to_string(bench.path(name)).expect("a file")
-}
-
 #[test]
 fn soak_points_give_a_curve_within_its_uncertainty_and_the_log_gives_it_again() {
     let bench = bench();
@@ -41,13 +37,13 @@ fn soak_points_give_a_curve_within_its_uncertainty_and_the_log_gives_it_again() 
     }
     assert!(number(&result["temp_max_c"]) - number(&result["temp_min_c"]) > 29.0);
     assert!(!bench.path("u.toml.chamber").exists(), "nothing is left to go on with");
-    let page = text(&bench, "u.html");
+    let page = bench.text("u.html");
     for said in ["SIMULATED: the software twin", "What the correction leaves over temperature", "Soak points"] {
         assert!(page.contains(said), "{said}");
     }
 
     bench.zerorate("chamber quick.toml --device replay:u.arrows -o again.toml").ok();
-    assert_eq!(text(&bench, "u.toml"), text(&bench, "again.toml"));
+    assert_eq!(bench.text("u.toml"), bench.text("again.toml"));
 
     let away = "stream --cal u.toml --device twin:seed=4,ambient_c=70 --divider 50 --duration 1s --rate 1";
     bench.zerorate(away).ended_with(0).saying(&["extrapolated"]);
@@ -72,7 +68,7 @@ fn an_interrupted_measurement_goes_on_after_its_last_finished_step() {
     let unit = UNIT.replace("warmup_s=10", "warmup_s=10,fault=unplug,fault_at_s=220");
     let line = format!("chamber quick.toml {unit} --chamber sim:lag_s=15 --json -o u.toml");
     bench.zerorate(&line).fails(1, &[]);
-    let kept = text(&bench, "u.toml.chamber");
+    let kept = bench.text("u.toml.chamber");
     assert!(kept.contains("steps = 1") && !bench.path("u.toml").exists(), "{}", &kept[..200]);
     let run = bench.zerorate(&line).ended_with(0).saying(&["going on after step 1 of 2"]);
     let result = run.json();
@@ -87,7 +83,7 @@ fn steps_of_another_plan_are_not_taken() {
     bench.write("u.toml.chamber", "nonsense");
     let line = format!("chamber quick.toml {UNIT} --chamber sim:lag_s=15 -o u.toml");
     bench.zerorate(&line).fails(2, &["u.toml.chamber does not go on with this measurement", "--restart"]);
-    assert_eq!(text(&bench, "u.toml.chamber"), "nonsense");
+    assert_eq!(bench.text("u.toml.chamber"), "nonsense");
     bench.zerorate(&format!("{line} --restart")).ended_with(0);
 }
 

@@ -16,14 +16,6 @@ fn bench() -> Bench {
     bench
 }
 
-fn read(bench: &Bench, name: &str) -> String {
-    fs::read_to_string(bench.path(name)).expect("a file")
-}
-
-fn files(bench: &Bench) -> usize {
-    fs::read_dir(bench.dir.path()).expect("a folder").count()
-}
-
 fn track(bench: &Bench, duration: &str, more: &str) -> Run {
     let line = format!("stream --device {DEVICE} --cal unit.toml --serial A1 --rate 0.2 --duration {duration}");
     bench.zerorate(format!("{line} --track --state state.toml {more}").trim_end())
@@ -68,15 +60,15 @@ const ROWS: usize = 29_999;
 fn a_state_has_one_stream_at_a_time() {
     let bench = bench();
     let first = HaltedRun::start(&bench, "state.toml");
-    let begun = read(&bench, "state.toml");
+    let begun = bench.text("state.toml");
     track(&bench, "1s", "").ended_with(2).saying(&["state.toml is being written by another zerorate"]);
-    assert_eq!(read(&bench, "state.toml"), begun, "the second has left it");
+    assert_eq!(bench.text("state.toml"), begun, "the second has left it");
     let (_, code, said) = first.end();
     assert_eq!(code, Some(0), "{said}");
-    let learned = read(&bench, "state.toml");
+    let learned = bench.text("state.toml");
     assert_ne!(learned, begun);
     track(&bench, "1s", "").ended_with(0);
-    assert_eq!(files(&bench), 2, "nothing else is left");
+    assert_eq!(bench.names().len(), 2, "nothing else is left");
 }
 
 /// The state of a killed stream is not locked, and its temporary file is removed.
@@ -87,9 +79,9 @@ fn a_stream_that_was_killed_leaves_its_state_free() {
     let mut first = HaltedRun::start(&bench, "state.toml");
     first.child.kill().expect("a process");
     first.child.wait().expect("an end");
-    assert_eq!(files(&bench), 3, "it left its claim");
+    assert_eq!(bench.names().len(), 3, "it left its claim");
     track(&bench, "1s", "").ended_with(0);
-    assert_eq!(files(&bench), 2);
+    assert_eq!(bench.names().len(), 2);
 }
 
 /// The folder of the state vanishes, as with a full disk. No row is lost. If the folder comes back, the state is
@@ -135,7 +127,7 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
     assert!((number(late, 6) - 0.804).abs() < 3.0 * number(late, 7) + 0.03, "sensitivity too: {}", first.stdout);
     assert!(number(late, 1).abs() < 0.02, "what is left: {}", first.stdout);
 
-    let state = read(&bench, "state.toml");
+    let state = bench.text("state.toml");
     assert!(state.contains("line_checks") && state.contains("learned_s"), "{state}");
     let again = track(&bench, "20s", "--format jsonl").ended_with(0).saying(&["state-age-unknown"]);
     let row: serde_json::Value = serde_json::from_str(again.stdout.lines().next().expect("a row")).expect("JSON");
@@ -150,7 +142,7 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
 fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
     let bench = bench();
     track(&bench, "20s", "").ended_with(0);
-    let good = read(&bench, "state.toml");
+    let good = bench.text("state.toml");
     let unchecked: String =
         good.lines().filter(|line| !line.contains("check")).map(|line| format!("{line}\n")).collect();
     let shorter = good.lines().take(good.lines().count() - 2).collect::<Vec<_>>().join("\n");
@@ -164,13 +156,13 @@ fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
     ] {
         bench.write("state.toml", &bad);
         track(&bench, "1s", "").ended_with(1).saying(&[why, "delete it to begin from the calibration"]);
-        assert_eq!(read(&bench, "state.toml"), bad, "{why}");
+        assert_eq!(bench.text("state.toml"), bad, "{why}");
     }
     bench.write("state.toml", &good);
     let other = CALIBRATION.replace("-0.8", "-0.7");
     bench.write("unit.toml", other);
     track(&bench, "1s", "").ended_with(1).saying(&["it continues calibration", "delete it"]);
-    assert_eq!(read(&bench, "state.toml"), good);
+    assert_eq!(bench.text("state.toml"), good);
 }
 
 #[test]

@@ -122,9 +122,9 @@ fn several_logs_are_compared() {
     assert!(csv.starts_with("file,tau_s,m,dev_dps,lo_dps,hi_dps,edf,alpha,n\nother.f64,0.01,1,"), "{csv}");
     assert_eq!(csv.lines().filter(|row| row.starts_with("white.f64,")).count(), 16);
     bench.zerorate(&format!("{line} --plot both.svg --report both.html")).ok();
-    let svg = std::fs::read_to_string(bench.path("both.svg")).unwrap();
+    let svg = bench.text("both.svg");
     assert!(svg.contains("other.f64") && svg.contains("white.f64") && !svg.contains("AN-1042"));
-    let page = std::fs::read_to_string(bench.path("both.html")).unwrap();
+    let page = bench.text("both.html");
     assert!(page.contains("angle random walk") && page.contains("<svg") && !page.contains("http-equiv"));
 }
 
@@ -148,7 +148,7 @@ fn values_out_of_range_are_refused() {
 fn kalibr_reads_n_and_k_in_radians() {
     let bench = bench();
     bench.zerorate(&format!("allan other.f64 {LOG} --unit rad/s --imu-yaml imu.yaml")).ok();
-    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    let yaml = bench.text("imu.yaml");
     let value = |key: &str| {
         let line = yaml.lines().find_map(|line| line.strip_prefix(key)).unwrap();
         line.trim_start_matches(": ").split(' ').next().unwrap().parse::<f64>().unwrap()

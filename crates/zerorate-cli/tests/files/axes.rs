@@ -80,7 +80,7 @@ fn another_part_is_calibrated_corrected_and_exported() {
     record(&bench.path("imu.arrows"));
     let said = bench.zerorate(&format!("calibrate --device replay:imu.arrows --part part.toml {PLAN} -o unit.toml"));
     assert!(said.stdout.contains("axis y\n  PBC") && said.code == Some(0), "{said:?}");
-    let text = std::fs::read_to_string(bench.path("unit.toml")).unwrap();
+    let text = bench.text("unit.toml");
     let (unit, warnings) = Calibration::parse(&text).unwrap();
     assert!(warnings.is_empty());
     assert_eq!((unit.part.as_str(), unit.serial.as_deref(), unit.axes.len()), ("ADIS16405", Some("IMU-7"), 3));
@@ -94,12 +94,12 @@ fn another_part_is_calibrated_corrected_and_exported() {
     }
     // a recalibration from the recording gives the same file
     bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} -o again.toml")).ok();
-    assert_eq!(std::fs::read_to_string(bench.path("again.toml")).unwrap(), text);
+    assert_eq!(bench.text("again.toml"), text);
     let json = bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} --json")).ended_with(0).json();
     assert_eq!(json["axes"][2]["pbc_dps"], unit.axes[2].correction.pbc_dps);
 
     bench.zerorate("correct imu.arrows --cal unit.toml -o corrected.csv").ok();
-    let corrected = std::fs::read_to_string(bench.path("corrected.csv")).unwrap();
+    let corrected = bench.text("corrected.csv");
     let mut rows = corrected.lines().filter(|line| !line.starts_with('#'));
     let columns: Vec<&str> = rows.next().unwrap().split(',').collect();
     let last: Vec<Vec<&str>> = rows.map(|row| row.split(',').collect()).skip(ROWS as usize - 6_000).collect();
@@ -122,7 +122,7 @@ fn a_sensor_without_stated_noise_is_not_judged() {
     record(&bench.path("imu.arrows"));
     let run = bench.zerorate(&format!("recalibrate imu.arrows {PLAN} -o unit.toml"));
     assert!(run.stderr.contains("rest-unjudged") && run.code == Some(0), "{run:?}");
-    let (unit, _) = Calibration::parse(&std::fs::read_to_string(bench.path("unit.toml")).unwrap()).unwrap();
+    let (unit, _) = Calibration::parse(&bench.text("unit.toml")).unwrap();
     assert_eq!(unit.axes[0].noise.as_ref().unwrap().flicker_source, "unknown");
 }
 
@@ -179,7 +179,7 @@ fn a_real_log_goes_all_the_way() {
         .ok();
     bench.zerorate(&format!("correct imu.{SMALLEST} --part part.toml --cal unit.toml -o corrected.arrows")).ok();
     bench.zerorate("export unit.toml --format rust").ok();
-    let unit = Calibration::parse(&std::fs::read_to_string(bench.path("unit.toml")).unwrap()).unwrap().0;
+    let unit = Calibration::parse(&bench.text("unit.toml")).unwrap().0;
     for (axis, codes) in unit.axes.iter().zip(&axes) {
         let end: f64 = codes[302_100..317_000].iter().map(|code| f64::from(*code)).sum::<f64>() / 14_900.0 / 20.0;
         let off_dps = axis.correction.pbc_dps + end;

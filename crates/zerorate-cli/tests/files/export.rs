@@ -16,7 +16,7 @@ fn csv_is_the_table_of_the_note() {
     assert_eq!(bench.zerorate("export unit.toml --format csv --step-c 0.02 --span-c 0.12").ok(), expected);
     assert_eq!(bench.zerorate("export unit.toml --format csv --span-c 0.12").ok(), expected);
     assert_eq!(bench.zerorate("export unit.toml --format csv --span-c 0.12 -o table.csv").ok(), "");
-    assert_eq!(std::fs::read_to_string(bench.path("table.csv")).unwrap(), expected);
+    assert_eq!(bench.text("table.csv"), expected);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use super::{Bench, PROGRAM, Run, calibration, imu};
-use crate::harness::{self, send, wait_until};
+use crate::harness::{self, names, send, wait_until};
 use std::fs::{self, File, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -34,13 +34,6 @@ fn fifo(bench: &Bench, name: &str) -> PathBuf {
     let path = bench.path(name);
     assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
     path
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = entries.collect();
-    names.sort();
-    names
 }
 
 /// The only file in the folder whose name begins with `start`.
@@ -179,7 +172,7 @@ fn a_second_writer_of_a_calibration_refuses() {
     }
     let run = let_it_run(child, &log);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert_eq!(names(bench.dir.path()), ["log", "tmp", "unit.toml"]);
+    assert_eq!(bench.names(), ["log", "tmp", "unit.toml"]);
 }
 
 #[test]
@@ -205,7 +198,7 @@ fn of_many_that_start_at_once_one_writes() {
     assert_eq!(codes.iter().filter(|code| **code == Some(0)).count(), 1, "{codes:?}");
     assert_eq!(codes.iter().filter(|code| **code == Some(2)).count(), 5, "{codes:?}");
     bench.zerorate("probe --device replay:run.arrows").ok();
-    assert_eq!(names(bench.dir.path()), ["run.arrows", "tmp"]);
+    assert_eq!(bench.names(), ["run.arrows", "tmp"]);
 }
 
 #[test]
@@ -333,7 +326,7 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
         send(signal, &child);
         let run = Run::ended(child);
         assert_eq!(run.code, Some(1), "{signal}: {}", run.stderr);
-        assert_eq!(names(bench.dir.path()), ["run.arrows"], "{signal}");
+        assert_eq!(bench.names(), ["run.arrows"], "{signal}");
         let whole = bench.zerorate("probe --device replay:run.arrows");
         assert!(!whole.stderr.contains("not closed"), "{signal}: {}", whole.stderr);
     }
@@ -345,15 +338,15 @@ fn an_interrupted_correction_leaves_nothing() {
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
     bench.zerorate("capture --duration 100s -o rest.arrows").ok();
     let child = start(&bench, "correct rest.arrows --cal unit.toml -o done.csv");
-    wait_until("an unfinished file", || names(bench.dir.path()).iter().any(|name| name.starts_with("done.csv")));
+    wait_until("an unfinished file", || bench.names().iter().any(|name| name.starts_with("done.csv")));
     wait_until_it_listens(&child);
     send("TERM", &child);
     let run = Run::ended(child);
     let left = ["rest.arrows", "tmp", "unit.toml"];
     match run.code {
-        Some(1) => assert_eq!(names(bench.dir.path()), left, "{}", run.stderr),
+        Some(1) => assert_eq!(bench.names(), left, "{}", run.stderr),
         // the correction was finished before the signal
-        Some(0) => assert_eq!(names(bench.dir.path()), [&["done.csv"][..], &left].concat()),
+        Some(0) => assert_eq!(bench.names(), [&["done.csv"][..], &left].concat()),
         code => panic!("{code:?}: {}", run.stderr),
     }
 }
@@ -395,24 +388,22 @@ fn a_signal_ends_a_run_that_waits() {
     let mut waits = command(&bench, "allan - --rate 10 --unit dps --report page.html --plot a.svg");
     let mut child = harness::start(waits.stdin(Stdio::piped()));
     let pipe = child.stdin.take();
-    wait_until("unfinished files", || {
-        names(bench.dir.path()).iter().filter(|name| name.ends_with(".part")).count() == 2
-    });
+    wait_until("unfinished files", || bench.names().iter().filter(|name| name.ends_with(".part")).count() == 2);
     wait_until_it_listens(&child);
     send("TERM", &child);
     assert_eq!(Run::ended(child).code, Some(143));
     drop(pipe);
-    assert_eq!(names(bench.dir.path()), ["tmp"]);
+    assert_eq!(bench.names(), ["tmp"]);
     let (child, _) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     send("TERM", &child);
     // the second signal, which ends a run that cannot react to the first
     wait_until("the first signal was taken", || {
         send("TERM", &child);
         std::thread::sleep(Duration::from_millis(50));
-        !names(bench.dir.path()).iter().any(|name| name.ends_with(".part"))
+        !bench.names().iter().any(|name| name.ends_with(".part"))
     });
     assert_eq!(Run::ended(child).code, Some(143));
-    assert_eq!(names(bench.dir.path()), ["log", "tmp"]);
+    assert_eq!(bench.names(), ["log", "tmp"]);
 }
 
 /// The argument may be a pipe to which nothing is ever written.

@@ -54,7 +54,7 @@ fn every_front_end_states_the_numbers_of_the_file() {
         let line = format!("recalibrate {capture}.arrows --method {method} --max-u-btc 0.2 {plan}").trim().to_owned();
         let json = bench.zerorate(&format!("{line} -o {method}.toml --json")).ended_with(0).json();
         let text = bench.zerorate(&line).ok();
-        let file = std::fs::read_to_string(bench.path(&format!("{method}.toml"))).unwrap();
+        let file = bench.text(&format!("{method}.toml"));
         let axis = Calibration::parse(&file).unwrap().0.axes.remove(0);
         let (of, u) = (axis.correction, stated(&axis));
         let exported = bench.zerorate(&format!("export {method}.toml --format json")).ended_with(0).json();

@@ -26,7 +26,7 @@ fn calibrations_do_not_change() {
     for (name, options) in CALIBRATIONS {
         let bench = Bench::new();
         bench.zerorate(&format!("calibrate {options} -o unit.toml")).ok();
-        let text = fs::read_to_string(bench.path("unit.toml")).unwrap();
+        let text = bench.text("unit.toml");
         let numbers = text.lines().filter(|line| !WORDS.iter().any(|word| line.starts_with(word)));
         unchanged(&format!("{name}.toml"), &numbers.map(|line| format!("{line}\n")).collect::<String>());
     }

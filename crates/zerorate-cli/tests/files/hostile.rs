@@ -113,7 +113,7 @@ fn a_name_adds_nothing_to_imu_yaml() {
     let name = "log\nevil:\n#.csv";
     bench.write(name, format!("x_dps\n{rows}"));
     bench.zerorate(&format!("allan {name} --rate 100 --imu-yaml imu.yaml")).ok();
-    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    let yaml = bench.text("imu.yaml");
     let lines = yaml.split(['\n', '\r']).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let keys: Vec<&str> = lines.map(|line| line.split(':').next().unwrap()).collect();
     assert_eq!(keys, ["gyroscope_noise_density", "gyroscope_random_walk", "rostopic", "update_rate"], "{yaml}");

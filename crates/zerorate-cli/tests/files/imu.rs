@@ -49,10 +49,7 @@ fn every_filter_gets_its_file() {
     ] {
         let line = format!("{LINE} --combine mean --inflate 10 --format {format} -o {format}.yaml");
         bench.zerorate(&line).ended_with(0).saying(&[&format!("wrote {format}.yaml for {reader}")]);
-        assert!(
-            std::fs::read_to_string(bench.path(&format!("{format}.yaml"))).unwrap().contains("by 10, for"),
-            "{format}"
-        );
+        assert!(bench.text(&format!("{format}.yaml")).contains("by 10, for"), "{format}");
     }
 }
 
@@ -220,12 +217,12 @@ fn a_rejected_axis_writes_a_file_only_when_forced() {
     assert!(run.stderr.starts_with("warning: model-rejected: ") && run.stdout.contains("NOT A RESULT"), "{run:?}");
     assert!(run.stdout.contains("gyro_y_dps  –"), "{}", run.stdout);
     let run = bench.zerorate(&format!("{LINE} -o imu.yaml --accept-rejected --report imu.html")).ended_with(0);
-    let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
+    let page = bench.text("imu.html");
     for said in ["rejected: off by ", "%: rejected</td>", "</td><td>–</td></tr>"] {
         assert!(page.contains(said), "{said}");
     }
     assert!(run.stderr.contains("written all the same (--accept-rejected)"), "{}", run.stderr);
-    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    let yaml = bench.text("imu.yaml");
     assert!(yaml.contains("# NOT A RESULT: gyro_y_dps: the noise model is off by "), "{yaml}");
 }
 
@@ -249,7 +246,7 @@ fn ctrl_c_leaves_nothing_behind() {
     let run = Run::ended(child);
     drop(pipe);
     assert_eq!((run.code, run.stdout.as_str()), (Some(130), ""), "{}", run.stderr);
-    assert_eq!(std::fs::read_dir(bench.dir.path()).unwrap().count(), 0);
+    assert!(bench.names().is_empty(), "{:?}", bench.names());
 }
 
 /// Each error in the log or the options is named with its remedy, and all statements about the log are true.
@@ -311,7 +308,7 @@ fn a_gauss_markov_term_is_shown() {
     bench.write("imu.csv", text);
     let table = bench.zerorate(&format!("{LINE} --report imu.html")).ok();
     assert!(table.contains("Gauss–Markov σ ") && table.contains(" °/h, T "), "{table}");
-    let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
+    let page = bench.text("imu.html");
     for said in [
         "<th>Gauss–Markov σ</th>",
         "<th>its correlation time</th><td>s</td><td>",
@@ -329,7 +326,7 @@ fn a_gyroscope_alone_leaves_the_rest_open() {
         log().lines().map(|line| line.split(',').take(3).collect::<Vec<_>>().join(",") + "\n").collect();
     bench.write("imu.csv", three);
     bench.zerorate(&format!("{LINE} -o imu.yaml")).ok();
-    let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+    let yaml = bench.text("imu.yaml");
     assert!(yaml.contains("# accelerometer_noise_density:   # m/s²/√Hz: no such axes were read"), "{yaml}");
 }
 
@@ -352,7 +349,7 @@ fn the_page_shows_record_spectrum_and_curves() {
         .collect();
     bench.write("imu.csv", disturbed);
     bench.zerorate(&format!("{LINE} --report imu.html")).ok();
-    let page = std::fs::read_to_string(bench.path("imu.html")).unwrap();
+    let page = bench.text("imu.html");
     assert_eq!(page.matches("<svg").count(), 6);
     for said in [
         "velocity random walk",
@@ -372,7 +369,7 @@ fn the_page_shows_record_spectrum_and_curves() {
     assert!(!page.contains("AN-1042") && page.len() < 600_000, "{}", page.len());
     let line = "allan imu.csv --time-column t_s --column gyro_x_dps,gyro_y_dps --report two.html";
     bench.zerorate(line).ok();
-    let page = std::fs::read_to_string(bench.path("two.html")).unwrap();
+    let page = bench.text("two.html");
     assert_eq!((page.matches("<svg").count(), page.contains("Gyroscope: spectrum")), (3, true));
 }
 
@@ -420,7 +417,7 @@ fn each_series_and_each_part_of_a_log_is_a_result_of_its_own() {
         .ended_with(0)
         .saying(&["imu-right.yaml"]);
     let density = |name: &str| -> f64 {
-        let text = std::fs::read_to_string(bench.path(name)).unwrap();
+        let text = bench.text(name);
         let line = text.lines().find(|line| line.starts_with("gyroscope_noise_density")).unwrap();
         line.split(' ').nth(1).unwrap().parse().unwrap()
     };

@@ -130,13 +130,13 @@ fn a_log_is_read_from_standard_input() {
 fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
     let bench = imu::bench();
     let said = |name: &str, change: &dyn Fn(String) -> String| {
-        bench.write(name, change(fs::read_to_string(bench.path("imu.csv")).expect("the log")));
+        bench.write(name, change(bench.text("imu.csv")));
         bench.zerorate(&format!("imu {name}")).ended_with(0).stderr
     };
     assert!(!said("as-it-is.csv", &|log| log).contains("implausible"));
     let in_g = said("in-g.csv", &|log| log.replace("m/s^2", "g"));
     assert!(in_g.contains("warning: implausible: in-g.csv: gravity is 96.2"), "{in_g}");
-    let mixed = fs::read_to_string(bench.path("imu.csv")).expect("the log");
+    let mixed = bench.text("imu.csv");
     bench.write("mixed.csv", mixed.replacen("gyro_z_dps", "x", 1).replacen("az [m/s^2]", "gyro_z [rad/s]", 1));
     bench.zerorate("imu mixed.csv").fails(2, &["ax [m/s^2],ay [m/s^2] are two axes of the accelerometer"]);
     let mixed = bench.zerorate("imu mixed.csv --column 1,2,4,5,6").ended_with(0).stderr;

@@ -89,7 +89,7 @@ fn corrections(bench: &Bench, log: &str, part: &str) -> Vec<Correction> {
     bench.write("part.toml", part);
     let line = format!("calibrate --device replay:{log} --part part.toml {PLAN} --force -o unit.toml");
     bench.zerorate(&line).ok();
-    let text = std::fs::read_to_string(bench.path("unit.toml")).unwrap();
+    let text = bench.text("unit.toml");
     Calibration::parse(&text).unwrap().0.axes.iter().map(|axis| axis.correction).collect()
 }
 
@@ -143,11 +143,8 @@ fn a_finished_hour_is_kept() {
     bench.write("px4.ulg", of_px4());
     bench.write("part.toml", PART);
     let line = format!("calibrate --device replay:px4.ulg --part part.toml {PLAN}");
-    let calibrations = || {
-        let names = std::fs::read_dir(bench.path(".")).unwrap().map(|entry| entry.unwrap().file_name());
-        let names = names.map(|name| name.into_string().unwrap());
-        names.filter(|name| name.starts_with("calibration-")).collect::<Vec<_>>()
-    };
+    let calibrations =
+        || bench.names().into_iter().filter(|name| name.starts_with("calibration-")).collect::<Vec<_>>();
     let run = bench.zerorate(&format!("{line} --no-save")).ended_with(0);
     assert!(run.stderr.starts_with("the result will only be printed"), "{}", run.stderr);
     assert!(run.stdout.contains("Nothing was saved") && calibrations().is_empty(), "{}", run.stdout);
@@ -155,13 +152,13 @@ fn a_finished_hour_is_kept() {
     let [name] = &calibrations()[..] else { panic!("{:?}", calibrations()) };
     assert!(run.stderr.starts_with("the result will be saved as calibration-<id>.toml"), "{}", run.stderr);
     assert!(run.stdout.contains(&format!("Written to {name}")), "{}", run.stdout);
-    let text = std::fs::read_to_string(bench.path(name)).unwrap();
+    let text = bench.text(name);
     let (calibration, _) = Calibration::parse(&text).unwrap();
     assert_eq!(*name, format!("calibration-{}.toml", calibration.id()));
     // the name is taken by another file, which stays; the result is saved beside it
     bench.write(name, "another");
     let run = bench.zerorate(&line).ended_with(2);
     assert!(run.stderr.contains("exists") && run.stderr.contains("the calibration is not lost"), "{run:?}");
-    assert_eq!(std::fs::read_to_string(bench.path(name)).unwrap(), "another");
+    assert_eq!(bench.text(name), "another");
     assert_eq!(calibrations().len(), 2);
 }

@@ -281,7 +281,7 @@ fn k_is_never_next_to_zero_where_n_covers_the_curve() {
         let rows: String = rows.map(|(row, value)| format!("{:.2},{value:.6}\n", row as f64 / RATE_HZ)).collect();
         bench.write("log.csv", format!("t_s,gx_dps\n{rows}"));
         bench.zerorate("imu log.csv -o imu.yaml --force").ended_with(0);
-        let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+        let yaml = bench.text("imu.yaml");
         let value = |key: &str| -> f64 {
             let line = yaml.lines().find_map(|line| line.strip_prefix(key)).unwrap();
             line.trim_start_matches(':').split_whitespace().next().unwrap().parse().unwrap()
@@ -303,7 +303,7 @@ fn warnings_that_matter_stand_in_the_file() {
     bench.zerorate("imu log.csv -o imu.yaml").ended_with(0);
     bench.zerorate("allan log.csv --column gx_dps --imu-yaml allan.yaml").ended_with(0);
     for name in ["imu.yaml", "allan.yaml"] {
-        let yaml = std::fs::read_to_string(bench.path(name)).unwrap();
+        let yaml = bench.text(name);
         assert!(yaml.contains("\n# warning: gaps: log.csv: 6 samples are missing"), "{yaml}");
         assert!(!yaml.contains("columns-left-out"), "{yaml}");
     }

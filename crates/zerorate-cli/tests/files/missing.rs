@@ -22,8 +22,7 @@ fn parquet_names_its_feature() {
         ["capture -o out.parquet", "calibrate --log out.parquet", "chamber f57 --device twin: --log out.parquet"]
     {
         says(&bench, line, "Parquet", "parquet");
-        let left: Vec<_> = std::fs::read_dir(bench.dir.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
-        assert!(left.is_empty(), "before a sample is taken: {line}: {left:?}");
+        assert!(bench.names().is_empty(), "before a sample is taken: {line}: {:?}", bench.names());
     }
     bench.write("log", include_bytes!("../../../zerorate-logs/fixtures/checked/none.parquet"));
     for line in ["allan log --rate 10", "imu log", "recalibrate log", "capture --device replay:log -o out.csv"] {

@@ -192,9 +192,9 @@ fn removed_glitches_and_steps_are_reported_and_can_be_kept() {
     bench.zerorate("allan log.f64 --raw f64 --rate 100 --cut-glitches --keep-glitches").fails(2, &[]);
     let picture = "allan log.f64 --raw f64 --rate 100 --unit dps --plot plot.svg --report page.html";
     bench.zerorate(picture).ok();
-    let svg = std::fs::read_to_string(bench.path("plot.svg")).unwrap();
+    let svg = bench.text("plot.svg");
     assert!(svg.contains("1 glitch out, 1 step out"), "{svg}");
-    assert!(std::fs::read_to_string(bench.path("page.html")).unwrap().contains("no misfit found"));
+    assert!(bench.text("page.html").contains("no misfit found"));
     let csv = bench.zerorate("allan log.f64 --raw f64 --rate 100 --taus 0.01 --csv").ok();
     let dev: f64 = csv.lines().nth(1).unwrap().split(',').nth(2).unwrap().parse().unwrap();
     assert!(dev > 0.5, "without a fit nothing is taken out: {dev}");

@@ -150,7 +150,7 @@ fn an_unknown_ending_is_not_a_form() {
     }
     refused(&bench, &format!("calibrate {SHORT} --log x.txt"), &format!("{why}\n"));
     bench.zerorate("capture --samples 10 --format csv -o x.txt").ok();
-    assert!(fs::read_to_string(bench.path("x.txt")).unwrap().starts_with("# zerorate"));
+    assert!(bench.text("x.txt").starts_with("# zerorate"));
 }
 
 #[test]

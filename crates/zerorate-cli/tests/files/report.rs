@@ -101,7 +101,7 @@ fn the_page_goes_to_a_file() {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
     assert_eq!(bench.zerorate("report unit.toml -o report.html").ok(), "");
-    let html = std::fs::read_to_string(bench.path("report.html")).unwrap();
+    let html = bench.text("report.html");
     assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
     bench.zerorate("report absent.toml -o other.html").fails(1, &["cannot read absent.toml"]);
     assert!(!bench.path("other.html").exists());
@@ -121,7 +121,7 @@ fn a_picture_of_the_page_can_be_had_alone() {
     let bench = Bench::new();
     bench.write("unit.toml", measured());
     bench.zerorate("report unit.toml -o unit.svg").ok();
-    let svg = std::fs::read_to_string(bench.path("unit.svg")).unwrap();
+    let svg = bench.text("unit.svg");
     assert!(
         roxmltree::Document::parse(&svg).unwrap().root_element().has_tag_name(("http://www.w3.org/2000/svg", "svg"))
     );
@@ -155,7 +155,7 @@ fn the_page_shows_a_curve() {
     bench.write("curve.toml", unit.to_toml());
     let page = |name: &str| {
         bench.zerorate(&format!("report {name}.toml -o {name}.html")).ok();
-        std::fs::read_to_string(bench.path(&format!("{name}.html"))).unwrap()
+        bench.text(&format!("{name}.html"))
     };
     let (line, curve) = (page("line"), page("curve"));
     for expected in [
@@ -191,7 +191,7 @@ fn no_page_and_no_picture_has_control_characters() {
     }
     bench.write("printed.html", bench.zerorate(&format!("report {name}")).ok());
     for page in ["a.html", "b.svg", "c.html", "d.svg", "printed.html"] {
-        let text = fs::read_to_string(bench.path(page)).unwrap();
+        let text = bench.text(page);
         let acts = text.char_indices().find(|(_, c)| c.is_control() && *c != '\n');
         assert!(acts.is_none(), "{page}: {acts:?}");
     }

@@ -94,16 +94,15 @@ fn every_file_is_written_and_the_calibration_is_exported() {
     let bench = bench();
     let line = "tempcal log.csv --serial SN7 -o unit.toml --plot curve.svg --report page.html";
     bench.zerorate(line).ended_with(0).saying(&["wrote unit.toml"]);
-    let text = |name: &str| std::fs::read_to_string(bench.path(name)).unwrap();
-    assert!(text("curve.svg").contains("Bias over temperature") && text("page.html").contains("gx_dps"));
-    assert!(text("unit.toml").contains("serial = \"SN7\""));
+    assert!(bench.text("curve.svg").contains("Bias over temperature") && bench.text("page.html").contains("gx_dps"));
+    assert!(bench.text("unit.toml").contains("serial = \"SN7\""));
     let exported = bench.zerorate("export unit.toml --format json").json();
     for (axis, terms) in exported["axes"].as_array().unwrap().iter().zip(&GYRO) {
         assert!((axis["pbc_dps"].as_f64().unwrap() + terms[0]).abs() < 0.002, "{axis}");
         assert!((axis["btc_dps_per_c"].as_f64().unwrap() + terms[1] / 20.0).abs() < 0.0003, "{axis}");
     }
     bench.zerorate("tempcal log.csv --format csv -o curve.csv").ended_with(0);
-    assert!(text("curve.csv").starts_with("axis,unit,temp_c,bias,u\ngx_dps,°/s,8."));
+    assert!(bench.text("curve.csv").starts_with("axis,unit,temp_c,bias,u\ngx_dps,°/s,8."));
     bench.zerorate(line).fails(2, &["exists"]);
 }
 
@@ -194,7 +193,7 @@ fn the_parameters_of_ardupilot_remove_the_bias_of_all_sensors() {
     let bench = Bench::new();
     bench.write("log.bin", dataflash(None));
     bench.zerorate("tempcal log.bin --format ardupilot -o tcal.parm").ended_with(0).saying(&["wrote tcal.parm"]);
-    let of = of_ardupilot(&std::fs::read_to_string(bench.path("tcal.parm")).unwrap());
+    let of = of_ardupilot(&bench.text("tcal.parm"));
     for (imu, (kind, truth)) in (1..3).flat_map(|imu| [("GYR", &GYRO), ("ACC", &ACCEL)].map(|of| (imu, of))) {
         let tcal = |name: &str| of[&format!("INS_TCAL{imu}_{name}")];
         let per_unit = if kind == "GYR" { 1_f64.to_radians() } else { 1.0 };
@@ -260,7 +259,7 @@ fn the_parameters_of_px4_remove_the_bias_of_all_sensors() {
     let bench = Bench::new();
     bench.write("log.ulg", ulog());
     bench.zerorate("tempcal log.ulg --format px4 -o tc.params").ended_with(0);
-    let of = of_px4(&std::fs::read_to_string(bench.path("tc.params")).unwrap());
+    let of = of_px4(&bench.text("tc.params"));
     assert_eq!((of["TC_G_ENABLE"], of["TC_A_ENABLE"], of["TC_G1_ID"]), (1.0, 1.0, 1_310_989.0));
     for (sensor, truth) in [("G0", &GYRO), ("G1", &GYRO), ("A0", &ACCEL)] {
         let tc = |name: &str| of[&format!("TC_{sensor}_{name}")];

@@ -112,7 +112,7 @@ fn advice_to_repair_can_be_followed() {
 
 /// The header and the rows of a CSV capture.
 fn samples(bench: &Bench, file: &str) -> Vec<String> {
-    let text = fs::read_to_string(bench.path(file)).unwrap();
+    let text = bench.text(file);
     text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect()
 }
 
@@ -157,7 +157,7 @@ fn corrected_captures_and_calibrations_are_verified() {
         let (code, verdict) = verdict(&bench, &format!("done.{form}"));
         assert_eq!((code, &verdict["checked"]), (Some(0), &true.into()), "{verdict}");
     }
-    let text = fs::read_to_string(bench.path("done.csv")).unwrap();
+    let text = bench.text("done.csv");
     let row = text.lines().find(|line| line.starts_with(|c: char| c.is_ascii_digit())).unwrap();
     let edited = row.rsplit_once(',').map(|(raw, _)| format!("{raw},0.5")).unwrap();
     bench.write("edited.csv", text.replace(row, &edited));

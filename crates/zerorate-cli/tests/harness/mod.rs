@@ -4,7 +4,7 @@
 pub mod script_chamber;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -60,6 +60,17 @@ impl Bench {
         path
     }
 
+    /// The content of a file.
+    #[track_caller]
+    pub fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).expect(name)
+    }
+
+    /// What the folder holds, in the order of the names.
+    pub fn names(&self) -> Vec<String> {
+        names(self.dir.path())
+    }
+
     /// The program in this folder, with the words of `line` as arguments.
     pub fn command(&self, line: &str) -> Command {
         let mut command = command(&line.split(' ').collect::<Vec<_>>());
@@ -73,7 +84,15 @@ impl Bench {
     }
 }
 
-/// The result of a run.
+/// What a folder holds, in the order of the names.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+    let mut names: Vec<String> = entries.map(|name| name.into_string().expect("UTF-8")).collect();
+    names.sort();
+    names
+}
+
+/// How a run ended.
 #[derive(Debug)]
 pub struct Run {
     /// The command line, if it is known.
