@@ -1,6 +1,6 @@
 //! Plot of the Allan deviation over the averaging time, log-log.
 
-use super::axes::{Axis, number};
+use super::axes::{self, Axis, number};
 use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, label, line, shortened, stroke};
 use super::curve::Scales;
 use super::label::{Labels, densely};
@@ -184,17 +184,13 @@ pub fn drawable(curve: &Curve) -> Curve {
 /// The ranges of averaging times and deviations to show; a decade around 1 if there are none.
 pub fn ranges(curves: &[Curve]) -> ((f64, f64), (f64, f64)) {
     let points = || curves.iter().flat_map(|curve| &curve.points);
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        let (low, high) = values.fold((f64::MAX, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
-        if low <= high { (low, high) } else { (1.0, 1.0) }
-    };
-    let devs = range(&mut points().map(|point| point.dev));
+    let devs = axes::range(points().map(|point| point.dev)).unwrap_or((1.0, 1.0));
     let beyond = 10f64.powf(BAND_DECADES);
     let floors = curves.iter().flat_map(|curve| &curve.laws).filter(|law| law.slope == 0.0).map(|law| 0.7 * law.at_1s);
     let floor = floors.filter(|floor| *floor > devs.0 / FLOOR_DEPTH).fold(devs.0, f64::min);
     let low = points().map(|point| point.lo.max(devs.0 / beyond)).fold(floor, f64::min);
     let high = points().map(|point| point.hi.min(devs.1 * beyond)).fold(devs.1, f64::max);
-    (range(&mut points().map(|point| point.tau_s)), (low, high))
+    (axes::range(points().map(|point| point.tau_s)).unwrap_or((1.0, 1.0)), (low, high))
 }
 
 struct Picture<'a> {

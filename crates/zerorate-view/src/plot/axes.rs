@@ -13,6 +13,20 @@ pub struct Axis {
     log: bool,
 }
 
+/// The least and the largest finite value; `None` if there is none.
+pub fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let ends = values.filter(|value| value.is_finite()).map(|value| (value, value));
+    ends.reduce(|(low, high), (value, _)| (low.min(value), high.max(value)))
+}
+
+/// The range of the values, with shares of its width added below and above; −1 to 1 if it has no width.
+pub fn range_with_margins(values: impl Iterator<Item = f64>, below: f64, above: f64) -> (f64, f64) {
+    match range(values) {
+        Some((low, high)) if low < high => (low - below * (high - low), high + above * (high - low)),
+        _ => (-1.0, 1.0),
+    }
+}
+
 /// A tick or grid line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {

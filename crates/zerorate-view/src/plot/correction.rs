@@ -1,6 +1,6 @@
 //! Plot of a unit's correction over temperature, with its uncertainty band and the measured temperature range.
 
-use super::axes::Axis;
+use super::axes::{Axis, range};
 use super::canvas::{self, Anchor, Area, Frame, INK, line, path, stroke};
 use svg::node::element::{Circle, Group, Path};
 
@@ -37,13 +37,13 @@ const SPAN: &str = "#e3f1e9";
 pub fn correction(curve: &CorrectionCurve) -> String {
     let area = Area { left: 100.0, right: f64::from(SIZE.0) - 28.0, top: 40.0, bottom: f64::from(SIZE.1) - 68.0 };
     let temps = curve.points.iter().map(|point| point.temp_c);
-    let (coldest, hottest) = range(temps);
+    let (coldest, hottest) = range(temps).unwrap_or((0.0, 1.0));
     let ends = curve
         .points
         .iter()
         .chain(&curve.means)
         .flat_map(|p| [p.correction_dps - p.half_dps, p.correction_dps + p.half_dps]);
-    let (low, high) = range(ends);
+    let (low, high) = range(ends).unwrap_or((0.0, 1.0));
     let margin = (0.06 * (high - low)).max(1e-6);
     let x = Axis::linear(coldest, hottest, (area.left, area.right));
     let y = Axis::linear(low - margin, high + margin, (area.bottom, area.top));
@@ -55,13 +55,6 @@ pub fn correction(curve: &CorrectionCurve) -> String {
         .add(reference(curve, &area, &x))
         .add(means(curve, &area, &x, &y))
         .to_string()
-}
-
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::MAX, f64::MIN), |(l, h), value| (l.min(value), h.max(value)));
-    if low <= high { (low, high) } else { (0.0, 1.0) }
 }
 
 fn span(curve: &CorrectionCurve, area: &Area, x: &Axis) -> Group {

@@ -1,7 +1,7 @@
 //! Plots of several lines over one quantity: one panel per case, with the same lines in each.
 
 use super::allan::COLOURS;
-use super::axes::Axis;
+use super::axes::{Axis, range};
 use super::canvas::{self, Anchor, INK, SMALL, clipped, line, path, stroke};
 use super::stack::Stack;
 use svg::node::element::Group;
@@ -90,8 +90,8 @@ impl Lines {
             let points = self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
             points.copied().filter(|point| self.shows(point))
         };
-        let x = range(points().map(|point| point.0));
-        let (low, high) = range(points().map(|point| point.1).chain(self.rule));
+        let x = range(points().map(|point| point.0)).unwrap_or((1.0, 1.0));
+        let (low, high) = range(points().map(|point| point.1).chain(self.rule)).unwrap_or((1.0, 1.0));
         let room = 0.05 * (high - low);
         (x, if self.is_log { (low, high) } else { (low - room, high + 4.0 * room) })
     }
@@ -106,9 +106,4 @@ impl Lines {
         };
         self.names.iter().zip(colours()).map(name).fold(Group::new(), Group::add)
     }
-}
-
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
-    if low <= high { (low, high) } else { (1.0, 1.0) }
 }

@@ -1,7 +1,7 @@
 //! Plots of several quantities over a common time axis, each in a panel with its own scale.
 
 use super::allan::COLOURS;
-use super::axes::Axis;
+use super::axes::{Axis, range_with_margins};
 use super::canvas::{Area, clipped, path, rectangle, stroke};
 use super::stack::Stack;
 
@@ -27,7 +27,8 @@ pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> Strin
     let mut paper = stack.paper();
     for (index, (one, colour)) in all.iter().zip(COLOURS.into_iter().cycle()).enumerate() {
         let finite = || one.points.iter().copied().filter(|(_, value)| value.is_finite());
-        let (low, high) = range(finite().map(|(_, value)| value));
+        // space for the name above
+        let (low, high) = range_with_margins(finite().map(|(_, value)| value), 0.05, 0.3);
         let y = Axis::linear(low, high, stack.upright(index));
         let area = stack.area(index);
         let shade = |&(from_s, to_s): &(f64, f64)| {
@@ -40,11 +41,4 @@ pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> Strin
         paper = paper.add(stack.frame(index, &x, &y)).add(inside).add(stack.name(index, &one.name).0);
     }
     paper.to_string()
-}
-
-/// The range of the values with space for a name above them.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
-    let width = high - low;
-    if width > 0.0 { (low - 0.05 * width, high + 0.3 * width) } else { (-1.0, 1.0) }
 }

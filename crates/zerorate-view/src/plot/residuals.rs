@@ -1,6 +1,6 @@
 //! Plot of the corrected rate over time or temperature, coloured by warming and cooling.
 
-use super::axes::Axis;
+use super::axes::{Axis, range_with_margins};
 use super::canvas::{self, Anchor, Area, Frame, INK, line, px};
 use svg::node::element::{Circle, Group};
 
@@ -24,8 +24,9 @@ const RADIUS: f64 = 2.6;
 /// Draws the plot as SVG.
 pub fn residuals(title: &str, x_name: &str, points: &[ResidualPoint]) -> String {
     let area = Area { left: 100.0, right: f64::from(SIZE.0) - 28.0, top: 40.0, bottom: f64::from(SIZE.1) - 68.0 };
-    let (first, last) = range(points.iter().map(|point| point.x), 0.02);
-    let (low, high) = range(points.iter().map(|point| point.residual_dps).chain([0.0]), 0.08);
+    let (first, last) = range_with_margins(points.iter().map(|point| point.x), 0.02, 0.02);
+    let residuals_dps = points.iter().map(|point| point.residual_dps);
+    let (low, high) = range_with_margins(residuals_dps.chain([0.0]), 0.08, 0.08);
     let x = Axis::linear(first, last, (area.left, area.right));
     let y = Axis::linear(low, high, (area.bottom, area.top));
     let frame = Frame { area, x: &x, y: &y, x_name: Some(x_name), y_name: Some("corrected rate, °/s") };
@@ -43,15 +44,6 @@ fn colour(warming: Option<bool>) -> &'static str {
         Some(true) => WARMING,
         Some(false) => COOLING,
         None => STILL,
-    }
-}
-
-fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
-    let (low, high) = finite.fold((f64::MAX, f64::MIN), |(l, h), value| (l.min(value), h.max(value)));
-    match high - low {
-        width if width > 0.0 => (low - margin * width, high + margin * width),
-        _ => (-1.0, 1.0),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Plot of dots with a curve and its band, one panel per axis of a sensor.
 
-use super::axes::Axis;
+use super::axes::{Axis, range_with_margins};
 use super::canvas::{self, Anchor, SMALL, clipped, path, px, stroke};
 use super::stack::Stack;
 use svg::node::element::path::Data;
@@ -51,12 +51,12 @@ pub fn scatter(scatter: &Scatter) -> String {
     let Scatter { title, subtitle, x_name, panels } = scatter;
     let stack = Stack { title, subtitle, x_name, y_name: "", panels: panels.len(), height: HEIGHT };
     let places = panels.iter().flat_map(|panel| panel.dots.iter().map(|dot| dot.at.0));
-    let (first, last) = range(places, 0.0);
+    let (first, last) = range_with_margins(places, 0.0, 0.0);
     let x = Axis::linear(first, last, stack.across());
     let mut paper = stack.paper().add(legend(stack.across().1));
     for (index, panel) in panels.iter().enumerate() {
         let band = panel.curve.iter().flat_map(|(_, value, half)| [value - half, value + half]);
-        let (low, high) = range(panel.dots.iter().map(|dot| dot.at.1).chain(band), 0.08);
+        let (low, high) = range_with_margins(panel.dots.iter().map(|dot| dot.at.1).chain(band), 0.08, 0.08);
         // space for the panel's name
         let high = high + 0.12 * (high - low);
         let y = Axis::linear(low, high, stack.upright(index));
@@ -93,13 +93,4 @@ fn legend(right: f64) -> Group {
         Group::new().add(dot).add(canvas::text(name, (at.0 + 9.0, at.1), Anchor::Start))
     };
     [("warming", WARMING), ("cooling", COOLING)].into_iter().enumerate().map(entry).fold(Group::new(), Group::add)
-}
-
-fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
-    let (low, high) = finite.fold((f64::MAX, f64::MIN), |(l, h), value| (l.min(value), h.max(value)));
-    match high - low {
-        width if width > 0.0 => (low - margin * width, high + margin * width),
-        _ => (-1.0, 1.0),
-    }
 }

@@ -2,7 +2,7 @@
 //! panel per axis.
 
 use super::allan::COLOURS;
-use super::axes::{Axis, number};
+use super::axes::{Axis, number, range_with_margins};
 use super::canvas::{clipped, line, path, px, stroke};
 use super::stack::Stack;
 use svg::node::element::{Group, Path, path::Data};
@@ -66,8 +66,7 @@ fn range(signals: &[Signal]) -> (f64, f64) {
         let mean = signal.envelope.mean;
         signal.envelope.stretches.iter().flatten().flat_map(move |(low, high)| [low - mean, high - mean])
     });
-    let (low, high) = ends.fold((f64::MAX, f64::MIN), |(low, high), end| (low.min(end), high.max(end)));
-    if low < high { (low - 0.05 * (high - low), high + 0.3 * (high - low)) } else { (-1.0, 1.0) }
+    range_with_margins(ends, 0.05, 0.3)
 }
 
 /// The filled area between smallest and largest samples. Gaps in the record interrupt it.

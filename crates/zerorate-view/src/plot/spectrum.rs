@@ -1,7 +1,7 @@
 //! Plot of spectral densities over frequency, log-log: one panel per axis, with the strongest spectral lines labelled.
 
 use super::allan::{COLOURS, around};
-use super::axes::Axis;
+use super::axes::{Axis, range};
 use super::canvas::{INK, clipped, label, path, stroke};
 use super::label::Labels;
 use super::stack::Stack;
@@ -42,11 +42,8 @@ const NEAR: f64 = 1.04;
 pub fn spectra(title: &str, spectra: &[Spectrum], unit: &str) -> String {
     let drawn = |&(hz, density): &(f64, f64)| hz > 0.0 && density > 0.0 && hz.is_finite() && density.is_finite();
     let points = || spectra.iter().flat_map(|spectrum| &spectrum.points).copied().filter(drawn);
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        let (low, high) = values.fold((f64::MAX, 0.0f64), |(low, high), value| (low.min(value), high.max(value)));
-        if low <= high { (low, high) } else { (1.0, 1.0) }
-    };
-    let (frequency, density) = (range(&mut points().map(|point| point.0)), range(&mut points().map(|point| point.1)));
+    let frequency = range(points().map(|point| point.0)).unwrap_or((1.0, 1.0));
+    let density = range(points().map(|point| point.1)).unwrap_or((1.0, 1.0));
     let stack = Stack {
         title,
         subtitle: "one-sided density (Welch, Hann's window), and the model in black, without the lines that are named",
