@@ -10,7 +10,7 @@ mod reader;
 mod tally;
 mod websocket;
 
-use crate::app;
+use crate::app::GivenProgram;
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
 use tally::Tally;
@@ -24,9 +24,8 @@ pub struct AttacksArgs {
     /// The folder with the checkouts
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// The program to attack, instead of building it
-    #[arg(long, value_name = "FILE")]
-    program: Option<PathBuf>,
+    #[command(flatten)]
+    program: GivenProgram,
     /// Print each case with its outcome
     #[arg(long)]
     list: bool,
@@ -74,7 +73,7 @@ impl Part {
 
 /// Runs the parts, and fails if any outcome is wrong.
 pub fn run(args: &AttacksArgs) -> Result<()> {
-    let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
+    let program = args.program.path()?;
     let parts = if args.parts.is_empty() { &ALL[..] } else { &args.parts };
     let mut wrong = 0;
     for part in parts {
