@@ -76,6 +76,29 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
+/// A session that has begun a calibration by this request, and whose device was opened again for it.
+fn calibrating(request: Value) -> Session {
+    let mut session = Session::new(about());
+    assert_eq!(session.ask(&request.to_string()), RequestResult::Host { id: 1, command: HostCommand::Reopen });
+    let mut session = session.reopened(about());
+    session.state(DeviceState::Reading);
+    session
+}
+
+/// What the next frame tells of the calibration.
+fn calibration(session: &mut Session) -> Value {
+    read(&session.frame().unwrap()).0["calibration"].clone()
+}
+
+/// The curve of the only axis is the twin's, within so many standard uncertainties.
+#[track_caller]
+fn curve_holds(done: &Value, u: f64) {
+    for point in done["axes"][0]["curve"].as_array().unwrap() {
+        let off = number(&point["correction_dps"]) - number(&point["truth_dps"]);
+        assert!(off.abs() < u * number(&point["u_dps"]), "{point}");
+    }
+}
+
 #[test]
 fn a_minute_of_the_twin_fills_the_frames() {
     let mut device = Device::open("seed=3,bias_dps=0.7,roa=10nf");
@@ -131,24 +154,19 @@ fn a_minute_of_the_twin_fills_the_frames() {
 /// The forecast at 10 minutes, while the part still warms, is the uncertainty that finishing then gives.
 #[test]
 fn the_forecast_agrees_with_the_result() {
-    let keys = "seed=11";
-    let mut session = Session::new(about());
-    session.ask(&json!({ "id": 1, "do": "calibrate", "method": "warmup" }).to_string());
-    let mut session = session.reopened(about());
-    session.state(DeviceState::Reading);
-    let mut device = Device::open(keys);
+    let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "warmup" }));
+    let mut device = Device::open("seed=11");
     feed(&mut session, &mut device, 610.0);
     let mut shown = Value::Null;
     let looked_s = |shown: &Value| shown["forecast"]["at_s"].as_f64().unwrap_or(0.0);
     while looked_s(&shown) < 612.0 {
         feed(&mut session, &mut device, 0.5);
-        shown = read(&session.frame().unwrap()).0["calibration"].clone();
+        shown = calibration(&mut session);
     }
     assert_eq!((&shown["can_finish"], &shown["is_enough"]), (&json!(true), &json!(false)), "it is still warming");
     session.ask(&json!({ "id": 2, "do": "finish-calibration" }).to_string());
     feed(&mut session, &mut device, 0.5);
-    let (frame, _) = read(&session.frame().unwrap());
-    let stated = &frame["calibration"]["axes"][0];
+    let stated = calibration(&mut session)["axes"][0].clone();
     for u in ["u_pbc_dps", "u_btc_dps_per_c"] {
         let ratio = number(&shown["forecast"][u]) / number(&stated[u]);
         assert!((ratio - 1.0).abs() < 0.02, "{u}: {} shown, {} stated", shown["forecast"][u], stated[u]);
@@ -169,8 +187,7 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     session.state(DeviceState::Reading);
     let mut device = Device::open(keys);
     feed(&mut session, &mut device, 400.0);
-    let (frame, _) = read(&session.frame().unwrap());
-    let running = &frame["calibration"];
+    let running = calibration(&mut session);
     assert_eq!(
         (&running["is"], &running["pending_refusals"], running["steps"].as_array().unwrap().len()),
         (&json!("running"), &json!([]), 1)
@@ -178,14 +195,9 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     assert!((number(&running["left_s"]) - 971.0).abs() < 3.0, "{running}");
     assert!(number(&running["temps_c"][1]) > number(&running["temps_c"][0]) + 2.0);
     feed(&mut session, &mut device, 980.0);
-    let (frame, _) = read(&session.frame().unwrap());
-    let done = &frame["calibration"];
+    let done = calibration(&mut session);
     assert_eq!(done["is"], "done", "{done}");
-    let curve = done["axes"][0]["curve"].as_array().unwrap();
-    for point in curve {
-        let off = number(&point["correction_dps"]) - number(&point["truth_dps"]);
-        assert!(off.abs() < 4.0 * number(&point["u_dps"]), "{point}");
-    }
+    curve_holds(&done, 4.0);
     let axis = &done["axes"][0];
     assert!(number(&axis["after_dps"]).abs() < 0.02 && number(&axis["before_dps"]).abs() > 0.02, "{axis}");
 
@@ -225,15 +237,11 @@ fn its_files_are_there(session: &mut Session, id: &Value) {
 
 #[test]
 fn a_pending_refusal_is_shown_before_the_end() {
-    let mut session = Session::new(about());
-    session.state(DeviceState::Reading);
-    session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
-    let mut session = session.reopened(about());
-    session.state(DeviceState::Reading);
+    let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "an1042" }));
     let mut device = Device::open("seed=2,motion=sway,sway_dps=0.5,sway_hz=0.2");
     feed(&mut session, &mut device, 8.0);
-    let (frame, _) = read(&session.frame().unwrap());
-    let refusal = frame["calibration"]["pending_refusals"][0].as_str().unwrap();
+    let running = calibration(&mut session);
+    let refusal = running["pending_refusals"][0].as_str().unwrap();
     assert!(refusal.contains("the part moves") || refusal.contains("shakes"), "{refusal}");
     feed(&mut session, &mut device, 4.0);
     let (frame, _) = read(&session.frame().unwrap());
@@ -269,38 +277,27 @@ fn requests_that_make_no_sense_are_answered() {
 /// The simulated oven follows the profile of F-57, as a person does who sets a chamber by the plan `f57`.
 #[test]
 fn a_chamber_is_set_by_hand() {
-    let mut session = Session::new(about());
-    let begin = json!({ "id": 1, "do": "calibrate", "method": "chamber", "plan": "f57" });
-    assert_eq!(session.ask(&begin.to_string()), RequestResult::Host { id: 1, command: HostCommand::Reopen });
-    let mut session = session.reopened(about());
+    let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "chamber", "plan": "f57" }));
     let mut device = Device::open("seed=5,profile=oven,hysteresis=0");
     feed(&mut session, &mut device, 3600.0);
-    let (frame, _) = read(&session.frame().unwrap());
-    let running = &frame["calibration"];
+    let running = calibration(&mut session);
     assert!(running["advice"].as_str().unwrap().starts_with("Step "), "{running}");
     let steps = running["steps"].as_array().unwrap();
     assert!(steps.windows(2).all(|pair| pair[0]["to_s"] == pair[1]["from_s"]) && steps.len() == 4, "{running}");
     feed(&mut session, &mut device, 9020.0);
-    let (frame, _) = read(&session.frame().unwrap());
-    let done = &frame["calibration"];
+    let done = calibration(&mut session);
     assert_eq!((&done["is"], &done["entry"]["method"]), (&json!("done"), &json!("chamber")), "{done}");
-    for point in done["axes"][0]["curve"].as_array().unwrap() {
-        let off = number(&point["correction_dps"]) - number(&point["truth_dps"]);
-        assert!(off.abs() < 4.5 * number(&point["u_dps"]), "{point}");
-    }
+    curve_holds(&done, 4.5);
 }
 
 /// Nobody sets the chamber: the first step goes on after its least duration, and the other steps are delayed.
 #[test]
 fn a_step_lasts_until_the_part_has_settled() {
-    let mut session = Session::new(about());
-    session.ask(r#"{"id": 1, "do": "calibrate", "method": "chamber"}"#);
-    let mut session = session.reopened(about());
+    let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "chamber" }));
     let mut device = Device::open("seed=5");
     let mut after = |part_s: f64| {
         feed(&mut session, &mut device, part_s);
-        let (frame, _) = read(&session.frame().unwrap());
-        frame["calibration"].clone()
+        calibration(&mut session)
     };
     let (early, late) = (after(20.0), after(1000.0));
     let steps = late["steps"].as_array().unwrap();
@@ -313,43 +310,31 @@ fn a_step_lasts_until_the_part_has_settled() {
 
 #[test]
 fn a_device_that_fails_ends_its_calibration() {
-    let mut session = Session::new(about());
-    session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
-    let mut session = session.reopened(about());
+    let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "an1042" }));
     feed(&mut session, &mut Device::open("seed=1"), 3.0);
     session.state(DeviceState::Failed { why: "the cable was pulled".into() });
-    let (frame, _) = read(&session.frame().unwrap());
-    assert_eq!(
-        (&frame["calibration"]["is"], &frame["calibration"]["text"]),
-        (&json!("aborted"), &json!("the cable was pulled"))
-    );
+    let ended = calibration(&mut session);
+    assert_eq!((&ended["is"], &ended["text"]), (&json!("aborted"), &json!("the cable was pulled")));
 }
 
 /// Ends a recording early, when the temperatures suffice.
 #[test]
 fn a_cycle_is_finished_by_hand() {
-    let mut session = Session::new(about());
-    session.ask(r#"{"id": 1, "do": "calibrate", "method": "cycle"}"#);
-    let mut session = session.reopened(about());
+    let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "cycle" }));
     let mut device = Device::open("seed=5,warmup_s=100");
     feed(&mut session, &mut device, 30.0);
     let finish = json!({ "id": 2, "do": "finish-calibration" });
-    let (frame, _) = read(&session.frame().unwrap());
-    assert_eq!(frame["calibration"]["can_finish"], false);
+    assert_eq!(calibration(&mut session)["can_finish"], false);
     for to_c in [45.0, 25.0] {
         device.twin.set_ambient(to_c, 300.0);
         feed(&mut session, &mut device, 320.0);
     }
-    let (frame, _) = read(&session.frame().unwrap());
-    assert_eq!((&frame["calibration"]["is"], &frame["calibration"]["can_finish"]), (&json!("running"), &json!(true)));
+    let running = calibration(&mut session);
+    assert_eq!((&running["is"], &running["can_finish"]), (&json!("running"), &json!(true)));
     assert_eq!(asked(&mut session, finish)["ok"], json!({}));
-    let (frame, _) = read(&session.frame().unwrap());
-    let done = &frame["calibration"];
+    let done = calibration(&mut session);
     assert_eq!((&done["is"], &done["entry"]["method"]), (&json!("done"), &json!("cycle")), "{done}");
-    for point in done["axes"][0]["curve"].as_array().unwrap() {
-        let off = number(&point["correction_dps"]) - number(&point["truth_dps"]);
-        assert!(off.abs() < 4.0 * number(&point["u_dps"]), "{point}");
-    }
+    curve_holds(&done, 4.0);
 }
 
 const ON_FILE: &str = include_str!("../../zerorate-cli/tests/golden/short.toml");
@@ -388,7 +373,7 @@ fn says(session: &Session, code: &str) -> bool {
     all["notices"].as_array().unwrap().iter().any(|notice| notice["code"] == code)
 }
 
-fn calibration(serial: &str, pbc_dps: f64) -> String {
+fn file_of(serial: &str, pbc_dps: f64) -> String {
     let correction = format!("[correction]\npbc_dps = {pbc_dps}\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n");
     format!("schema = 1\npart = \"ADIS16130\"\n{serial}{correction}")
 }
@@ -400,14 +385,14 @@ fn of_part(serial: &str) -> About {
 #[test]
 fn a_calibration_of_another_part_is_not_applied() {
     let mut session = Session::new(of_part("B2"));
-    let foreign = session.add_calibration(&calibration("serial = \"A1\"\n", 0.5)).unwrap();
+    let foreign = session.add_calibration(&file_of("serial = \"A1\"\n", 0.5)).unwrap();
     let why = session.apply(Some(&foreign)).unwrap_err();
     assert!(why.contains("part B2") && why.contains("part A1"), "{why}");
     assert!(read(&session.snapshot()).0["calibrations"][0]["applied"] == false);
-    let own = session.add_calibration(&calibration("serial = \"B2\"\n", 0.5)).unwrap();
+    let own = session.add_calibration(&file_of("serial = \"B2\"\n", 0.5)).unwrap();
     session.apply(Some(&own)).unwrap();
     assert!(says(&session, "no-checksum") && !says(&session, "unknown-serial"));
-    let nameless = session.add_calibration(&calibration("", 0.5)).unwrap();
+    let nameless = session.add_calibration(&file_of("", 0.5)).unwrap();
     session.apply(Some(&nameless)).unwrap();
     assert!(says(&session, "unknown-serial"));
     // the part that is opened now does not fit the calibration that was applied before
@@ -428,7 +413,7 @@ fn a_calibration_of_another_part_is_not_applied() {
 fn a_calibration_begins_only_where_its_result_can_be_stored() {
     let mut session = Session::new(about());
     let ids: Vec<String> =
-        (0..100).map(|k| session.add_calibration(&calibration("", f64::from(k) * 0.01)).unwrap()).collect();
+        (0..100).map(|k| session.add_calibration(&file_of("", f64::from(k) * 0.01)).unwrap()).collect();
     let begin = json!({ "id": 1, "do": "calibrate", "method": "warmup" });
     let refused = asked(&mut session, begin.clone());
     assert!(refused["error"].as_str().unwrap().contains("remove one"), "{refused}");
@@ -439,16 +424,14 @@ fn a_calibration_begins_only_where_its_result_can_be_stored() {
     assert!(asked(&mut session, remove(&ids[8]))["error"].as_str().unwrap().contains("no calibration"));
     assert_eq!(session.calibrations().count(), 99);
     assert_eq!(session.ask(&begin.to_string()), RequestResult::Host { id: 1, command: HostCommand::Reopen });
-    assert!(session.add_calibration(&calibration("", 2.0)).is_err(), "the last place is that of the result");
+    assert!(session.add_calibration(&file_of("", 2.0)).is_err(), "the last place is that of the result");
     assert_eq!(asked(&mut session, json!({ "id": 3, "do": "abort-calibration" }))["ok"], json!({}));
-    session.add_calibration(&calibration("", 2.0)).unwrap();
+    session.add_calibration(&file_of("", 2.0)).unwrap();
 }
 
 #[test]
 fn missed_samples_restart_what_is_computed() {
-    let mut session = Session::new(about());
-    session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
-    let mut session = session.reopened(about());
+    let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "an1042" }));
     let mut device = Device::open("seed=4");
     feed(&mut session, &mut device, 10.0);
     let statistics_s = |session: &mut Session| {
