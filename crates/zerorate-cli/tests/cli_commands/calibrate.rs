@@ -1,12 +1,12 @@
 //! The commands `calibrate` and `recalibrate`.
 
-use super::{SHORT, calibrate};
-use crate::harness::{Bench, Run};
+use super::calibrate;
+use crate::harness::{Bench, Run, SHORT, calibration};
 use serde_json::Value;
 
 /// Runs `zerorate calibrate` with the short durations in the folder of the test.
 fn calibrated(bench: &Bench, more: &str) -> Run {
-    bench.zerorate(&format!("calibrate {} {more}", SHORT.join(" "))).ended_with(0)
+    bench.zerorate(&format!("calibrate {SHORT} {more}")).ended_with(0)
 }
 
 #[test]
@@ -102,10 +102,7 @@ fn a_recorded_warm_up_gives_the_same_file() {
     let short = "--average 2s --warmup 30s --settle 5s --offset 5s --max-u-btc 1";
     bench.zerorate(&format!("recalibrate log.arrows {short} -o part.toml")).ok();
     bench.zerorate("report part.toml --capture log.arrows -o part.html").ended_with(0);
-    bench.write(
-        "hand.toml",
-        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = 0\nbtc_dps_per_c = 0\nt3_c = 30\n",
-    );
+    bench.write("hand.toml", calibration(0.0, 0.0, 30.0));
     bench
         .zerorate("report hand.toml --capture log.arrows -o b.html")
         .ended_with(1)

@@ -1,18 +1,15 @@
 //! `chamber`: its result, the saved steps of an interrupted measurement, and the reports of failures.
 
-use crate::harness::{Bench, PROGRAM, Run, send, start, wait_until};
+use crate::harness::{Bench, PROGRAM, Run, SOAK, send, start, wait_until};
 use serde_json::Value;
 use std::process::Command;
 
 /// A twin whose self-heating has a time constant of 10 s, with 223 samples per second (F-56).
 const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
-/// Two soak points, which take four minutes of simulated time.
-const QUICK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
-    [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 
 fn bench() -> Bench {
     let bench = Bench::new();
-    bench.write("quick.toml", QUICK);
+    bench.write("quick.toml", SOAK);
     bench
 }
 
@@ -91,7 +88,7 @@ fn steps_of_another_plan_are_not_taken() {
 #[test]
 fn ctrl_c_keeps_the_finished_steps() {
     let bench = bench();
-    bench.write("long.toml", format!("{QUICK}[[step]]\nto_c = 20\nhold_s = 86400\n"));
+    bench.write("long.toml", format!("{SOAK}[[step]]\nto_c = 20\nhold_s = 86400\n"));
     let line = format!("chamber long.toml {UNIT} --chamber sim:lag_s=15 -o u.toml");
     let child = start(&mut bench.command(&line));
     wait_until("a finished step", || bench.path("u.toml.chamber").exists());

@@ -1,13 +1,12 @@
 //! A run without a result: the reason on stderr, the exit code, nothing on stdout, and no file. The tests of the
 //! individual faults are in `zerorate-jobs/tests/jobs/`.
 
-use super::SHORT;
-use crate::harness::Bench;
+use crate::harness::{Bench, SHORT};
 
 #[track_caller]
 fn ends_without_a_result(device: &str, code: i32, reasons: &[&str]) {
     let bench = Bench::new();
-    let line = format!("calibrate {} --device {device} -o unit.toml --json", SHORT.join(" "));
+    let line = format!("calibrate {SHORT} --device {device} -o unit.toml --json");
     let run = bench.zerorate(&line).ended_with(code).saying(reasons);
     assert_eq!(run.stdout, "", "{device}: nothing for scripts to take for a result");
     assert!(bench.names().is_empty(), "{device}: {:?}", bench.names());

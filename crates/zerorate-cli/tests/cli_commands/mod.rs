@@ -12,11 +12,7 @@ mod reading;
 mod refused;
 mod track;
 
-use crate::harness::{Run, command};
-
-/// Durations of a calibration that takes four minutes of simulated time. `--max-u-btc` accepts its uncertain BTC.
-const SHORT: &[&str] =
-    &["--average", "2s", "--warmup", "60s", "--settle", "120s", "--offset", "20s", "--max-u-btc", "0.2"];
+use crate::harness::{Run, SHORT, command};
 
 fn zerorate(args: &[&str]) -> Run {
     Run::of(&mut command(args))
@@ -24,5 +20,5 @@ fn zerorate(args: &[&str]) -> Run {
 
 /// Runs `zerorate calibrate` with the short durations.
 fn calibrate(args: &[&str]) -> Run {
-    zerorate(&[&["calibrate"], SHORT, args].concat())
+    zerorate(&[&["calibrate"], &*SHORT.split(' ').collect::<Vec<_>>(), args].concat())
 }

@@ -1,15 +1,12 @@
 //! `probe`, `capture` and `stream`: reading a part, and stopping.
 
-use super::{SHORT, zerorate};
-use crate::harness::{Bench, Run, send, start, wait_until};
+use super::zerorate;
+use crate::harness::{Bench, Run, SHORT, calibration, calibration_of, send, start, wait_until};
 use std::io::{BufRead, BufReader};
-
-const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = \
-    0.5\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
 
 fn bench() -> Bench {
     let bench = Bench::new();
-    bench.write("unit.toml", CALIBRATION);
+    bench.write("unit.toml", calibration_of("A1", 0.5, -0.04, 31.5));
     bench
 }
 
@@ -90,7 +87,7 @@ fn stream_refuses_what_does_not_fit() {
 #[test]
 fn stream_knows_the_part_of_a_recording() {
     let bench = bench();
-    bench.write("nameless.toml", CALIBRATION.replace("serial = \"A1\"\n", ""));
+    bench.write("nameless.toml", calibration(0.5, -0.04, 31.5));
     for (serial, code, said) in [("A1", 0, "no checksum"), ("B2", 1, "is part B2, ")] {
         bench.zerorate(&format!("capture --samples 100 --serial {serial} -o {serial}.arrows")).ended_with(0);
         let stream = |more: &str| bench.zerorate(&format!("stream --device replay:{serial}.arrows --cal {more}"));
@@ -147,7 +144,7 @@ fn an_interrupted_calibration_writes_nothing_but_its_log() {
 #[test]
 fn a_measured_calibration_streams() {
     let bench = Bench::new();
-    bench.zerorate(&format!("calibrate {} -o unit.toml --serial A1", SHORT.join(" "))).ended_with(0);
+    bench.zerorate(&format!("calibrate {SHORT} -o unit.toml --serial A1")).ended_with(0);
     let run = bench.zerorate("stream --cal unit.toml --serial A1 --duration 10ms").ended_with(0);
     assert_eq!(run.stderr, "", "a whole calibration needs no warning");
 }

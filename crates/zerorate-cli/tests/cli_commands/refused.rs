@@ -1,12 +1,11 @@
 //! Requests that cannot be met: the error names the option and the reason; there is no data and no file.
 
-use crate::harness::Bench;
+use crate::harness::{Bench, calibration};
 
 /// Makes a folder with a calibration of a part without a serial number, and a log.
 fn bench() -> Bench {
     let bench = Bench::new();
-    let pair = "[correction]\npbc_dps = 0.1\nbtc_dps_per_c = 0.01\nt3_c = 25.0\n";
-    bench.write("unit.toml", format!("schema = 1\npart = \"ADIS16130\"\n{pair}"));
+    bench.write("unit.toml", calibration(0.1, 0.01, 25.0));
     bench.write("log.csv", "t_s,gz_dps\n0.00,0.1\n0.01,0.2\n0.02,0.1\n0.03,0.3\n");
     bench.write("noise.bin", [0x5a; 100]);
     bench

@@ -1,18 +1,16 @@
 //! `stream --track`: its rows and its state file.
 
-use crate::harness::{Bench, Run, start};
+use crate::harness::{Bench, Run, calibration, calibration_of, start};
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStdout};
 
-const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = -0.8\n\
-    btc_dps_per_c = -0.04\nt3_c = 25.0\n";
 /// A part at rest whose bias is 0.004 °/s larger than calibrated.
 const DEVICE: &str = "twin:seed=7,bias_dps=0.804,tempco_dps_per_c=0.04,curvature=0,hysteresis=0,warmup_c=0";
 
 fn bench() -> Bench {
     let bench = Bench::new();
-    bench.write("unit.toml", CALIBRATION);
+    bench.write("unit.toml", calibration_of("A1", -0.8, -0.04, 25.0));
     bench
 }
 
@@ -152,15 +150,14 @@ fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
         (unchecked, "no check lines"),
         ("\u{1}\u{2}".to_owned(), "line 1"),
         (String::new(), "missing field"),
-        (CALIBRATION.to_owned(), "unknown field"),
+        (calibration(-0.8, -0.04, 25.0), "unknown field"),
     ] {
         bench.write("state.toml", &bad);
         track(&bench, "1s", "").ended_with(1).saying(&[why, "delete it to begin from the calibration"]);
         assert_eq!(bench.text("state.toml"), bad, "{why}");
     }
     bench.write("state.toml", &good);
-    let other = CALIBRATION.replace("-0.8", "-0.7");
-    bench.write("unit.toml", other);
+    bench.write("unit.toml", calibration_of("A1", -0.7, -0.04, 25.0));
     track(&bench, "1s", "").ended_with(1).saying(&["it continues calibration", "delete it"]);
     assert_eq!(bench.text("state.toml"), good);
 }

@@ -1,6 +1,6 @@
 //! Correcting a capture with the right calibration. The numbers are in `zerorate-jobs/tests/jobs/correct.rs`.
 
-use super::{Bench, calibration, capture};
+use super::{Bench, calibration, calibration_of, capture};
 
 /// Readings of 10 °/s at 26 °C, 0 °/s without a temperature, and −10 °/s at 25 °C (F-42).
 const ROWS: &str = "1000000,1,8623488,8,8402701,0\n2000000,2,8388608,8,,0\n3000000,5,8153728,,8388608,1\n";
@@ -8,11 +8,8 @@ const ROWS: &str = "1000000,1,8623488,8,8402701,0\n2000000,2,8388608,8,,0\n30000
 #[test]
 fn the_calibration_of_another_part_is_refused() {
     let bench = Bench::new();
-    let of = |serial: &str| {
-        calibration(-0.25, -0.04, 24.0).replace("[correction]", &format!("serial = \"{serial}\"\n[correction]"))
-    };
-    bench.write("a1.toml", of("A1"));
-    bench.write("b2.toml", of("B2"));
+    bench.write("a1.toml", calibration_of("A1", -0.25, -0.04, 24.0));
+    bench.write("b2.toml", calibration_of("B2", -0.25, -0.04, 24.0));
     bench.write("rest.csv", capture("A1", ROWS));
     bench.zerorate("correct rest.csv --cal a1.toml -o a1.arrows").ok();
     bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows").fails(1, &["part A1", "part B2"]);

@@ -1,7 +1,7 @@
 //! The files of a successful run are on the disk: the content first, then the name.
 #![cfg(target_os = "linux")]
 
-use super::{Bench, FORMS, PROGRAM, calibration, capture, skip};
+use super::{Bench, FORMS, PROGRAM, SHORT, calibration, capture, skip};
 use std::process::Command;
 
 /// Runs the program under strace. Returns its system calls on files in order, or `None` if it cannot be traced.
@@ -74,9 +74,8 @@ fn computed_files_are_on_the_disk_before_they_have_their_name() {
 #[test]
 fn a_calibration_and_its_log_are_on_the_disk() {
     let bench = Bench::new();
-    let line =
-        "calibrate --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2 -o unit.toml --log log.arrows";
-    let Some(calls) = traced(&bench, line) else { return };
+    let line = format!("calibrate {SHORT} -o unit.toml --log log.arrows");
+    let Some(calls) = traced(&bench, &line) else { return };
     is_durable(&bench, &calls, "unit.toml");
     assert!(last(&calls, &["write(", "/log.arrows>"]) < last(&calls, &["fsync(", "/log.arrows>"]));
 }

@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use super::{Bench, PROGRAM, Run, calibration, imu};
-use crate::harness::{self, names, send, wait_until};
+use crate::harness::{self, SOAK, names, send, wait_until};
 use std::fs::{self, File, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,11 +13,7 @@ use std::time::{Duration, Instant};
 const CALIBRATE: &str =
     "calibrate --device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
-/// Two soak points of a chamber, which take four minutes of simulated time.
-const SOAK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
-    [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
-
-/// The program in the test's folder, with its own folder for temporary files.
+/// The program, in the bench's folder, with a folder for temporary files of its own.
 fn command(bench: &Bench, line: &str) -> Command {
     let temporary = bench.path("tmp");
     fs::create_dir_all(&temporary).unwrap();

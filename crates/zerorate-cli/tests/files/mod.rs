@@ -27,7 +27,7 @@ mod tempcal;
 mod temperature;
 mod verify;
 
-use crate::harness::{Bench, PROGRAM, Run};
+use crate::harness::{Bench, PROGRAM, Run, SHORT, calibration, calibration_of};
 use std::io::Write;
 use std::path::Path;
 use std::process::Command;
@@ -37,14 +37,6 @@ const FORMS: &[&str] = if cfg!(feature = "parquet") { &["csv", "arrows", "parque
 
 /// The form with the smallest files.
 const SMALLEST: &str = if cfg!(feature = "parquet") { "parquet" } else { "arrows" };
-
-/// A calibration written by hand.
-fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
-    format!(
-        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = {pbc_dps:?}\nbtc_dps_per_c = \
-         {btc_dps_per_c:?}\nt3_c = {t3_c:?}\n"
-    )
-}
 
 /// A calibration of three axes, written by hand.
 const AXES: &str = r#"schema = 2

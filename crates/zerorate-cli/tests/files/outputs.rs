@@ -1,13 +1,11 @@
 //! No command destroys its inputs or existing files, under any name.
 
-use super::{Bench, Run, calibration, capture};
+use super::{Bench, Run, SHORT, calibration, capture};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 const ROWS: &str = "1000,1,8623488,8,8402701,0\n2000,2,8388608,8,,0\n3000,5,8153728,,8388608,1\n";
 const LOG: &str = "gz\n1\n2\n1\n3\n2\n1\n2\n3\n";
-/// Durations that do not match these captures: a calibration would fail, but must be refused before that.
-const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
 /// A part of one axis, with its column in logs and its noise by the data sheet.
 const PART: &str = r#"schema = 1
@@ -61,7 +59,8 @@ fn refused(bench: &Bench, line: &str, reason: &str) {
     assert_eq!(content(bench.dir.path()), before, "zerorate {line} changed a file");
 }
 
-/// Each command with an output, written as `OUT`, and its input files.
+/// Each command with an output, which `OUT` stands for, and the inputs that it reads. The durations of the calibrations
+/// do not match these files: they would fail, but must be refused before.
 fn commands() -> Vec<(String, &'static [&'static str])> {
     let line = |line: &str| line.to_owned();
     vec![

@@ -1,7 +1,6 @@
 //! The page of a calibration, as a browser gets it.
 
 use super::{Bench, calibration};
-use std::fs;
 use zerorate::Measured;
 use zerorate::Validity;
 use zerorate::calibration::{Calibration, Run, Uncertainties};

@@ -13,6 +13,27 @@ use tempfile::TempDir;
 /// The path of the program, for tests in which another program starts it.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
 
+/// A calibration in four minutes of part time. Its BTC is poor, which `--max-u-btc` accepts.
+pub const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
+
+/// A plan of two soak points, in part time of four minutes.
+pub const SOAK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
+    [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
+
+/// A calibration written by hand.
+pub fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
+    format!(
+        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = {pbc_dps:?}\nbtc_dps_per_c = \
+         {btc_dps_per_c:?}\nt3_c = {t3_c:?}\n"
+    )
+}
+
+/// The same for the part with this serial number.
+pub fn calibration_of(serial: &str, pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
+    let head = format!("serial = {serial:?}\n[correction]");
+    calibration(pbc_dps, btc_dps_per_c, t3_c).replace("[correction]", &head)
+}
+
 /// The program with these arguments.
 pub fn command(args: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);

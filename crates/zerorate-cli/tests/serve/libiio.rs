@@ -1,15 +1,14 @@
 //! Clients of libiio beside the page. `zerorate-host/tests/iiod/` and `cargo xtask iiod` test what they receive.
 
 use super::TestServer;
-use crate::harness::Bench;
+use crate::harness::{Bench, calibration};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 
 #[test]
 fn a_client_finds_the_calibration_and_may_not_write() {
     let bench = Bench::new();
-    let correction = "[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
-    bench.write("unit.toml", format!("schema = 1\npart = \"ADIS16130\"\n{correction}"));
+    bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
     let served = TestServer::start(&bench, "--device twin:seed=6 --cal unit.toml");
     let line = served.says("libiio: iio_info -u ip:");
     let address = line.rsplit("ip:").next().expect("an address").trim();

@@ -1,7 +1,7 @@
 //! Viewers of the page: they never slow the recording, and their requests are answered.
 
 use super::{LONG, TestServer, Watch};
-use crate::harness::{Bench, Run, command};
+use crate::harness::{Bench, Run, calibration, calibration_of, command};
 use serde_json::json;
 use std::fs;
 use std::io::BufRead;
@@ -96,8 +96,8 @@ fn viewers_do_not_slow_the_recording() {
 #[test]
 fn requests_are_answered_and_calibrations_kept() {
     let bench = Bench::new();
-    let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
-    bench.write("first.toml", unit);
+    let unit = calibration(-0.25, -0.04, 31.5);
+    bench.write("first.toml", &unit);
     fs::create_dir(bench.path("shelf")).expect("a folder");
     bench.write("shelf/old.toml", unit.replace("31.5", "30.5"));
     bench.write("shelf/broken.toml", "schema = 7");
@@ -133,7 +133,7 @@ fn requests_are_answered_and_calibrations_kept() {
 #[test]
 fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same() {
     let bench = Bench::new();
-    let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+    let unit = calibration(-0.25, -0.04, 31.5);
     let with = |max_c: u32| format!("{unit}[validity]\ntemp_min_c = 20.0\ntemp_max_c = {max_c}.0\n");
     fs::create_dir(bench.path("shelf")).expect("a folder");
     let served = TestServer::start(&bench, "--folder shelf --device twin:seed=4");
@@ -184,12 +184,8 @@ fn a_lost_device_is_reported_and_can_be_opened_again() {
 #[test]
 fn a_calibration_of_another_part_is_refused() {
     let bench = Bench::new();
-    let unit = |serial: &str| {
-        let correction = "[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
-        format!("schema = 1\npart = \"ADIS16130\"\nserial = \"{serial}\"\n{correction}")
-    };
-    bench.write("a1.toml", unit("A1"));
-    bench.write("b2.toml", unit("B2"));
+    bench.write("a1.toml", calibration_of("A1", -0.25, -0.04, 31.5));
+    bench.write("b2.toml", calibration_of("B2", -0.25, -0.04, 31.5));
     bench.zerorate("capture --samples 100 --serial B2 -o b2.arrows").ended_with(0);
     bench
         .zerorate("serve --listen 127.0.0.1:0 --no-iio --device replay:b2.arrows --cal a1.toml")
@@ -215,9 +211,9 @@ fn a_calibration_of_another_part_is_refused() {
 #[test]
 fn a_calibration_that_was_removed_does_not_come_back() {
     let bench = Bench::new();
-    let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
+    let unit = calibration(-0.25, -0.04, 31.5);
     fs::create_dir(bench.path("shelf")).expect("a folder");
-    bench.write("shelf/old.toml", unit);
+    bench.write("shelf/old.toml", &unit);
     let served = TestServer::start(&bench, "--folder shelf --device twin:seed=4");
     let mut page = served.watch();
     let id = page.until(|frame| frame["calibrations"].is_array())["calibrations"][0]["id"].clone();
