@@ -1,53 +1,27 @@
 //! The page of a calibration, as a browser gets it.
 
+#[path = "../../../zerorate/tests/outcome/mod.rs"]
+mod outcome;
+
 use super::{Bench, calibration};
-use zerorate::Measured;
-use zerorate::Validity;
-use zerorate::calibration::{Calibration, Run, Uncertainties};
+use zerorate::calibration::{Calibration, Origin};
+use zerorate::{Correction, Outcome, Part, Uncertainty};
 
 /// A calibration with every field, and with texts that look like HTML.
 fn measured() -> String {
-    let (mut unit, _) = Calibration::parse(&calibration(-0.25, -0.04, 31.5)).unwrap();
-    unit.serial = Some("<script>alert('SN17')</script>".into());
-    unit.created = Some("2026-11-21T10:00:00Z".into());
-    unit.method = Some("an1042".into());
-    unit.software = Some("zerorate 0.1.0".into());
-    unit.device = Some("spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000".into());
-    unit.capture_sha256 = Some("ab".repeat(32));
+    let whole = outcome::outcome();
+    let uncertainty = Uncertainty { u_pbc_dps: 0.005, u_btc_dps_per_c: 0.001, u_t3_c: 0.0005, ..whole.uncertainty };
+    let found = Outcome { correction: Correction::line(-0.25, -0.04, 31.5), uncertainty, ..whole };
+    let origin = Origin {
+        serial: Some("<script>alert('SN17')</script>".into()),
+        created: Some("2026-11-21T10:00:00Z".into()),
+        software: "zerorate 0.1.0".into(),
+        device: "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000".into(),
+        capture_sha256: "ab".repeat(32),
+        ..Origin::default()
+    };
+    let mut unit = Calibration::new(&Part::ADIS16130, &[found], origin);
     unit.warnings = vec!["3 samples < 4 & lost".into()];
-    unit.axes[0].measured = Some(Measured { b1_dps: 0.1, t1_c: 25.2, b2_dps: 0.37, t2_c: 31.3 });
-    unit.validity = Some(Validity { temp_min_c: 25.1, temp_max_c: 33.2, margin_c: 0.5 });
-    unit.axes[0].uncertainty = Some(Uncertainties {
-        coverage: 0.95,
-        coverage_factor: 1.96,
-        u_pbc_dps: 0.005,
-        u_btc_dps_per_c: 0.001,
-        u_t3_c: 0.0005,
-        cov_pbc_btc_dps2_per_c: 0.0,
-        cov_pbc_t3_dps_c: 0.0,
-        cov_btc_t3_dps: 0.0,
-        u_curvature_dps_per_c: 0.0009,
-        u_b1_dps: 0.004,
-        u_t1_c: 0.0002,
-        u_b2_dps: 0.004,
-        u_t2_c: 0.0002,
-        drift_dps: None,
-    });
-    unit.run = Some(Run {
-        duration_s: 3171.0,
-        rate_hz: 5692.6,
-        rdy_hz: 5692.6,
-        samples: 18_051_234,
-        lost_samples: 3,
-        average_s: 10.0,
-        warmup_s: 600.0,
-        settle_s: 2400.0,
-        offset_s: 150.0,
-        max_lost: 0.001,
-        max_u_btc_dps_per_c: 0.01,
-        earth_dps: None,
-        assume_linear: false,
-    });
     unit.to_toml()
 }
 

@@ -146,40 +146,22 @@ fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64) -> String {
 }
 
 #[cfg(test)]
+#[path = "../../../../zerorate/tests/outcome/mod.rs"]
+mod measured;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use zerorate::calibration::Origin;
-    use zerorate::{Axis, Calibration, Correction, Measured, Noise, Outcome, Part, Plan, Uncertainty, Warning};
+    use zerorate::{Calibration, Correction, Outcome, Part, Warning};
 
     fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
         Outcome {
-            curve: None,
-            means: Some(Measured { b1_dps: 0.1, t1_c: 25.0, b2_dps: 0.3, t2_c: 31.0 }),
             correction: Correction::line(pbc_dps, -0.04, 32.0),
-            uncertainty: Uncertainty {
-                u_b1_dps: 0.004,
-                u_b2_dps: 0.004,
-                u_t1_c: 0.0002,
-                u_t2_c: 0.0002,
-                u_pbc_dps: 0.0026,
-                u_btc_dps_per_c: 0.0048,
-                u_curvature_dps_per_c: 0.0047,
-                u_t3_c: 0.0007,
-                cov_pbc_btc: 1e-8,
-                cov_pbc_t3: 2e-8,
-                drift_dps: 0.0004,
-            },
-            noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false, walk_measured: false },
-            rdy_hz: 100.0,
-            rate_hz: 100.0,
             samples: 317_100,
-            lost_samples: 3,
             impossible_readings: 1,
-            duration_s: 3171.0,
-            temp_min_c: 24.9,
-            temp_max_c: 32.1,
-            plan: Plan::default(),
             warnings: vec![Warning::EarthIncluded, own],
+            ..measured::outcome()
         }
     }
 
