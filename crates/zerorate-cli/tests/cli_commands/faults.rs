@@ -14,7 +14,8 @@ fn ends_without_a_result(device: &str, code: i32, reasons: &[&str]) {
 
 #[test]
 fn a_refused_measurement_exits_with_3() {
-    ends_without_a_result("twin:motion=sway", 3, &["refused: ", "moves", "first average"]);
+    let code = "\ncode: moving (`zerorate explain moving` says more)";
+    ends_without_a_result("twin:motion=sway", 3, &["refused: ", "moves", "first average", code]);
 }
 
 #[test]

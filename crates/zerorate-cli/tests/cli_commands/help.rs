@@ -139,9 +139,3 @@ fn explain_says_what_a_code_means() {
     zerorate(&["explain", "aliasd"]).ended_with(2).saying(&["did you mean aliased"]);
     zerorate(&["explain", "\u{1b}[31m"]).ended_with(2).saying(&["no warning and no refusal"]);
 }
-
-#[test]
-fn a_refusal_names_its_code() {
-    let refused = zerorate(&["calibrate", "--device", "twin:motion=sway"]).ended_with(3);
-    refused.saying(&["refused: ", "\ncode: moving (`zerorate explain moving` says more)"]);
-}

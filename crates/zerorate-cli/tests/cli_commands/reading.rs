@@ -131,17 +131,6 @@ fn an_interrupted_capture_is_whole_and_a_stream_ends_well() {
 }
 
 #[test]
-fn an_interrupted_calibration_writes_nothing_but_its_log() {
-    let bench = Bench::new();
-    let child = start(&mut bench.command("calibrate --realtime -o unit.toml --log log.arrows"));
-    has_samples(&bench, "log.arrows");
-    send("INT", &child);
-    Run::ended(child).ended_with(1).saying(&["interrupted", "no calibration written; the log stands whole"]);
-    assert_eq!(bench.names(), ["log.arrows"]);
-    bench.zerorate("probe --device replay:log.arrows").ended_with(0);
-}
-
-#[test]
 fn a_measured_calibration_streams() {
     let bench = Bench::new();
     bench.zerorate(&format!("calibrate {SHORT} -o unit.toml --serial A1")).ended_with(0);

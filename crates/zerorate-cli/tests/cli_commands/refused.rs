@@ -28,6 +28,8 @@ fn requests_about_an_analysis_are_refused() {
         ("allan log.csv --column gz_dps --fit --max-freq -1", 2, "must be a frequency above 0, in Hz"),
         ("allan log.csv --column gz_dps --data phase --detrend temp", 2, "--detrend works on a rate"),
         ("allan log.csv --column gz_dps --detrend gx", 2, "must be temp, temp:2 or temp:3"),
+        ("allan log.csv --column gz_dps --confidence 1", 2, "below 1"),
+        ("allan log.csv --column gz_dps --plot plot.jpg", 2, ".svg or .png"),
         ("imu log.csv --horizon -1", 2, "must be more than 1, in seconds"),
         ("imu log.csv --datasheet nosuch", 1, "`zerorate parts` lists those"),
     ]);
@@ -42,6 +44,11 @@ fn requests_about_a_calibrated_rate_are_refused() {
         (&format!("{stream} --track --power-up-dps 1000"), 2, "--power-up-dps is 1000"),
         ("chamber f57 --device twin: --earth-dps 5", 2, "-0.00418 to 0.00418"),
     ]);
+}
+
+#[test]
+fn of_a_form_that_is_not_written() {
+    refused(&[("report unit.toml -o unit.pdf", 2, "zerorate writes no PDF")]);
 }
 
 #[cfg(feature = "serve")]

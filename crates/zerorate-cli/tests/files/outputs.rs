@@ -201,10 +201,3 @@ fn no_input_of_a_command_is_its_state_its_recording_or_a_file_beside_its_output(
         assert!(said.contains("exists") && !said.contains("--force"), "{said}");
     }
 }
-
-#[test]
-fn a_name_of_another_form_is_refused() {
-    let bench = bench();
-    bench.zerorate("report unit.toml -o unit.pdf").fails(2, &["zerorate writes no PDF"]);
-    assert!(!bench.path("unit.pdf").exists());
-}
