@@ -27,12 +27,7 @@ pub const CLASSES: &[Class] = &[
     class("hole parquet", "a stretch of bytes is gone"),
     class("hole csv", "some lines are gone"),
     class("twice csv", "some lines come twice"),
-    Class {
-        name: "edit track state",
-        what: "a digit of the state of `stream --track` is another one",
-        quick: 4,
-        run: edited_state,
-    },
+    Class::new("edit track state", "a digit of the state of `stream --track` is another one", 4, edited_state),
 ];
 
 fn damaged(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {

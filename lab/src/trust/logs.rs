@@ -2,18 +2,14 @@
 //! messages. `crates/zerorate-logs/fixtures/make_checked.py` made the files, with independent writers.
 
 use super::bench::{Bench, Folder, Run, random};
-use super::{Class, Verdict};
+use super::{Class, ClassRun, Verdict};
 use anyhow::{Context, Result};
 use rand::RngExt;
 use rand::rngs::StdRng;
 use std::fs;
 use std::path::Path;
 
-const fn class(
-    name: &'static str,
-    what: &'static str,
-    run: fn(&Bench, &'static str, u64) -> Result<Verdict>,
-) -> Class {
+const fn class(name: &'static str, what: &'static str, run: ClassRun) -> Class {
     Class { name, what, quick: 10, run }
 }
 

@@ -67,7 +67,15 @@ struct Class {
     /// Number of runs with `--quick`.
     quick: u64,
     /// Runs it. The arguments are the name of the class and the seed.
-    run: fn(&Bench, &'static str, u64) -> Result<Verdict>,
+    run: ClassRun,
+}
+
+type ClassRun = fn(&Bench, &'static str, u64) -> Result<Verdict>;
+
+impl Class {
+    const fn new(name: &'static str, what: &'static str, quick: u64, run: ClassRun) -> Self {
+        Self { name, what, quick, run }
+    }
 }
 
 /// All classes, in the order of the page.

@@ -16,21 +16,11 @@ use std::thread::sleep;
 use std::time::Duration;
 
 pub const CLASSES: &[Class] = &[
-    Class {
-        name: "power cut after calibrate",
-        what: "right after exit 0: calibration and log are there, whole",
-        quick: 1,
-        run: after,
-    },
-    Class { name: "power cut after capture csv", what: "right after exit 0", quick: 1, run: after },
-    Class { name: "power cut after capture parquet", what: "right after exit 0", quick: 1, run: after },
-    Class { name: "power cut after export h", what: "right after exit 0", quick: 1, run: after },
-    Class {
-        name: "power cut in capture",
-        what: "at a random moment of a recording: the file is a prefix",
-        quick: 1,
-        run: within,
-    },
+    Class::new("power cut after calibrate", "right after exit 0: calibration and log are there, whole", 1, after),
+    Class::new("power cut after capture csv", "right after exit 0", 1, after),
+    Class::new("power cut after capture parquet", "right after exit 0", 1, after),
+    Class::new("power cut after export h", "right after exit 0", 1, after),
+    Class::new("power cut in capture", "at a random moment of a recording: the file is a prefix", 1, within),
 ];
 
 const NO_IMAGES: &str = "needs root and loop devices";

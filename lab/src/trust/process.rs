@@ -10,30 +10,10 @@ use std::thread::sleep;
 use std::time::Duration;
 
 pub const CLASSES: &[Class] = &[
-    Class {
-        name: "kill capture arrows",
-        what: "SIGKILL at a random moment of a recording",
-        quick: 4,
-        run: kill_capture,
-    },
-    Class {
-        name: "kill calibrate",
-        what: "SIGKILL: the older calibration or the new one, whole",
-        quick: 4,
-        run: kill_calibrate,
-    },
-    Class {
-        name: "term capture csv",
-        what: "SIGTERM: the recording is whole, and nothing else is left",
-        quick: 4,
-        run: term_capture,
-    },
-    Class {
-        name: "full disk",
-        what: "`-o` and `--log` cannot be written: the result goes elsewhere, exit 1",
-        quick: 2,
-        run: full_disk,
-    },
+    Class::new("kill capture arrows", "SIGKILL at a random moment of a recording", 4, kill_capture),
+    Class::new("kill calibrate", "SIGKILL: the older calibration or the new one, whole", 4, kill_calibrate),
+    Class::new("term capture csv", "SIGTERM: the recording is whole, and nothing else is left", 4, term_capture),
+    Class::new("full disk", "`-o` and `--log` cannot be written: the result goes elsewhere, exit 1", 2, full_disk),
 ];
 
 /// Sends `signal` after a random time. Returns the result of the run.
