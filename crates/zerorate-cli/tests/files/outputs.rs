@@ -59,8 +59,8 @@ fn refused(bench: &Bench, line: &str, reason: &str) {
     assert_eq!(content(bench.dir.path()), before, "zerorate {line} changed a file");
 }
 
-/// Each command with an output, which `OUT` stands for, and the inputs that it reads. The durations of the calibrations
-/// do not match these files: they would fail, but must be refused before.
+/// Each command with an output, which `OUT` stands for, and the inputs that it reads. The durations of the
+/// calibrations do not match these files: they would fail, but must be refused before.
 fn commands() -> Vec<(String, &'static [&'static str])> {
     let line = |line: &str| line.to_owned();
     vec![
