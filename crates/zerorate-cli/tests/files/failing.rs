@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 const CALIBRATE: &str =
     "calibrate --device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
-/// The program, in the bench's folder, with a folder for temporary files of its own.
+/// The program in the test's folder, with its own folder for temporary files.
 fn command(bench: &Bench, line: &str) -> Command {
     let temporary = bench.path("tmp");
     fs::create_dir_all(&temporary).unwrap();

@@ -89,7 +89,6 @@ fn escapes_for_terminals_are_shown() {
     bench.write("log\x1b[31m.csv", "t,\x1b]0;owned\x07\n0,1\n1,2\n2,3\n");
     let said = [
         bench.zerorate("allan log\x1b[31m.csv").fails(2, &[]),
-        bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --unit knots").fails(2, &[]),
         bench.zerorate("allan missing\x1b[2J.csv --rate 10").fails(1, &[]),
         {
             let run = bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --fit");

@@ -105,7 +105,7 @@ impl Bench {
     }
 }
 
-/// What a folder holds, in the order of the names.
+/// The sorted names of the entries of a folder.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
     let mut names: Vec<String> = entries.map(|name| name.into_string().expect("UTF-8")).collect();
@@ -113,7 +113,7 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How a run ended.
+/// The result of a run.
 #[derive(Debug)]
 pub struct Run {
     /// The command line, if it is known.
