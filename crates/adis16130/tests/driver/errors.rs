@@ -10,7 +10,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, SpiDevice};
 
-use crate::part::{Delay, Line, Part, Pin, PinRefusal, Wire, WireFault};
+use crate::part::{Delay, Line, Part, Pin, Wire};
 
 type Any<SPI, RDY, PIN> =
     Error<<SPI as spi::ErrorType>::Error, <RDY as digital::ErrorType>::Error, <PIN as digital::ErrorType>::Error>;
@@ -35,7 +35,7 @@ fn outcome(
     line: Line,
     looks: u32,
     refuses: Option<bool>,
-) -> Result<RateCode, Error<WireFault, PinRefusal, PinRefusal>> {
+) -> Result<RateCode, Error<spi::ErrorKind, digital::ErrorKind, digital::ErrorKind>> {
     let (part, rdy, mut pin) = (Part::new(), Pin::default(), Pin::default());
     rdy.0.borrow_mut().looks_until_low = looks;
     pin.0.borrow_mut().refuses = refuses;
@@ -64,7 +64,7 @@ fn the_error_of_each_operation_converts_to_error() {
         VerifyError::<()>::NotInitialised.to_string()
     );
     fn is_error<T: std::error::Error>() {}
-    is_error::<Error<WireFault, PinRefusal, PinRefusal>>();
+    is_error::<Error<spi::ErrorKind, digital::ErrorKind, digital::ErrorKind>>();
 }
 
 #[test]

@@ -4,8 +4,9 @@
 use adis16130::blocking::Adis16130;
 use adis16130::registers::{Address, Mode, Operation};
 use adis16130::{Config, Edge, Fault, Framing, MCLK_HZ, NoReading, ReadError, Sampler, SamplerConfig, Width};
+use embedded_hal::spi::ErrorKind;
 
-use crate::part::{Part, Pin, Wire, WireFault};
+use crate::part::{Part, Pin, Wire};
 use std::{cell::RefCell, rc::Rc};
 
 type Gyro = Adis16130<Wire, Pin>;
@@ -37,7 +38,7 @@ fn convert(part: &Rc<RefCell<Part>>, config: Config, rate: u32, temp: u32) {
     part.set(0x22, 0x48);
 }
 
-fn no_reading<T>(register: Address, mode: Mode) -> Result<T, ReadError<WireFault>> {
+fn no_reading<T>(register: Address, mode: Mode) -> Result<T, ReadError<ErrorKind>> {
     Err(ReadError::NoReading(NoReading { register, mode }))
 }
 

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::{HashMap, VecDeque};
 use std::rc::Rc;
 
+use embedded_hal::digital;
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
 /// Address, bytes (0 = as MODE says), value after reset, readable, writable: docs/facts.md section 3.
@@ -196,31 +197,22 @@ impl Part {
     }
 }
 
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct WireFault;
-
-impl embedded_hal::spi::Error for WireFault {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::Other
-    }
-}
-
 #[derive(Clone, Debug)]
 pub struct Wire(pub Rc<RefCell<Part>>);
 
 impl ErrorType for Wire {
-    type Error = WireFault;
+    type Error = ErrorKind;
 }
 
 impl SpiDevice for Wire {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), WireFault> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         let mut part = self.0.borrow_mut();
         match &mut part.fails_after {
             Some(0) => {
                 if part.fails_once {
                     part.fails_after = None;
                 }
-                return Err(WireFault);
+                return Err(ErrorKind::Other);
             }
             Some(left) => *left -= 1,
             None => {}
@@ -260,46 +252,36 @@ pub struct PinState {
     pub refuses: Option<bool>,
 }
 
-/// The error of a pin that cannot be set.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct PinRefusal;
-
-impl embedded_hal::digital::Error for PinRefusal {
-    fn kind(&self) -> embedded_hal::digital::ErrorKind {
-        embedded_hal::digital::ErrorKind::Other
-    }
-}
-
-impl embedded_hal::digital::ErrorType for Pin {
-    type Error = PinRefusal;
+impl digital::ErrorType for Pin {
+    type Error = digital::ErrorKind;
 }
 
 impl Pin {
-    fn set(&self, high: bool) -> Result<(), PinRefusal> {
+    fn set(&self, high: bool) -> Result<(), digital::ErrorKind> {
         let mut pin = self.0.borrow_mut();
         pin.levels.push(high);
-        if pin.refuses == Some(high) { Err(PinRefusal) } else { Ok(()) }
+        if pin.refuses == Some(high) { Err(digital::ErrorKind::Other) } else { Ok(()) }
     }
 }
 
-impl embedded_hal::digital::InputPin for Pin {
-    fn is_low(&mut self) -> Result<bool, PinRefusal> {
+impl digital::InputPin for Pin {
+    fn is_low(&mut self) -> Result<bool, digital::ErrorKind> {
         let mut pin = self.0.borrow_mut();
         pin.looks += 1;
         Ok(pin.looks > pin.looks_until_low)
     }
 
-    fn is_high(&mut self) -> Result<bool, PinRefusal> {
+    fn is_high(&mut self) -> Result<bool, digital::ErrorKind> {
         self.is_low().map(|low| !low)
     }
 }
 
-impl embedded_hal::digital::OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), PinRefusal> {
+impl digital::OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), digital::ErrorKind> {
         self.set(false)
     }
 
-    fn set_high(&mut self) -> Result<(), PinRefusal> {
+    fn set_high(&mut self) -> Result<(), digital::ErrorKind> {
         self.set(true)
     }
 }
@@ -319,7 +301,7 @@ pub use asynch::now;
 
 #[cfg(feature = "async")]
 mod asynch {
-    use super::{Delay, Operation, Pin, PinRefusal, SpiDevice, Wire, WireFault};
+    use super::{Delay, ErrorKind, Operation, Pin, SpiDevice, Wire, digital};
     use embedded_hal::digital::InputPin;
     use std::future::{Future, pending};
     use std::pin::pin;
@@ -334,29 +316,29 @@ mod asynch {
     }
 
     impl embedded_hal_async::spi::SpiDevice for Wire {
-        async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), WireFault> {
+        async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
             SpiDevice::transaction(self, operations)
         }
     }
 
     impl embedded_hal_async::digital::Wait for Pin {
-        async fn wait_for_low(&mut self) -> Result<(), PinRefusal> {
+        async fn wait_for_low(&mut self) -> Result<(), digital::ErrorKind> {
             if self.is_low()? { Ok(()) } else { pending().await }
         }
 
-        async fn wait_for_high(&mut self) -> Result<(), PinRefusal> {
+        async fn wait_for_high(&mut self) -> Result<(), digital::ErrorKind> {
             if self.is_high()? { Ok(()) } else { pending().await }
         }
 
-        async fn wait_for_rising_edge(&mut self) -> Result<(), PinRefusal> {
+        async fn wait_for_rising_edge(&mut self) -> Result<(), digital::ErrorKind> {
             pending().await
         }
 
-        async fn wait_for_falling_edge(&mut self) -> Result<(), PinRefusal> {
+        async fn wait_for_falling_edge(&mut self) -> Result<(), digital::ErrorKind> {
             pending().await
         }
 
-        async fn wait_for_any_edge(&mut self) -> Result<(), PinRefusal> {
+        async fn wait_for_any_edge(&mut self) -> Result<(), digital::ErrorKind> {
             pending().await
         }
     }

@@ -3,8 +3,9 @@
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
 use adis16130::{BusError, ChannelStatus, Config, Edge, Fault, Framing, MCLK_HZ, SampleError, Sampler, SamplerConfig};
+use embedded_hal::spi::ErrorKind;
 
-use crate::part::{Line, Part, Pin, Wire, WireFault};
+use crate::part::{Line, Part, Pin, Wire};
 use std::{cell::RefCell, rc::Rc};
 
 const PAIR_NS: u64 = 175_667; // 2 · 527 cycles of 6 MHz (F-31)
@@ -31,7 +32,7 @@ impl Bench {
     }
 
     /// Edge `n` on an ideal clock, with unread data unless `status` says otherwise.
-    fn edge(&mut self, n: u32, status: u32) -> Result<Option<adis16130::Sample>, SampleError<WireFault>> {
+    fn edge(&mut self, n: u32, status: u32) -> Result<Option<adis16130::Sample>, SampleError<ErrorKind>> {
         self.part.borrow_mut().set(0x20, status);
         self.gyro.sample(&mut self.sampler, Edge { t_ns: u64::from(n) * PAIR_NS, seq: n })
     }
@@ -90,7 +91,7 @@ fn a_failed_read_is_counted_at_the_next_success() {
     let mut bench = Bench::new(SamplerConfig::new());
     bench.edge(1, 0x08).unwrap().unwrap();
     bench.part.borrow_mut().fails_after = Some(1);
-    let failed = BusError::Transfer { register: Address::RateData, error: WireFault };
+    let failed = BusError::Transfer { register: Address::RateData, error: ErrorKind::Other };
     assert_eq!(bench.edge(2, 0x08), Err(SampleError::Bus(failed)));
     bench.part.borrow_mut().fails_after = None;
     let interrupted = BusError::Interrupted { register: Address::RateData };

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use adis16130_twin::{Fault, Twin, TwinSpi};
-use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
+use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
 /// A failure or fault that happens once.
 #[derive(Copy, Clone, Debug)]
@@ -61,18 +61,8 @@ pub struct Bus {
     ahead: Ahead,
 }
 
-/// The error of a bus that failed.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct Cut;
-
-impl Error for Cut {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::Other
-    }
-}
-
 impl ErrorType for Bus {
-    type Error = Cut;
+    type Error = ErrorKind;
 }
 
 impl Bus {
@@ -80,8 +70,9 @@ impl Bus {
         Self { spi: twin.spi(), twin: twin.clone(), ahead: ahead.clone() }
     }
 
-    /// Carries out one operation up to its trouble. The frame of a reset is sent whole or not at all.
-    fn carry_out(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+    /// Carries out one operation, as far as it goes. The frame of a reset stays whole: only the trouble before it
+    /// counts.
+    fn carry_out(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         let [operation] = operations else { panic!("one operation per transaction: {operations:?}") };
         let (length, splits) = match operation {
             Operation::Write(bytes) => (bytes.len(), false),
@@ -95,7 +86,7 @@ impl Bus {
         if let Operation::TransferInPlace(bytes) = operation {
             self.transact(&mut [Operation::TransferInPlace(&mut bytes[..before])])?;
         }
-        let Trouble::Fault(fault) = trouble else { return Err(Cut) };
+        let Trouble::Fault(fault) = trouble else { return Err(ErrorKind::Other) };
         self.twin.set_fault(fault);
         match operation {
             Operation::TransferInPlace(bytes) => {
@@ -105,22 +96,22 @@ impl Bus {
         }
     }
 
-    fn transact(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+    fn transact(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         SpiDevice::transaction(&mut self.spi, operations).map_err(|never| match never {})
     }
 }
 
 impl SpiDevice for Bus {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         self.carry_out(operations)
     }
 }
 
 #[cfg(feature = "async")]
 impl embedded_hal_async::spi::SpiDevice for Bus {
-    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         match self.carry_out(operations) {
-            Err(Cut) => std::future::pending().await,
+            Err(_) => std::future::pending().await,
             done => done,
         }
     }
