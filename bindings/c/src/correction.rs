@@ -1,7 +1,7 @@
 //! The correction of F-50 and curves, in three number formats.
 
 use crate::boundary;
-use crate::status::{self, Status, StatusNumber};
+use crate::status::{self, Status, ZERORATE_E_COEFFICIENT};
 use adis16130::{RateCode, TempCode, Width};
 
 /// Corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. A line (F-50) has BTC2
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn zerorate_correction_to_integer(
     status::of(unsafe { boundary::input(from) }.and_then(|from| {
         const ADIS16130: zerorate::Axis = zerorate::Axis::ADIS16130;
         let zerorate::IntegerCorrection { offset_q, slope_q, t3_code } =
-            from.to_core().to_integer(&ADIS16130.rate, &ADIS16130.temp).map_err(|error| error.status())?;
+            from.to_core().to_integer(&ADIS16130.rate, &ADIS16130.temp).map_err(|_| ZERORATE_E_COEFFICIENT)?;
         // SAFETY: by the contract.
         unsafe { boundary::output(to, CorrectionInteger { offset_q30: offset_q, slope_q30: slope_q, t3_code }) }
     }))
@@ -137,7 +137,7 @@ pub unsafe extern "C" fn zerorate_correction_to_curve(from: *const Correction, t
     status::of(unsafe { boundary::input(from) }.and_then(|from| {
         const ADIS16130: zerorate::Axis = zerorate::Axis::ADIS16130;
         let zerorate::IntegerCurve { terms, t3_code, fraction } =
-            from.to_core().to_integer_curve(&ADIS16130.rate, &ADIS16130.temp).map_err(|error| error.status())?;
+            from.to_core().to_integer_curve(&ADIS16130.rate, &ADIS16130.temp).map_err(|_| ZERORATE_E_COEFFICIENT)?;
         // SAFETY: by the contract.
         unsafe { boundary::output(to, CorrectionCurve { terms, t3_code, fraction }) }
     }))

@@ -3,7 +3,7 @@
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::gyro::Sample;
-use crate::status::{self, Status, StatusNumber, ZERORATE_E_STATE};
+use crate::status::{self, Status, StatusNumber, ZERORATE_E_PLAN, ZERORATE_E_STATE};
 use zerorate::{
     Action, Axis, Event, FixedProcedure, Measured, Outcome as CoreOutcome, Plan as CorePlan, Reading, Refusal, Remedy,
     State as CoreState, Warning, WindowWarnings,
@@ -222,7 +222,7 @@ pub unsafe extern "C" fn zerorate_plan_default(plan: *mut Plan) -> Status {
 pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, plan: *const Plan) -> Status {
     // SAFETY: by the contract.
     let begun = unsafe { boundary::input(plan) }.and_then(|plan| {
-        FixedProcedure::on_fixed_memory(&Axis::ADIS16130, plan.to_core()).map_err(|error| error.status())
+        FixedProcedure::on_fixed_memory(&Axis::ADIS16130, plan.to_core()).map_err(|_| ZERORATE_E_PLAN)
     });
     // SAFETY: by the contract.
     status::of(

@@ -2,7 +2,7 @@
 
 use adis16130::{BusError, Fault, InitError, ReadError, SampleError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
-use zerorate::{CurveError, IntegerError, PlanError, Refusal, TableError};
+use zerorate::{Refusal, TableError};
 
 /// The result of a function: ZERORATE_OK, a positive number for a harmless state, or a negative number for a failure.
 /// The numbers keep their meaning in all versions.
@@ -221,18 +221,6 @@ impl<E, R, P> StatusNumber for SelfTestError<E, R, P> {
     }
 }
 
-impl StatusNumber for CurveError {
-    fn status(&self) -> Status {
-        ZERORATE_E_COEFFICIENT
-    }
-}
-
-impl StatusNumber for IntegerError {
-    fn status(&self) -> Status {
-        ZERORATE_E_COEFFICIENT
-    }
-}
-
 impl StatusNumber for TableError {
     fn status(&self) -> Status {
         match self {
@@ -240,12 +228,6 @@ impl StatusNumber for TableError {
             Self::NoRoom { .. } => ZERORATE_E_TABLE_ROOM,
             Self::TooSteep { .. } => ZERORATE_E_TABLE_STEEP,
         }
-    }
-}
-
-impl StatusNumber for PlanError {
-    fn status(&self) -> Status {
-        ZERORATE_E_PLAN
     }
 }
 
