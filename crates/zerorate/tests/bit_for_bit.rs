@@ -6,23 +6,14 @@ mod hours;
 use adis16130_twin::{Motion, Spec};
 use golden::unchanged;
 use hours::measure;
-use zerorate::calibration::{Calibration, Notes, Origin};
+use zerorate::calibration::{Calibration, Origin};
 use zerorate::{Method, Part};
 
 /// The calibration file of an hour without its checks and the words of its warnings, and what the warnings state.
 fn calibrated(spec: &Spec, method: Method) -> String {
     let (outcome, _) = measure(spec, method).expect("a unit at rest");
     let warnings: String = outcome.warnings.iter().map(|warning| format!("{warning:?}\n")).collect();
-    let origin = Origin {
-        serial: None,
-        created: None,
-        software: String::new(),
-        device: String::new(),
-        config: String::new(),
-        capture_sha256: String::new(),
-        notes: Notes::default(),
-    };
-    let text = Calibration::new(&Part::ADIS16130, &[outcome], origin).to_toml();
+    let text = Calibration::new(&Part::ADIS16130, &[outcome], Origin::default()).to_toml();
     let words = ["#", "warnings", "checksum", "line_checks"];
     let numbers = text.lines().filter(|line| !words.iter().any(|word| line.starts_with(word)));
     numbers.map(|line| format!("{line}\n")).collect::<String>() + &warnings
