@@ -175,23 +175,23 @@ impl fmt::Display for IntegerError {
 impl core::error::Error for IntegerError {}
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use alloc::string::ToString;
 
     const ZERO_CODE: u32 = 8_388_608;
 
     const TYPICAL: Correction = Correction::line(-0.2537, -0.04, 31.5123);
-    const RATE: Scale = Axis::ADIS16130.rate;
-    const TEMP: Scale = Axis::ADIS16130.temp;
+    pub const RATE: Scale = Axis::ADIS16130.rate;
+    pub const TEMP: Scale = Axis::ADIS16130.temp;
 
     fn adis16130(correction: Correction) -> Result<IntegerCorrection, IntegerError> {
         correction.to_integer(&RATE, &TEMP)
     }
 
     /// Words spread over 32 bits by a multiplicative sequence.
-    fn words() -> impl Iterator<Item = (u32, u32)> {
-        (0..100_000u32).map(|i| (i.wrapping_mul(2_654_435_761), i.wrapping_mul(2_246_822_519)))
+    pub fn words(count: u32) -> impl Iterator<Item = (u32, u32)> {
+        (0..count).map(|i| (i.wrapping_mul(2_654_435_761), i.wrapping_mul(2_246_822_519)))
     }
 
     fn exact_code(correction: &Correction, rate: u32, temp: u32) -> f64 {
@@ -205,7 +205,7 @@ mod tests {
         for btc_dps_per_c in [-0.04, 0.0123, 1.1, -1.1] {
             let correction = Correction { btc_dps_per_c, ..TYPICAL };
             let integer = adis16130(correction).unwrap();
-            for (rate, temp) in words().map(|(rate, temp)| (rate >> 8, temp >> 8)) {
+            for (rate, temp) in words(100_000).map(|(rate, temp)| (rate >> 8, temp >> 8)) {
                 let error = f64::from(integer.apply(rate, temp)) - exact_code(&correction, rate, temp);
                 assert!(error.abs() < 0.51, "{rate} at {temp}: {error}");
             }
@@ -231,7 +231,7 @@ mod tests {
         assert_eq!(named(Correction { btc3_dps_per_c3: f64::NAN, ..TYPICAL }), "btc3_dps_per_c3");
     }
 
-    fn signed(width_bits: u8, lsb_per_unit: f64, zero_value: f64) -> Scale {
+    pub fn signed(width_bits: u8, lsb_per_unit: f64, zero_value: f64) -> Scale {
         Scale { lsb_per_unit, zero_code: 0, zero_value, width_bits, signed: true }
     }
 
@@ -275,7 +275,7 @@ mod tests {
                     temp_scale.value(t3 - temp_scale.zero_code),
                 );
                 let integer = correction.to_integer(&rate_scale, &temp_scale).unwrap();
-                for (rate, temp) in words() {
+                for (rate, temp) in words(100_000) {
                     let of = |word: u32, scale: &Scale| scale.codes().0 + i64::from(word >> (32 - scale.width_bits));
                     let (rate, temp) = (of(rate, &rate_scale), of(temp, &temp_scale));
                     let code = integer.apply_as(&form, rate, temp);

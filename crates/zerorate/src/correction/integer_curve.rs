@@ -204,19 +204,12 @@ impl core::error::Error for CurveError {}
 
 #[cfg(test)]
 mod tests {
+    use super::super::integer::tests::{RATE, TEMP, signed, words};
     use super::*;
     use alloc::string::ToString;
 
-    const RATE: Scale = Axis::ADIS16130.rate;
-    const TEMP: Scale = Axis::ADIS16130.temp;
-
     fn curve(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64, btc2_dps_per_c2: f64, btc3_dps_per_c3: f64) -> Correction {
         Correction { btc2_dps_per_c2, btc3_dps_per_c3, ..Correction::line(pbc_dps, btc_dps_per_c, t3_c) }
-    }
-
-    /// Words spread over 32 bits by a multiplicative sequence.
-    fn words(count: u32) -> impl Iterator<Item = (u32, u32)> {
-        (0..count).map(|i| (i.wrapping_mul(2_654_435_761), i.wrapping_mul(2_246_822_519)))
     }
 
     /// Largest error of an integer curve against f64, in rate codes, less the stated bound. Temperatures beyond the
@@ -305,13 +298,6 @@ mod tests {
     /// Two's complement of 12 to 32 bits, and temperatures coarse and fine.
     #[test]
     fn the_bound_holds_on_any_scale() {
-        let signed = |width_bits, lsb_per_unit, zero_value| Scale {
-            lsb_per_unit,
-            zero_code: 0,
-            zero_value,
-            width_bits,
-            signed: true,
-        };
         for (rate, temp) in [
             (signed(16, 20.0, 0.0), signed(12, 7.14, 25.0)),
             (signed(14, 12.5, 0.0), signed(16, 256.0, 0.0)),
