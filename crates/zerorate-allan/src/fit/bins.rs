@@ -70,23 +70,20 @@ pub(super) fn edges(first: usize, end: usize, widest: usize) -> Vec<Bin> {
     firsts.map(bin).collect()
 }
 
-/// Interpolates values known at ascending `middles` to the coefficients 1 … `count`: linear between, level beyond.
+/// Interpolates values known at ascending `middles` to the coefficients 1 … `count`.
 pub(super) fn at_coefficients(middles: impl Iterator<Item = f64>, values: &[f64], count: usize) -> Vec<f64> {
     let known: Vec<(f64, f64)> = middles.zip(values.iter().copied()).collect();
-    let mut at = Vec::with_capacity(count);
-    let mut next = 0;
-    for k in 1..=count {
-        let k = k as f64;
-        while next < known.len() && known[next].0 < k {
-            next += 1;
-        }
-        at.push(match (next.checked_sub(1).map(|before| known[before]), known.get(next)) {
-            (Some((a, from)), Some(&(b, to))) => from + (to - from) * (k - a) / (b - a),
-            (Some((_, level)), None) | (None, Some(&(_, level))) => level,
-            (None, None) => 0.0,
-        });
+    (1..=count).map(|k| interpolated(&known, k as f64)).collect()
+}
+
+/// Interpolates values known at ascending places: linear between, level beyond.
+pub(super) fn interpolated(known: &[(f64, f64)], at: f64) -> f64 {
+    let next = known.partition_point(|(place, _)| *place < at);
+    match (next.checked_sub(1).map(|before| known[before]), known.get(next)) {
+        (Some((a, from)), Some(&(b, to))) => from + (to - from) * (at - a) / (b - a),
+        (Some((_, level)), None) | (None, Some(&(_, level))) => level,
+        (None, None) => 0.0,
     }
-    at
 }
 
 #[cfg(test)]

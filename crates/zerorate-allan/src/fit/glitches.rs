@@ -1,7 +1,7 @@
 //! Finds glitches: single samples, or a few in a row, that noise does not explain.
 
 use super::lines::median;
-use super::spectrum::averages::fill_gaps;
+use super::spectrum::averages::{centred, fill_gaps};
 use crate::chi2::{chi2_above, normal_quantile};
 use crate::kernels::threads;
 use alloc::borrow::Cow;
@@ -163,7 +163,7 @@ impl Windows<'_> {
         }
         core::array::from_fn(|class| match of_class[class].len() {
             0 => 0.0,
-            1..FEWEST_IN_CLASS if class > 0 => libm::sqrt(NOT_CORRELATED) * scale(&about_mean(self.values)),
+            1..FEWEST_IN_CLASS if class > 0 => libm::sqrt(NOT_CORRELATED) * scale(&centred(self.values)),
             _ => scale(&of_class[class]),
         })
     }
@@ -217,11 +217,6 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     let chance = |at: usize| libm::exp(-libm::log(sizes[at] / sizes[at - 1]) * (sizes.len() - at) as f64 / mean);
     let first = (below..sizes.len()).find(|at| chance(*at) < GAP_BY_CHANCE / beyond as f64);
     first.map_or(f64::INFINITY, |at| sizes[at - 1])
-}
-
-fn about_mean(values: &[f64]) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    values.iter().map(|value| value - mean).collect()
 }
 
 /// The standard deviation of values within [`CLIP`] of it. (A median is off by up to half a step for coarse codes.)

@@ -4,6 +4,7 @@
 //! aliases are computed and subtracted. Gaps give each mean its own frequency response. The average response is the
 //! gain. The scatter about it turns noise of any frequency into white noise.
 
+use super::super::bins::interpolated;
 use super::super::lines::Narrow;
 use super::averages::averages;
 use alloc::borrow::Cow;
@@ -37,12 +38,7 @@ impl MeasuredLevels {
 
     /// The density, linear between the frequencies.
     fn at(&self, f_hz: f64) -> f64 {
-        let next = self.density.partition_point(|(known_hz, _)| *known_hz < f_hz);
-        match (next.checked_sub(1).map(|before| self.density[before]), self.density.get(next)) {
-            (Some((a, from)), Some(&(b, to))) => from + (to - from) * (f_hz - a) / (b - a),
-            (Some((_, level)), None) | (None, Some(&(_, level))) => level,
-            (None, None) => 0.0,
-        }
+        interpolated(&self.density, f_hz)
     }
 }
 

@@ -17,7 +17,7 @@ use super::sines::Sine;
 use super::transform::{cosine_transform, smooth_length};
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
-use averages::fill_gaps;
+use averages::{centred, fill_gaps};
 use levels::{Level, MeasuredLevels};
 use realfft::FftError;
 
@@ -251,9 +251,4 @@ fn with_power(mut bins: Vec<Bin>, power: &[f64]) -> Vec<Bin> {
         bin.power = inside.iter().sum::<f64>() / inside.len() as f64;
     }
     bins
-}
-
-fn centred(values: &[f64]) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    values.iter().map(|value| value - mean).collect()
 }
