@@ -109,20 +109,8 @@ class Imu:
             If the file exists.
         """
         axes, topic = list(self.axes.values()), self.topic if topic is None else topic
-        return _filters.file(
-            axes,
-            path,
-            self.log,
-            format,
-            combine,
-            horizon_s,
-            as_fitted,
-            inflate,
-            topic,
-            force,
-            accept_rejected,
-            self.warnings,
-        )
+        asked = (horizon_s, as_fitted, inflate, topic, force, accept_rejected)
+        return _filters.file(axes, path, self.log, format, combine, *asked, self.warnings)
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
         """A DataFrame with a row for each axis and averaging time, like `AllanAxes.to_frame`."""
