@@ -206,22 +206,7 @@ def allan(
         return _of_arrays(options, rate, column, columns, rate_hz, scale, unit)
     if columns is not None and not _records.is_wide(rate):
         raise ValueError("columns= names the columns of a two-dimensional array; choose other columns with column=")
-    given = _log.options(
-        rate_hz=rate_hz,
-        time_column=time_column,
-        time_unit=time_unit,
-        unit=unit,
-        force_unit=force_unit,
-        scale=scale,
-        increments=increments,
-        decimal=decimal,
-        raw=raw,
-        max_bad=max_bad,
-        topic=topic,
-        where=where,
-        skip=skip,
-        until=until,
-    )
+    given = _log.options(locals())
     if _records.is_path(rate) or _records.is_table(rate) or _records.is_wide(rate):
         is_several = _log.is_several(column) or (column is None and not _records.is_path(rate))
         wanted = _log.ALL if column is None and is_several else column
@@ -262,7 +247,7 @@ def _of_arrays(
     temperature = None
     if options.settling and not options.is_phase and hz is not None:
         source = ("the array" if log is None else "the log", list(each.items()))
-        temperature = options.settling.of_source(source, _log.options(rate_hz=hz))
+        temperature = options.settling.of_source(source, _log.options({"rate_hz": hz}))
 
     def analysed(name: str) -> Allan:
         stated = unit or (_zerorate.column_unit(name) if log is None else log.units[name] or "unit")

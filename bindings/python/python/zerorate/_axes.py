@@ -60,7 +60,7 @@ class AskedAxes:
                 number(arguments["accel_range"]),
             ),
             arguments["columns"],
-            _log.options(**reading),
+            _log.options(reading),
         )
 
     def source(self, log: Any, example: str) -> _records.Source:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
 
@@ -158,22 +158,7 @@ def read_log(
     OSError
         If it cannot be read.
     """
-    given = options(
-        rate_hz=rate_hz,
-        time_column=time_column,
-        time_unit=time_unit,
-        unit=unit,
-        force_unit=force_unit,
-        scale=scale,
-        increments=increments,
-        decimal=decimal,
-        raw=raw,
-        max_bad=max_bad,
-        topic=topic,
-        where=where,
-        skip=skip,
-        until=until,
-    )
+    given = options(locals())
     found = columns_of(_records.table(log), column, True, given)
     # without a unit, the last warning says so, and so does `Log.units`
     said = [text for one in found for text in one["warnings"][: None if one["unit"] else -1]]
@@ -187,39 +172,28 @@ def read_log(
     )
 
 
-def options(
-    *,
-    rate_hz: float | None = None,
-    time_column: str | int | None = None,
-    time_unit: str | None = None,
-    unit: str | None = None,
-    force_unit: bool = False,
-    scale: float | None = None,
-    increments: bool | None = None,
-    decimal: str | None = None,
-    raw: str | None = None,
-    max_bad: float | None = None,
-    topic: str | None = None,
-    where: str | None = None,
-    skip: CutTime | None = None,
-    until: CutTime | None = None,
-) -> _zerorate._Options:
-    """The options of a log, in the form that the extension takes."""
+def options(arguments: Mapping[str, Any]) -> _zerorate._Options:
+    """The options of a log among the arguments of a function, in the form that the extension takes."""
+
+    def given(name: str, form: Callable[[Any], Any] = lambda value: value) -> Any:
+        value = arguments.get(name)
+        return None if value is None else form(value)
+
     return {
-        "rate_hz": None if rate_hz is None else float(rate_hz),
-        "time_column": None if time_column is None else str(time_column),
-        "time_unit": time_unit,
-        "unit": unit,
-        "force_unit": force_unit,
-        "scale": None if scale is None else float(scale),
-        "increments": increments,
-        "decimal": decimal,
-        "raw": raw,
-        "max_bad": None if max_bad is None else float(max_bad),
-        "topic": topic,
-        "where": where,
-        "skip": None if skip is None else str(skip),
-        "until": None if until is None else str(until),
+        "rate_hz": given("rate_hz", float),
+        "time_column": given("time_column", str),
+        "time_unit": given("time_unit"),
+        "unit": given("unit"),
+        "force_unit": arguments.get("force_unit", False),
+        "scale": given("scale", float),
+        "increments": given("increments"),
+        "decimal": given("decimal"),
+        "raw": given("raw"),
+        "max_bad": given("max_bad", float),
+        "topic": given("topic"),
+        "where": given("where"),
+        "skip": given("skip", str),
+        "until": given("until", str),
     }
 
 

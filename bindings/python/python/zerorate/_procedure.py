@@ -246,27 +246,9 @@ def calibrate(
     OSError
         If a file cannot be written. A measured calibration is then kept in another file, which the text names.
     """
-    options = {
-        "method": method,
-        "target_dph": target_dph,
-        "average": average,
-        "warmup": warmup,
-        "settle": settle,
-        "offset": offset,
-        "max_lost": max_lost,
-        "max_u_btc": max_u_btc,
-        "earth_dps": earth_dps,
-        "assume_linear": assume_linear,
-        "serial": serial,
-        "supply_note": supply_note,
-        "ambient_note": ambient_note,
-        "operator": operator,
-        "log": log,
-        "output": output,
-        "force": force,
-    }
+    arguments = locals()
     read = _device.options(device, part, every_temp, divider, realtime)
-    report, core = _zerorate.calibrate(read, options, _device.showing(progress))
+    report, core = _zerorate.calibrate(read, arguments, _device.showing(progress))
     truth = report.pop("truth", None)
     if truth is not None:
         truth["curve"] = [CurvePoint(**point) for point in truth["curve"]]

@@ -102,15 +102,6 @@ def capture(
     >>> capture("twin:seed=7", file, samples=1000).samples
     1000
     """
-    options = {
-        "output": os.fspath(output),
-        "duration": duration,
-        "samples": samples,
-        "serial": serial,
-        "supply_note": supply_note,
-        "ambient_note": ambient_note,
-        "operator": operator,
-        "force": force,
-    }
+    arguments = {**locals(), "output": os.fspath(output)}
     read = _device.options(device, part, every_temp, divider, realtime)
-    return Captured(**_zerorate.capture(read, options, _device.showing(progress)))
+    return Captured(**_zerorate.capture(read, arguments, _device.showing(progress)))
