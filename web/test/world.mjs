@@ -60,6 +60,16 @@ export async function open(browser, url, options = {}) {
   return { page, context, faults };
 }
 
+/** Opens a window for a test, at whose end no script may have failed. */
+export async function visit(test, browser, url, options) {
+  const { page, context, faults } = await open(browser, url, options);
+  test.after(async () => {
+    await context.close();
+    assert.deepEqual(faults, []);
+  });
+  return { page, context };
+}
+
 /** Prepares a window whose twin has these keys. */
 export function twinOf(keys) {
   const text = JSON.stringify(keys);

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { proxy, staticHome } from "../static.mjs";
 import { liveBench } from "../suite.mjs";
-import { becomes, BRIDGE, freePort, open, PATIENCE, start, without } from "../world.mjs";
+import { becomes, BRIDGE, freePort, open, PATIENCE, start, visit, without } from "../world.mjs";
 
 const home = staticHome();
 
@@ -44,8 +44,8 @@ test(
   },
 );
 
-test("a browser without Web Serial says so", async () => {
-  const { page, context } = await open(home.browser, `${home.site.url}#device`, {
+test("a browser without Web Serial says so", async (t) => {
+  const { page } = await visit(t, home.browser, `${home.site.url}#device`, {
     prepare: (page) =>
       page.addInitScript(() => {
         delete Navigator.prototype.serial;
@@ -53,5 +53,4 @@ test("a browser without Web Serial says so", async () => {
   });
   await becomes(page, ".openers", /does not give pages a serial port/);
   assert.ok(await page.getByRole("button", { name: "Choose its port" }).isDisabled());
-  await context.close();
 });

@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { giveLog, LOGS } from "../logs.mjs";
 import { staticHome } from "../static.mjs";
 import { liveBench } from "../suite.mjs";
-import { becomes, open } from "../world.mjs";
+import { becomes, open, visit } from "../world.mjs";
 
 const home = staticHome();
 
@@ -73,8 +73,8 @@ test("a session that breaks down answers what is asked of it", async () => {
   await context.close();
 });
 
-test("a file that falls beside its place takes no page away", async () => {
-  const { page, context } = await open(home.browser, home.site.url);
+test("a file that falls beside its place takes no page away", async (t) => {
+  const { page } = await visit(t, home.browser, home.site.url);
   const kept = await page.evaluate(() => {
     const dataTransfer = new DataTransfer();
     dataTransfer.items.add(new File(["1,2"], "rest.csv"));
@@ -85,11 +85,10 @@ test("a file that falls beside its place takes no page away", async () => {
     });
   });
   assert.deepEqual(kept, [true, true]);
-  await context.close();
 });
 
-test("charts that are gone are not kept", async () => {
-  const { page, context } = await open(home.browser, `${home.site.url}#log`);
+test("charts that are gone are not kept", async (t) => {
+  const { page } = await visit(t, home.browser, `${home.site.url}#log`);
   const bytes = LOGS["rest.csv"].bytes().subarray(0, 60_000);
   const stage = async () => {
     await page.click('nav a[href="#calibrate"]');
@@ -114,5 +113,4 @@ test("charts that are gone are not kept", async () => {
     after = await canvases(page);
   }
   assert.equal(after, before);
-  await context.close();
 });
