@@ -11,8 +11,6 @@ const KINDS: StripKind[] = [
     title: "Rate, raw",
     colour: "raw",
     least: 0.05,
-    isRate: true,
-    times: false,
     nothing: "no samples yet",
   },
   {
@@ -20,8 +18,6 @@ const KINDS: StripKind[] = [
     title: "Rate, corrected",
     colour: "corrected",
     least: 0.05,
-    isRate: true,
-    times: false,
     nothing: "no calibration is applied; make one under Calibrate, or apply one under Device",
   },
   {
@@ -29,8 +25,6 @@ const KINDS: StripKind[] = [
     title: "Temperature",
     colour: "temp",
     least: 0.05,
-    isRate: false,
-    times: true,
     nothing: "no temperature yet",
   },
 ];

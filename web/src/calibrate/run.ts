@@ -15,8 +15,6 @@ const KINDS: readonly StripKind[] = [
     title: "Rate",
     colour: "raw",
     least: 0.01,
-    isRate: true,
-    times: false,
     nothing: "no rate yet",
   },
   {
@@ -24,8 +22,6 @@ const KINDS: readonly StripKind[] = [
     title: "Temperature",
     colour: "temp",
     least: 0.2,
-    isRate: false,
-    times: true,
     nothing: "no temperature yet",
   },
 ];

@@ -13,10 +13,6 @@ export interface StripKind {
   colour: "raw" | "corrected" | "temp";
   /** The smallest range that the axis shows, °/s or °C. */
   least: number;
-  /** True if it shows a rate, in °/s or °/h. */
-  isRate: boolean;
-  /** True if its time axis has numbers. */
-  times: boolean;
   /** The text while there is nothing to show. */
   nothing: string;
 }
@@ -82,16 +78,21 @@ export class Strip {
     this.#resized.observe(this.#box);
   }
 
+  /** Whether it shows a rate, in °/s or °/h. The temperature is the last, and has the numbers on the time axis. */
+  get #isRate(): boolean {
+    return this.kind.column !== "temp";
+  }
+
   get #height(): number {
-    return HEIGHT + (this.kind.times ? TIMES : 0);
+    return HEIGHT + (this.#isRate ? 0 : TIMES);
   }
 
   get scale(): number {
-    return this.kind.isRate ? settings.scale : 1;
+    return this.#isRate ? settings.scale : 1;
   }
 
   get unit(): string {
-    return this.kind.isRate ? settings.unitText : "°C";
+    return this.#isRate ? settings.unitText : "°C";
   }
 
   /** Rebuilds the chart, after a change of theme or unit. */
@@ -160,7 +161,7 @@ export class Strip {
   }
 
   #number(value: number): string {
-    const digits = this.kind.isRate ? (settings.unit === "dps" ? 4 : 0) : 3;
+    const digits = this.#isRate ? (settings.unit === "dps" ? 4 : 0) : 3;
     return (value * this.scale).toFixed(digits).replace("-", "\u2212");
   }
 
@@ -201,7 +202,7 @@ export class Strip {
       axes: [
         {
           ...axis,
-          size: this.kind.times ? 24 : 6,
+          size: this.#isRate ? 6 : 24,
           space: 90,
           incrs: STEPS_S,
           values: (_, splits) => this.#times(splits),
@@ -232,7 +233,7 @@ export class Strip {
 
   #times(splits: number[]): string[] {
     const step = Number(((splits[1] ?? 1) - (splits[0] ?? 0)).toFixed(3));
-    return splits.map((at) => (this.kind.times && at >= 0 ? onAxis(at, step) : ""));
+    return splits.map((at) => (!this.#isRate && at >= 0 ? onAxis(at, step) : ""));
   }
 
   #tick(value: number, splits: number[]): string {
