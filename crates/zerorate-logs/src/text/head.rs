@@ -87,10 +87,7 @@ pub fn not_text(path: &Path, names: Names) -> LogError {
 impl Head {
     /// Reads the head from `text`, the lines with which the file begins.
     pub fn read(path: &Path, text: &str, marks: &Marks, args: &ColumnOptions) -> Result<Self> {
-        if text.contains('\r') && !text.contains('\n') {
-            let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
-            return Err(InputError::damaged(path, "as a text file", what).into());
-        }
+        check_line_ends(path, text)?;
         let lines = text.lines().zip(1..).map(|(line, number)| (number, line.trim_ascii()));
         let lines = lines.map(|(number, line)| (number, line.strip_prefix('\u{FEFF}').unwrap_or(line)));
         let lines: Vec<Numbered<'_>> = lines.filter(|(_, line)| !line.is_empty()).take(LINES).collect();
@@ -126,14 +123,13 @@ impl Head {
             scales: Scales::default(),
             open: Open::Nothing,
         };
-        let named = &above[..head.names_end(above)];
-        let (used, is_named) = head.name_by_marks(path, named, &comments)?;
+        let end = head.names_end(above);
+        let (used, is_named) = head.name_by_marks(path, &above[..end], &comments)?;
         axes_in_name::spread(&mut head.names);
         if !is_named && rows.all_are_cut {
             return Err(InputError::damaged(path, format!("line {start}"), CLASH).into());
         }
-        let skipped = [&named[..named.len() - used], &above[named.len()..]].concat();
-        head.skip(&skipped, &comments);
+        head.skip(&[&above[..end - used], &above[end..]].concat(), &comments);
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
         if !is_named && undecided && rows.all_integers {
             head.open = Open::TwoOrDecimals;
@@ -295,6 +291,14 @@ impl Head {
     pub fn has_clash(&self) -> bool {
         self.cuts_numbers && self.names.len() > 1
     }
+}
+
+fn check_line_ends(path: &Path, text: &str) -> Result<(), InputError> {
+    if text.contains('\r') && !text.contains('\n') {
+        let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
+        return Err(InputError::damaged(path, "as a text file", what));
+    }
+    Ok(())
 }
 
 /// The place of the frame among the fields of a `sensor_msgs/Imu`.
