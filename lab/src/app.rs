@@ -13,21 +13,14 @@ pub struct ProgramArgs {
     /// Print one JSON object to stdout
     #[arg(long)]
     pub json: bool,
-    #[command(flatten)]
-    pub program: GivenProgram,
-}
-
-/// The option of every task that runs the program.
-#[derive(clap::Args)]
-pub struct GivenProgram {
-    /// The program to run, instead of building it
+    /// The program to test, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
 }
 
-impl GivenProgram {
+impl ProgramArgs {
     /// The path of the given program, or of one that is built now.
-    pub fn path(&self) -> Result<PathBuf> {
+    pub fn program(&self) -> Result<PathBuf> {
         Ok(std::path::absolute(self.program.clone().map_or_else(program, Ok)?)?)
     }
 }

@@ -10,7 +10,7 @@ mod reader;
 mod tally;
 mod websocket;
 
-use crate::app::GivenProgram;
+use crate::app;
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
 use tally::Tally;
@@ -24,8 +24,9 @@ pub struct AttacksArgs {
     /// The folder with the checkouts
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    #[command(flatten)]
-    program: GivenProgram,
+    /// The program to attack, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
     /// Print each case with its outcome
     #[arg(long)]
     list: bool,
@@ -73,7 +74,7 @@ impl Part {
 
 /// Runs the parts, and fails if any outcome is wrong.
 pub fn run(args: &AttacksArgs) -> Result<()> {
-    let program = args.program.path()?;
+    let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
     let parts = if args.parts.is_empty() { &ALL[..] } else { &args.parts };
     let mut wrong = 0;
     for part in parts {

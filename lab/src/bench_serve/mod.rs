@@ -4,13 +4,13 @@
 pub mod page;
 pub mod samples;
 
-use crate::app::GivenProgram;
+use crate::app;
 use crate::server::Server;
 use crate::tools::{self, Tool};
 use anyhow::{Result, bail, ensure};
 use page::Frames;
 use samples::{CaptureSummary, Client};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -36,8 +36,9 @@ pub struct BenchServeArgs {
     /// Clients of libiio (iio_readdev, where libiio-utils is installed or can be)
     #[arg(long, default_value_t = 4)]
     clients: usize,
-    #[command(flatten)]
-    program: GivenProgram,
+    /// The program, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
     /// Run as a step of the test: with the tests' program, and until the twin has given the wanted time, however long
     /// a busy machine takes for it
     #[arg(long, conflicts_with = "program")]
@@ -46,7 +47,7 @@ pub struct BenchServeArgs {
 
 /// Starts the server and all watchers, and prints the load.
 pub fn run(args: &BenchServeArgs) -> Result<()> {
-    let program = args.program.path()?;
+    let program = program(args)?;
     let clients = if has_iio(args)? { args.clients } else { 0 };
     let folder = tempfile::tempdir()?;
     let capture = folder.path().join("served.arrows");
@@ -63,6 +64,13 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!((recorded.rows as f64 / expected - 1.0).abs() < 0.03, "{} samples do not match the time", recorded.rows);
     check_clients(&seen.clients, &program, &capture)
+}
+
+fn program(args: &BenchServeArgs) -> Result<PathBuf> {
+    match &args.program {
+        Some(program) if !args.check => Ok(std::path::absolute(program)?),
+        _ => app::program(),
+    }
 }
 
 /// True if libiio clients can take part.

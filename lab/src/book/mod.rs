@@ -6,7 +6,7 @@
 mod browser;
 mod commands;
 
-use crate::app::GivenProgram;
+use crate::app;
 use crate::venv::printed;
 use anyhow::Result;
 use std::fs;
@@ -23,12 +23,14 @@ pub struct BookArgs {
     /// Open pages in Chromium, and run the commands of the chapters
     #[arg(long)]
     check: bool,
-    #[command(flatten)]
-    program: GivenProgram,
+    /// The program whose commands are shown and run, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
 }
 
 pub fn run(args: &BookArgs) -> Result<()> {
-    let program = args.program.path()?;
+    let program = args.program.clone().map_or_else(app::program, Ok)?;
+    let program = std::path::absolute(program)?;
     make(&args.out, &program)?;
     if args.check {
         browser::check(&args.out)?;

@@ -45,7 +45,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
         return Ok(());
     }
     targets::add_missing(["thumbv7em-none-eabihf"].into_iter())?;
-    let program = args.program.path()?;
+    let program = args.program()?;
     let bench = Bench { program, image: image_of("bridge")?, seed: args.seed };
     std::fs::create_dir_all(WORK)?;
     let started = Instant::now();

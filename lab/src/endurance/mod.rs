@@ -7,13 +7,13 @@ mod gauge;
 mod load;
 mod tracker;
 
-use crate::app::GivenProgram;
+use crate::app;
 use crate::bench_serve::page;
 use crate::bench_serve::samples::CaptureSummary;
 use crate::server::Server;
 use anyhow::{Result, ensure};
 use gauge::Gauge;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Command line of `cargo xtask endurance`.
@@ -31,8 +31,9 @@ pub struct EnduranceArgs {
     /// The unit of the twin that all parts read
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    #[command(flatten)]
-    program: GivenProgram,
+    /// The program, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
 }
 
 /// Length of the run with `--check`, h.
@@ -40,7 +41,7 @@ const CHECK_HOURS: f64 = 3.0 / 60.0;
 
 /// Runs the parts one after the other.
 pub fn run(args: &EnduranceArgs) -> Result<()> {
-    let program = args.program.path()?;
+    let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
     let hours = if args.check { CHECK_HOURS } else { args.hours };
     let device = format!("twin:seed={}", args.seed);
     long(&program, &device, hours, args.speed)?;

@@ -62,7 +62,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     if !available(&TOOLS, "the rig")? {
         return Ok(());
     }
-    let program = args.program.path()?;
+    let program = args.program()?;
     let folder = std::path::absolute(target_folder()?.join("rig"))?;
     fs::create_dir_all(&folder)?;
     let kernel = Kernel::fetch(&folder)?;

@@ -13,7 +13,7 @@ mod process;
 mod verdict;
 mod world;
 
-use crate::app::GivenProgram;
+use crate::app;
 use crate::seeds::for_each_seed;
 use anyhow::{Context, Result, bail, ensure};
 use bench::Bench;
@@ -45,8 +45,9 @@ pub struct TrustArgs {
     /// Runs at once
     #[arg(long, value_name = "N", default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
-    #[command(flatten)]
-    program: GivenProgram,
+    /// The program to test, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
     /// Add each finished class to this file, and leave out those that it holds: a campaign may take days
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
@@ -87,7 +88,8 @@ fn classes() -> Vec<Class> {
 
 /// Runs the classes one after the other, and fails if any result was wrong without a warning.
 pub fn run(args: &TrustArgs) -> Result<()> {
-    let bench = Bench::new(args.program.path()?)?;
+    let program = args.program.clone().map_or_else(app::program, Ok)?;
+    let bench = Bench::new(std::path::absolute(program)?)?;
     let mut done = FinishedClasses::read(args.resume.clone())?;
     let mut counts = Vec::new();
     for class in
