@@ -1,7 +1,7 @@
 //! The program `zerorate`, for tasks that run it.
 
 use anyhow::Result;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 pub use xtask::app::{WHOLE, program, target_folder};
 
 /// Options of a task that tries the program on a unit of the twin.
@@ -19,8 +19,12 @@ pub struct ProgramArgs {
 }
 
 impl ProgramArgs {
-    /// The path of the given program, or of one that is built now.
     pub fn program(&self) -> Result<PathBuf> {
-        Ok(std::path::absolute(self.program.clone().map_or_else(program, Ok)?)?)
+        given_or_built(self.program.as_deref())
     }
+}
+
+/// The path of the given program, or of one that is built now.
+pub fn given_or_built(given: Option<&Path>) -> Result<PathBuf> {
+    Ok(std::path::absolute(given.map_or_else(program, |given| Ok(given.to_owned()))?)?)
 }

@@ -74,7 +74,7 @@ impl Part {
 
 /// Runs the parts, and fails if any outcome is wrong.
 pub fn run(args: &AttacksArgs) -> Result<()> {
-    let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
+    let program = app::given_or_built(args.program.as_deref())?;
     let parts = if args.parts.is_empty() { &ALL[..] } else { &args.parts };
     let mut wrong = 0;
     for part in parts {

@@ -47,7 +47,7 @@ pub struct BenchServeArgs {
 
 /// Starts the server and all watchers, and prints the load.
 pub fn run(args: &BenchServeArgs) -> Result<()> {
-    let program = program(args)?;
+    let program = app::given_or_built(args.program.as_deref())?;
     let clients = if has_iio(args)? { args.clients } else { 0 };
     let folder = tempfile::tempdir()?;
     let capture = folder.path().join("served.arrows");
@@ -64,13 +64,6 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!((recorded.rows as f64 / expected - 1.0).abs() < 0.03, "{} samples do not match the time", recorded.rows);
     check_clients(&seen.clients, &program, &capture)
-}
-
-fn program(args: &BenchServeArgs) -> Result<PathBuf> {
-    match &args.program {
-        Some(program) if !args.check => Ok(std::path::absolute(program)?),
-        _ => app::program(),
-    }
 }
 
 /// True if libiio clients can take part.

@@ -29,8 +29,7 @@ pub struct BookArgs {
 }
 
 pub fn run(args: &BookArgs) -> Result<()> {
-    let program = args.program.clone().map_or_else(app::program, Ok)?;
-    let program = std::path::absolute(program)?;
+    let program = app::given_or_built(args.program.as_deref())?;
     make(&args.out, &program)?;
     if args.check {
         browser::check(&args.out)?;

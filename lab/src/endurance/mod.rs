@@ -41,7 +41,7 @@ const CHECK_HOURS: f64 = 3.0 / 60.0;
 
 /// Runs the parts one after the other.
 pub fn run(args: &EnduranceArgs) -> Result<()> {
-    let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
+    let program = app::given_or_built(args.program.as_deref())?;
     let hours = if args.check { CHECK_HOURS } else { args.hours };
     let device = format!("twin:seed={}", args.seed);
     long(&program, &device, hours, args.speed)?;

@@ -88,8 +88,7 @@ fn classes() -> Vec<Class> {
 
 /// Runs the classes one after the other, and fails if any result was wrong without a warning.
 pub fn run(args: &TrustArgs) -> Result<()> {
-    let program = args.program.clone().map_or_else(app::program, Ok)?;
-    let bench = Bench::new(std::path::absolute(program)?)?;
+    let bench = Bench::new(app::given_or_built(args.program.as_deref())?)?;
     let mut done = FinishedClasses::read(args.resume.clone())?;
     let mut counts = Vec::new();
     for class in
