@@ -27,7 +27,7 @@ pub struct SelfTest {
     pub shift_dps: f32,
     /// Standard uncertainty of `shift_dps` from the scatter, deg/s.
     pub u_dps: f32,
-    /// Rates averaged without, and as many with the self-test.
+    /// Number of rates averaged without the self-test. The same number is averaged with it.
     pub n: u32,
 }
 

@@ -88,7 +88,7 @@ pub(crate) const IOP_SYNC: u8 = 1 << 0;
 pub(crate) const SETUP_ENABLE: u8 = 1 << 3;
 /// Conversion word bit 7: chopping.
 pub(crate) const CONVERSION_CHOP: u8 = 1 << 7;
-/// MODE bits 7–5.
+/// MODE bits 7–5, MD: the operating mode.
 pub(crate) const MODE_MD: u8 = 0b111 << 5;
 /// MODE MD = 001: continuous conversion.
 pub(crate) const MODE_CONTINUOUS: u8 = 0b001 << 5;

@@ -134,8 +134,8 @@ const ECHO: &str = "it is the output of `rostopic echo`; record a bag, or write 
 const NOVATEL: &str = "it holds messages of NovAtel, whose increments are counts of its IMU; convert it to columns of \
                        rates with the scales in the manual of the IMU";
 
-pub const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
-                    `lines=True` if each line is an object";
+pub const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, \
+                        with `lines=True` if each line is an object";
 
 const RDA: &str = "it is a workspace of R; save a table there: `write.csv(DATA, 'log.csv', row.names = FALSE)`";
 

@@ -245,7 +245,7 @@ pub fn needs_reader(path: &Path) -> LogError {
     LogError::Ask(format!("{} describes itself; set `described` to its reader", path.display()))
 }
 
-/// An error: the row in a piece, and the text.
+/// An error: the number of the row among the rows that are being added, from 0, and the reason.
 type Wrong = (usize, String);
 
 /// Adds values. Integers stay integers if they are small enough to be codes.

@@ -382,7 +382,7 @@ pub struct Rest {
     pub text: String,
 }
 
-/// The verdicts about rest.
+/// The possible answers to the question whether the part was at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]

@@ -1,5 +1,5 @@
-//! Computes the output that `bindings/c/tests/agree.c` must print with the Rust crates: driver, corrections, and the
-//! procedure on fixed memory.
+//! Uses the Rust crates to compute the output that `bindings/c/tests/agree.c` must print: driver, corrections,
+//! tracker, self-test, and the procedure on fixed memory.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTestPlan, TempCode, WaitBound};

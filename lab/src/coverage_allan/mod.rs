@@ -76,7 +76,7 @@ impl Run {
     }
 }
 
-/// Runs every scenario, and fails if a result is outside its bounds.
+/// Runs the scenarios that `only` selects, and fails if a result is outside its bounds.
 pub fn run(args: &CoverageAllanArgs) -> anyhow::Result<()> {
     let mut missed = Vec::new();
     for scenario in scenarios().iter().filter(|scenario| scenario.name.contains(&args.only)) {

@@ -9,9 +9,9 @@ use xtask::venv::done;
 /// memory limit leaves none for the sanitizer; so is one that waits for a calibration.
 const TESTS: [&str; 2] = [
     "--package zerorate-host --lib --test hub --test iiod",
-    "--package zerorate-cli --no-default-features --features serve --test cli serve:: -- --skip connections_are_limited \
-     --skip calibration_of_another_part --skip where_it_cannot_begin --skip a_recording_that_is_served --skip \
-     a_lost_device --skip viewers_do_not_slow",
+    "--package zerorate-cli --no-default-features --features serve --test cli serve:: -- \
+     --skip connections_are_limited --skip calibration_of_another_part --skip where_it_cannot_begin \
+     --skip a_recording_that_is_served --skip a_lost_device --skip viewers_do_not_slow",
 ];
 
 /// Runs the tests, with an instrumented standard library. A data race makes a test fail.

@@ -80,7 +80,7 @@ impl Class {
     }
 }
 
-/// All classes, in the order of the page.
+/// All classes, in the order of docs/reference/reliability.md.
 fn classes() -> Vec<Class> {
     let devices = [faults::CLASSES, capture::CLASSES, world::CLASSES, chamber::CLASSES];
     let computers = [process::CLASSES, power::CLASSES, files::CLASSES, logs::CLASSES];

@@ -164,7 +164,7 @@ fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> 
     sound.chain([of_cosines]).min_by(|a, b| a.price.total_cmp(&b.price))
 }
 
-/// Whether a Gauss–Markov term is worth its price in likelihood up to the end of its scan.
+/// Whether a Gauss–Markov term lowers −2 ln L by more than its price, in fits of the spectrum up to `look.top_hz`.
 fn has_memory(table: &Table, look: &FitUpTo) -> bool {
     let problem = Problem::new(table.below(look.top_hz), look.error);
     let one = best(&problem, core::slice::from_ref(&look.slow), 1, MOST_CHOSEN);

@@ -17,7 +17,7 @@ const CELLS: u32 = 30;
 const BEYOND_THE_INTERVAL: f64 = 2.0;
 /// Steps and final gain of a descent near the best parameters.
 const BESIDE: (usize, f64) = (30, 1e-5);
-/// The least likelihood root |r| that is corrected, and the largest correction.
+/// Smallest |r| that [`Profile::score`] corrects, and the largest correction, both in standard deviations.
 const LEAST_ROOT: f64 = 0.05;
 const MOST_CORRECTION: f64 = 1.0;
 

@@ -125,7 +125,7 @@ impl ExportArgs {
     }
 }
 
-/// The error for formats of camera-IMU calibrations, which cannot hold a bias.
+/// The error for the formats of [`REFUSED`], which have no place for a bias over temperature.
 fn no_place(format: &str) -> anyhow::Error {
     let (why, instead) = match format {
         "kalibr" => (

@@ -13,10 +13,10 @@ use tempfile::TempDir;
 /// The path of the program, for tests in which another program starts it.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
 
-/// A calibration in four minutes of part time. Its BTC is poor, which `--max-u-btc` accepts.
+/// A calibration of less than four minutes of simulated time. Its BTC is poor, which `--max-u-btc` accepts.
 pub const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
-/// A plan of two soak points, in part time of four minutes.
+/// A plan of two soak points, which take four minutes of simulated time.
 pub const SOAK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 

@@ -106,7 +106,7 @@ impl ProfileFollower {
         }
     }
 
-    /// Call this after each sample, with its time.
+    /// Notes the time of a sample, which the next [`Self::before_sample`] needs. Call this after each sample.
     #[inline]
     pub fn after_sample(&mut self, t_ns: u64) {
         self.last_ns = Some(t_ns);

@@ -57,7 +57,7 @@ pub fn sampled(device: &str, sampling: Sampling) -> Acquisition {
     Acquisition::open(&device.parse().unwrap(), setup, Pace::Free, &Stop::default(), Box::new(|_| {})).unwrap()
 }
 
-/// A calibration in four minutes of part time. Its BTC is poor.
+/// A calibration of less than four minutes of simulated time. Its BTC is poor.
 pub fn short() -> Plan {
     let (warmup_s, settle_s, max_u_btc_dps_per_c) = (60.0, 120.0, 0.2);
     Plan { average_s: 2.0, warmup_s, settle_s, offset_s: 20.0, max_u_btc_dps_per_c, ..Plan::default() }

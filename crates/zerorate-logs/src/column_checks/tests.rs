@@ -120,8 +120,8 @@ fn gaps_among_codes_count_to_the_time_of_a_stop() {
     assert_eq!(found, Some(expected));
 }
 
-/// Each sample is read once. Samples are read one by one only in the first and the last block, and by a check that
-/// looks at the beginning of a column alone.
+/// All checks share one pass over the samples. A check reads samples one by one only where the facts of a block do not
+/// suffice.
 #[test]
 fn one_pass_serves_all_checks() {
     let looked_at = |samples: &[f64]| {

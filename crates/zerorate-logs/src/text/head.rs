@@ -350,7 +350,7 @@ impl Shape {
             }
         }
         let (shape, _) = votes.into_iter().rev().max_by_key(|(_, count)| *count)?;
-        // where nothing is cut, a comma marks decimals
+        // a single column needs no separator, so a comma in it is a decimal comma
         let is_one = shape == Self { delimiter: Delimiter::Comma, width: 1 };
         Some(if is_one { Self { delimiter: Delimiter::Semicolon, ..shape } } else { shape })
     }

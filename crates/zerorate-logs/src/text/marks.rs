@@ -1,5 +1,5 @@
-//! Marks that a serial monitor, a logger or a sketch writes between the numbers: an arrow behind the time of a line, and
-//! a label in front of each value. Blanks replace them before lines are cut into cells.
+//! Marks that a serial monitor, a logger or a sketch writes between the numbers: an arrow behind the time of a line,
+//! and a label in front of each value. Blanks replace them before lines are cut into cells.
 
 use super::json_lines;
 use super::stamp::{Stamp, is_value, preamble, without_colours};

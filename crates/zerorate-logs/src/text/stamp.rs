@@ -92,8 +92,8 @@ impl Stamp {
     }
 }
 
-/// A time without the comma in front of or within its decimals: `12:00:00.125` of `12:00:00,125`, and `12:00:00.125250`
-/// of `12:00:00.125,250`.
+/// A time without the comma in front of its decimals or within them: `12:00:00.125` of `12:00:00,125`, and
+/// `12:00:00.125250` of `12:00:00.125,250`.
 fn plain(time: &str) -> String {
     time.replace(',', if time.contains('.') { "" } else { "." })
 }

@@ -241,7 +241,7 @@ fn choices_that_a_file_offers() {
     assert!(said.contains("none of its first 3 lines holds a number (`hello`)"), "{said}");
 }
 
-/// Blocks end where lines end, anywhere in the text.
+/// A text is read in blocks of whole lines. The rows are the same wherever one block ends and the next begins.
 #[test]
 fn a_text_in_many_blocks() {
     let rows: Vec<i32> = (0..30_000).map(|row| row * 7919 % 65_521 - 30_000).collect();

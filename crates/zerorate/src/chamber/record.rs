@@ -114,7 +114,7 @@ impl Record {
     }
 }
 
-/// The drift of a temperature.
+/// The slope of a line through temperatures, its standard uncertainty, and the mean of the temperatures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drift {
     pub c_per_s: f64,

@@ -289,7 +289,7 @@ pub(super) mod tests {
         }
     }
 
-    /// The corners of every scale with the largest coefficients: no sum leaves 64 bits.
+    /// With the largest coefficients, no sum overflows 64 bits at the lowest and highest codes of any scale.
     #[test]
     fn the_largest_coefficients_overflow_nothing() {
         for (rate, temp) in scales() {

@@ -3,7 +3,7 @@
 use super::Block;
 use alloc::vec::Vec;
 
-/// The temperature that the bias follows with play, and the one that it would follow without.
+/// The temperature that the bias follows at the last block, °C: `at_c` with play, `of_c` without play.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Held {
     pub(super) at_c: f64,

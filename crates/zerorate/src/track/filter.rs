@@ -24,8 +24,9 @@ const FLICKER: usize = 3;
 
 /// Frequency above which flicker counts as noise of a mean, Hz: 1/(2π · 4 s), for the shortest mean that is taken in.
 const FLICKER_TOP_HZ: f64 = 0.04;
-/// Bound of the variance of a mean over τ by the flicker above that frequency, in units of B²/π: this number over
-/// τ. The integral of sinc²(τf)/f from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
+/// Flicker above [`FLICKER_TOP_HZ`] adds at most this time / τ · B²/π to the variance of a mean over τ, s. The exact
+/// factor in place of this time / τ is ∫ sinc²(τf)/f df from that frequency on: 0.96 for τ = 4 s, 0.38 for 8 s,
+/// 0.15 for 12 s, 0.05 for 16 s.
 const FLICKER_ABOVE_S: f64 = 4.0;
 /// Largest relative amount by which rounding lets a squared covariance exceed the product of its two variances.
 const ROUNDING: f32 = 1e-4;

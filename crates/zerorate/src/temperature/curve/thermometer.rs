@@ -50,7 +50,7 @@ const EVEN: f64 = 0.15;
 
 /// Number of readings to either side that tell a failed reading.
 const BESIDE: usize = 10;
-/// Distance from the median of the readings beside it from which a reading has failed, °C.
+/// A reading has failed if it differs by more than this from the median of the readings beside it, °C.
 const FAILED_C: f64 = 2.0;
 
 /// Returns the readings with NaN in place of those that are far from the readings beside them, such as 0 °C where the
