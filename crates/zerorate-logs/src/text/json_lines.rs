@@ -32,11 +32,12 @@ pub fn erase(line: &mut [u8], names: &[String]) {
 
 /// The values of an object, in order.
 fn values(line: &[u8]) -> Option<Vec<Named>> {
-    let mut reading = Reading { line, at: 0, values: Vec::new() };
-    reading.skip_blanks();
-    if line.get(reading.at) != Some(&b'{') {
+    // a client of MQTT writes the topic in front
+    let at = line.iter().position(|byte| *byte == b'{')?;
+    if line[..at].trim_ascii().iter().any(|byte| byte.is_ascii_whitespace() || b"[,".contains(byte)) {
         return None;
     }
+    let mut reading = Reading { line, at, values: Vec::new() };
     reading.value("", 0)?;
     // in an array, a comma follows each object
     let is_end = line[reading.at..].iter().all(|byte| byte.is_ascii_whitespace() || *byte == b',');
@@ -131,6 +132,7 @@ mod tests {
         for (line, names, values) in [
             (r#"{"t":10,"gx":-0.5e-3}"#, "t gx", "10|-0.5e-3"),
             (r#"{ "t" : 10 , "gyro" : { "x" : 0.5, "y" : null } },"#, "t gyro.x gyro.y", "10|0.5|null"),
+            (r#"imu/data {"t":10,"gx":1}"#, "t gx", "10|1"),
             (r#"{"gyro":[0.5,0.25],"at":"12:00:00.5"}"#, "gyro.0 gyro.1 at", r#"0.5|0.25|"12:00:00.5""#),
         ] {
             assert_eq!(cells(line), Some((names.to_owned(), values.to_owned())), "{line}");

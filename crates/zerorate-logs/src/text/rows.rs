@@ -234,6 +234,8 @@ impl<'t> Reading<'_, 't> {
 
     fn cell(&self, cell: &str) -> Cell {
         match Numerals::new(self.piece.numerals.decimal()).read(cell, 0) {
+            // the address of a sensor, which is told from others as it is written
+            Ok(_) if cell.starts_with("0x") => Cell::Word(cell.to_owned()),
             Ok(Number::Integer(integer)) => Cell::Number(integer as f64),
             Ok(Number::Decimal(number)) => Cell::number(number),
             Ok(Number::Missing) => Cell::Missing,

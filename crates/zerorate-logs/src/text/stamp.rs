@@ -30,8 +30,14 @@ const CLOCK_MS: &str = "clock [ms]";
 const CLOCK_S: &str = "clock [s]";
 
 impl Stamp {
-    /// The time in front of a line, if it has one.
+    /// The time in front of a line, or behind the level of a message such as `[INFO]`, if it has one.
     pub fn of(line: &str) -> Option<Self> {
+        let level = level(line);
+        let Self { time, end, name } = Self::at_start(&line[level..])?;
+        Some(Self { time: level + time.start..level + time.end, end: level + end, name })
+    }
+
+    fn at_start(line: &str) -> Option<Self> {
         ARROWS.iter().find_map(|arrow| Self::with_arrow(line, arrow)).or_else(|| Self::of_esp(line)).or_else(|| {
             let (time, end) = Self::of_logger(line)?;
             Some(Self { time, end, name: CLOCK })
@@ -61,15 +67,17 @@ impl Stamp {
         is_whole.then_some(Self { time: 3..3 + digits, end: 3 + digits + 2, name: CLOCK_MS })
     }
 
-    /// A date with a time of day, or a time of day, in front of words: `2026-03-01 12:00:00,125 - INFO - `.
+    /// A date with a time of day, or a time of day, in front of words: `2026-03-01 12:00:00,125 - INFO - `. A date
+    /// without a year, as in Android's logs, is left out.
     fn of_logger(line: &str) -> Option<(Range<usize>, usize)> {
-        let ends = line.match_indices(' ').map(|(at, _)| at).take(2).collect::<Vec<usize>>();
-        let end = ends
-            .into_iter()
-            .rev()
-            .find(|end| dates::nanoseconds(&plain(&line[..*end]), DateFormat::default()).is_some())?;
-        let rest = line[end..].trim_start_matches([' ', '-']);
-        preamble(rest).map(|_| (0..end, line.len() - rest.len()))
+        let mut blanks = line.match_indices(' ').map(|(at, _)| at);
+        let (first, second) = (blanks.next()?, blanks.next().unwrap_or(line.len()));
+        let is_time =
+            |place: &Range<usize>| dates::nanoseconds(&plain(&line[place.clone()]), DateFormat::default()).is_some();
+        let time = [0..second, first + 1..second, 0..first].into_iter().find(is_time)?;
+        let rest = line[time.end..].trim_start_matches([' ', '-']);
+        let end = line.len() - rest.len();
+        preamble(rest).map(|_| (time, end))
     }
 
     /// Leaves of a line only its time, as one cell, and puts `delimiter` behind it.
@@ -92,6 +100,13 @@ impl Stamp {
     }
 }
 
+/// Length of the level of a message in brackets, with the blank behind it.
+fn level(line: &str) -> usize {
+    let level = line.strip_prefix('[').and_then(|rest| rest.split_once("] "));
+    let is_word = |word: &str| !word.is_empty() && word.chars().all(char::is_alphabetic);
+    level.filter(|(word, _)| is_word(word)).map_or(0, |(word, _)| word.len() + 3)
+}
+
 /// A time without the comma in front of its decimals or within them: `12:00:00.125` of `12:00:00,125`, and
 /// `12:00:00.125250` of `12:00:00.125,250`.
 fn plain(time: &str) -> String {
@@ -105,21 +120,19 @@ pub fn preamble(line: &str) -> Option<&str> {
     let ends = |mark: &str| line.match_indices(mark).map(move |(at, _)| at + mark.len()).collect::<Vec<usize>>();
     let mut ends: Vec<usize> = marks.iter().flat_map(|mark| ends(mark)).filter(|end| *end < LONGEST).collect();
     ends.sort_unstable();
-    let are_words = |words: &str| {
-        words.starts_with(|c: char| c.is_alphabetic() || "<[".contains(c)) && !words.contains([',', ';', '\t', '='])
+    let is_preamble = |end: &usize| {
+        let (words, rest) = (&line[..*end], line[*end..].trim_start());
+        let begins = words.starts_with(|c: char| c.is_alphabetic() || "<[".contains(c));
+        !words.contains([',', ';', '\t', '=']) && (begins && is_value(rest) || begins_with_label(rest))
     };
-    let end = ends.into_iter().find(|end| are_words(&line[..*end]) && begins_data(line[*end..].trim_start()))?;
-    Some(&line[..end])
+    Some(&line[..ends.into_iter().find(is_preamble)?])
 }
 
-/// True if a row begins here, with a value or with the label of one.
-fn begins_data(rest: &str) -> bool {
-    let label = || {
-        let (label, value) = rest.split_once([':', '='])?;
+fn begins_with_label(rest: &str) -> bool {
+    rest.split_once([':', '=']).is_some_and(|(label, value)| {
         let is_word = label.starts_with(char::is_alphabetic) && !label.trim_end().contains([' ', ',', ';', '\t']);
-        Some(is_word && is_value(value.trim_start()))
-    };
-    is_value(rest) || label() == Some(true)
+        is_word && is_value(value.trim_start())
+    })
 }
 
 /// True if a text begins with a number.
@@ -127,12 +140,15 @@ pub fn is_value(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_digit() || "+-.nN".contains(c))
 }
 
-/// Replaces the colours of a terminal in a text by blanks.
+/// Replaces the colours of a terminal in a text by blanks: `ESC [ 0 ; 32 m`. Other control sequences stay.
 pub fn without_colours(text: &mut [u8]) {
     let mut at = 0;
-    while let Some(start) = text[at..].iter().position(|byte| *byte == b'\x1b').map(|found| at + found) {
-        let end = text[start..].iter().position(u8::is_ascii_alphabetic).map_or(text.len(), |found| start + found + 1);
-        text[start..end].fill(b' ');
-        at = end;
+    while let Some(start) = memchr::memmem::find(&text[at..], b"\x1b[").map(|found| at + found) {
+        let rest = &text[start + 2..];
+        let length = rest.iter().take_while(|byte| byte.is_ascii_digit() || **byte == b';').count();
+        at = start + 2 + length;
+        if text.get(at) == Some(&b'm') {
+            text[start..=at].fill(b' ');
+        }
     }
 }
