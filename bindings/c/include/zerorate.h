@@ -96,12 +96,12 @@
 #define ZERORATE_WARNING_HOUR_UNCHECKED 1024
 
 /**
- * Give its component on the axis.
+ * Give the component of the Earth's rotation on the axis.
  */
 #define ZERORATE_REMEDY_GIVE_EARTH 1
 
 /**
- * If this unit is known to be linear, say so.
+ * Set `assume_linear`, if this unit is known to be linear.
  */
 #define ZERORATE_REMEDY_ASSUME_LINEAR 2
 
@@ -146,7 +146,7 @@
 #define ZERORATE_REMEDY_FIX_TO_STILL_PLATFORM 10
 
 /**
- * Check it over a wider range before you rely on it elsewhere than at T3.
+ * Check the calibration over a wider range before you rely on it elsewhere than at T3.
  */
 #define ZERORATE_REMEDY_CHECK_OVER_WIDER_RANGE 11
 
@@ -201,12 +201,12 @@
 #define ZERORATE_REMEDY_START_COLD 21
 
 /**
- * Wait longer.
+ * Warm up longer.
  */
 #define ZERORATE_REMEDY_LONGER_WARM_UP 22
 
 /**
- * Accept more.
+ * Accept a larger uncertainty of BTC.
  */
 #define ZERORATE_REMEDY_ACCEPT_MORE_U_BTC 23
 
@@ -221,7 +221,7 @@
 #define ZERORATE_REMEDY_READ_TEMPERATURE_MORE 25
 
 /**
- * Allow more.
+ * Allow a larger share of lost samples.
  */
 #define ZERORATE_REMEDY_ALLOW_MORE_LOSS 26
 
@@ -299,7 +299,7 @@ typedef struct zerorate_correction {
 } zerorate_correction;
 
 /**
- * The same in single precision.
+ * A correction in single precision.
  */
 typedef struct zerorate_correction_f32 {
   /**
@@ -325,7 +325,7 @@ typedef struct zerorate_correction_f32 {
 } zerorate_correction_f32;
 
 /**
- * The same on codes of 24 bits, without floating point or division.
+ * A line (F-50) on codes of 24 bits, without floating point or division.
  */
 typedef struct zerorate_correction_integer {
   /**
@@ -343,8 +343,8 @@ typedef struct zerorate_correction_integer {
 } zerorate_correction_integer;
 
 /**
- * A curve on codes of 24 bits, without floating point or division: for a line as well, which takes fewer instructions
- * as zerorate_correction_integer.
+ * A curve on codes of 24 bits, without floating point or division. It can hold a line as well, but
+ * zerorate_correction_integer takes fewer instructions.
  */
 typedef struct zerorate_correction_curve {
   /**
@@ -374,7 +374,7 @@ typedef struct zerorate_corrector {
 } zerorate_corrector;
 
 /**
- * Where a correction holds, as the calibration states it.
+ * The span of temperatures in which a correction holds, as the calibration states it.
  */
 typedef struct zerorate_validity {
   /**
@@ -410,7 +410,7 @@ typedef struct zerorate_corrected {
 } zerorate_corrected;
 
 /**
- * How the part is configured and read. Start from zerorate_settings_default.
+ * Configuration and sampling of the part. Start from zerorate_settings_default.
  */
 typedef struct zerorate_settings {
   /**
@@ -439,11 +439,11 @@ typedef struct zerorate_settings {
    */
   uint8_t rdy_rises;
   /**
-   * 1 = read the status of the rate channel with every sample, 0 = only where an edge is not believable.
+   * 1 = read the status of the rate channel with every sample, 0 = only where an edge is doubtful.
    */
   uint8_t read_status;
   /**
-   * A counter in the line lets every n-th edge of RDY through to the host (F-56): 1 = there is none, and so is 0.
+   * Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 and 1 = no counter.
    */
   uint16_t divided;
 } zerorate_settings;
@@ -506,11 +506,11 @@ typedef struct zerorate_codes {
  */
 typedef struct zerorate_sample {
   /**
-   * Time of its edge, ns.
+   * Time of the sample's edge, ns.
    */
   uint64_t t_ns;
   /**
-   * Number of its edge.
+   * Number of the sample's edge.
    */
   uint32_t seq;
   /**
@@ -530,15 +530,15 @@ typedef struct zerorate_sample {
    */
   uint8_t bits;
   /**
-   * Whether the temperature was read.
+   * True if the temperature was read.
    */
   uint8_t has_temp;
   /**
-   * Whether the status of the rate channel was read.
+   * True if the status of the rate channel was read.
    */
   uint8_t has_status;
   /**
-   * That status, as read; bit 0 = out of range (F-35).
+   * The status of the rate channel, as read; bit 0 = out of range (F-35).
    */
   uint8_t status;
 } zerorate_sample;
@@ -552,7 +552,7 @@ typedef struct zerorate_plan {
    */
   double average_s;
   /**
-   * Warming up by itself, step 5, s: 600.
+   * Warm-up by self-heating, step 5, s: 600.
    */
   double warmup_s;
   /**
@@ -598,7 +598,7 @@ typedef struct zerorate_procedure {
 } zerorate_procedure;
 
 /**
- * The result.
+ * The result of a calibration.
  */
 typedef struct zerorate_outcome {
   /**
@@ -664,7 +664,7 @@ typedef struct zerorate_outcome {
 } zerorate_outcome;
 
 /**
- * How a self-test measures. Start from zerorate_self_test_plan_default.
+ * Settings of a self-test. Start from zerorate_self_test_plan_default.
  */
 typedef struct zerorate_self_test_plan {
   /**
@@ -710,7 +710,7 @@ typedef struct zerorate_self_test {
    */
   float u_dps;
   /**
-   * Rates averaged without, and as many with the self-test.
+   * Number of rates averaged without the self-test. The same number is averaged with it.
    */
   uint32_t n;
 } zerorate_self_test;
@@ -726,7 +726,7 @@ typedef struct zerorate_table {
    */
   const int32_t *rows_udps;
   /**
-   * How many there are.
+   * Number of rows.
    */
   size_t rows;
   /**
@@ -777,7 +777,7 @@ typedef struct zerorate_tracker_prior {
 } zerorate_tracker_prior;
 
 /**
- * What is known of the bias, in plain numbers, to be kept while the power is off.
+ * The learned bias in plain numbers, to be stored while the power is off.
  */
 typedef struct zerorate_tracker_state {
   /**
@@ -793,17 +793,17 @@ typedef struct zerorate_tracker_state {
    */
   float at_c;
   /**
-   * Rests and rotations among the quiet stretches, and one of each.
+   * Number of rests and number of rotations among the quiet periods, each plus one.
    */
   float odds[2];
   /**
-   * Seconds that were learned from, that were doubtful, and how often a rotation began within a rest.
+   * Seconds learned from, doubtful seconds, and number of times that a rotation began within a rest.
    */
   uint32_t counts[3];
 } zerorate_tracker_state;
 
 /**
- * The bias as it is known now.
+ * The bias as currently known.
  */
 typedef struct zerorate_tracked {
   /**
@@ -836,7 +836,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_DONE 12
 
 /**
- * It worked.
+ * Success.
  */
 #define ZERORATE_OK 0
 
@@ -1027,15 +1027,15 @@ float zerorate_rate_dps(uint32_t rate_code);
 float zerorate_temp_c(uint32_t temp_code);
 
 /**
- * A correction in single precision.
+ * Converts a correction to single precision.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
 zerorate_status zerorate_correction_to_f32(const struct zerorate_correction *from, struct zerorate_correction_f32 *to);
 
 /**
- * A correction in integers; ZERORATE_E_COEFFICIENT where it does not fit, and where it is a curve: that is one for
- * zerorate_correction_to_curve.
+ * Converts a line to integers. Returns ZERORATE_E_COEFFICIENT if a coefficient does not fit, or if the correction is
+ * a curve: use zerorate_correction_to_curve.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1043,8 +1043,8 @@ zerorate_status zerorate_correction_to_integer(const struct zerorate_correction 
                                                struct zerorate_correction_integer *to);
 
 /**
- * A correction of order 3 in integers; ZERORATE_E_COEFFICIENT where it does not fit. Within 148 deg C of T3 it is off
- * by at most 1/2 + 2.69 / 2^fraction codes.
+ * Converts a correction of order 3 or less to integers. Returns ZERORATE_E_COEFFICIENT if it does not fit. Within
+ * 148 deg C of T3, the result is off by at most 1/2 + 2.69 / 2^fraction codes.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1059,7 +1059,7 @@ zerorate_status zerorate_correction_to_curve(const struct zerorate_correction *f
 double zerorate_correct(const struct zerorate_correction *correction, double rate_dps, double temp_c);
 
 /**
- * The same in single precision.
+ * The corrected rate in single precision, deg/s; the rate itself where `correction` is null.
  *
  * Required: `correction` is null or points to one.
  */
@@ -1076,7 +1076,8 @@ uint32_t zerorate_correct_integer(const struct zerorate_correction_integer *corr
                                   uint32_t temp_code);
 
 /**
- * The same by a curve. A temperature farther than 148 deg C from T3 counts as 148 deg C away.
+ * The corrected rate code by a curve, like zerorate_correct_integer. A temperature farther than 148 deg C from T3
+ * counts as 148 deg C away.
  *
  * Required: `curve` is null or points to one.
  */
@@ -1104,7 +1105,7 @@ zerorate_status zerorate_corrector_take(struct zerorate_corrector *corrector,
                                         struct zerorate_corrected *corrected);
 
 /**
- * F-30, the note's framing (F-22), temperature and status with every sample.
+ * The default settings: F-30, the note's framing (F-22), temperature and status with every sample.
  *
  * Required: `settings` is null or points to writable memory for it.
  */
@@ -1138,8 +1139,8 @@ zerorate_status zerorate_gyro_initialise(struct zerorate_gyro *gyro);
 zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro, struct zerorate_codes *reading);
 
 /**
- * Waits until RDY says that data waits: looks at the line every 5 us, for `timeout_us` and a little more at most.
- * Needs `rdy` and `delay_us`.
+ * Waits for new data: looks at RDY every 5 us, for `timeout_us` and a little more at most. Needs `rdy` and
+ * `delay_us`.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
  */
@@ -1160,7 +1161,7 @@ zerorate_status zerorate_gyro_sample(struct zerorate_gyro *gyro,
                                      struct zerorate_sample *sample);
 
 /**
- * Whether edges of RDY still come: ZERORATE_OK, or ZERORATE_E_TIMEOUT where none has been handed to
+ * Checks that edges of RDY still come. Returns ZERORATE_OK, or ZERORATE_E_TIMEOUT if none has been handed to
  * zerorate_gyro_sample for 64 periods of the rate (11.2 ms with F-30). Then the part has lost its supply or its
  * configuration, or RDY is cut: zerorate_gyro_diagnose says which, zerorate_gyro_initialise starts anew. Sends
  * nothing.
@@ -1180,7 +1181,7 @@ zerorate_status zerorate_gyro_silent(struct zerorate_gyro *gyro, uint64_t now_ns
 zerorate_status zerorate_gyro_diagnose(struct zerorate_gyro *gyro);
 
 /**
- * The durations and limits of AN-1042, with the Earth unknown and a bias that may be curved.
+ * The durations and limits of AN-1042, with an unknown rotation of the Earth and a bias that may be curved.
  *
  * Required: `plan` is null or points to writable memory for it.
  */
@@ -1194,7 +1195,7 @@ zerorate_status zerorate_plan_default(struct zerorate_plan *plan);
 zerorate_status zerorate_procedure_begin(struct zerorate_procedure *procedure, const struct zerorate_plan *plan);
 
 /**
- * What to do next: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or why the measurement was refused.
+ * The next thing to do: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or the reason of a refusal.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
@@ -1209,30 +1210,29 @@ zerorate_status zerorate_procedure_next(struct zerorate_procedure *procedure);
 uint8_t zerorate_procedure_remedy(struct zerorate_procedure *procedure, size_t index);
 
 /**
- * Tells that the part was initialised, at a time of the samples' clock.
+ * Tells the procedure that the part was initialised, at a time of the samples' clock.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
 zerorate_status zerorate_procedure_initialised(struct zerorate_procedure *procedure, uint64_t t_ns);
 
 /**
- * A sample was read. At the end of a step this takes some thousand floating-point operations, else about a hundred
- * integer ones.
+ * Hands in a sample. At the end of a step this takes some thousand floating-point operations, otherwise about a
+ * hundred integer ones.
  *
  * Required: Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
  */
 zerorate_status zerorate_procedure_sample(struct zerorate_procedure *procedure, const struct zerorate_sample *sample);
 
 /**
- * Tells that time passed without a sample.
+ * Tells the procedure that time passed without a sample.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
 zerorate_status zerorate_procedure_time(struct zerorate_procedure *procedure, uint64_t t_ns);
 
 /**
- * The step of AN-1042 that is going on: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an
- * error.
+ * The current step of AN-1042: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an error.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
@@ -1253,7 +1253,7 @@ zerorate_status zerorate_procedure_progress(struct zerorate_procedure *procedure
 zerorate_status zerorate_procedure_outcome(struct zerorate_procedure *procedure, struct zerorate_outcome *outcome);
 
 /**
- * A second each without and with the self-test, at the rate of F-30.
+ * The default settings: a second without and a second with the self-test, at the rate of F-30.
  *
  * Required: `plan` is null or points to writable memory for it.
  */
@@ -1280,7 +1280,7 @@ zerorate_status zerorate_gyro_self_test(struct zerorate_gyro *gyro,
                                         struct zerorate_self_test *result);
 
 /**
- * A status in words: a string that lives for ever, without end of line. Never null.
+ * A status in words: a static string without end of line. Never null.
  */
 const char *zerorate_text(zerorate_status status);
 
@@ -1310,7 +1310,7 @@ zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
 zerorate_status zerorate_table_look_up(const struct zerorate_table *table, uint32_t temp_code, int32_t *row_udps);
 
 /**
- * Begins with what the calibration knows, so many seconds after it was made.
+ * Begins with the calibration, `age_s` seconds after it was made.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1320,8 +1320,8 @@ zerorate_status zerorate_tracker_begin(struct zerorate_tracker *tracker,
                                        double age_s);
 
 /**
- * Begins with what was known when the power went off, so many seconds ago; ZERORATE_E_ARGUMENT where these numbers
- * cannot be.
+ * Begins with the saved state, `off_s` seconds after the power went off. Returns ZERORATE_E_ARGUMENT for a state that
+ * is not possible.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
