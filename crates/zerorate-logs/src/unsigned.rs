@@ -47,6 +47,7 @@ pub fn unwrap_others(path: &Path, columns: &mut [Column]) {
         };
         if are_high {
             sign(&mut column.series, bits);
+            column.facts = None;
             let (path, name) = (path.display().to_string(), column.name.clone());
             column.warnings.push(LogWarning::CodesUnsigned { path, column: name, bits });
         }
