@@ -1,5 +1,5 @@
 //! Packs the live page: compresses the files that `cargo xtask web` wrote to `page/`, and lists them for
-//! `include_bytes!`. Without the page the list is empty, and the program tells so when a browser requests the page.
+//! `include_bytes!`. Without the page the list is empty, and the program says so when a browser requests the page.
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -40,7 +40,7 @@ fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
         if path.is_dir() {
             walk(&path, files)?;
         } else if path.file_name().is_some_and(|name| name != "README.md") {
-            // README.md keeps the folder in git; if the folder were missing, this script would run at each build
+            // README.md keeps the folder in git, because this script fails without the folder
             files.push(path);
         }
     }

@@ -35,7 +35,7 @@ pub struct Line {
     pub dev: Option<Vec<Option<f64>>>,
 }
 
-/// Installs the peers, runs them one after the other, and prints times and ratios.
+/// Installs the other programs, runs all programs one after the other, and prints times and ratios.
 pub fn run(args: &BenchPeersArgs) -> Result<()> {
     let python = venv::python("peers", Path::new("lab/tools/peers/requirements.txt"))?;
     let peers = peers()?;
@@ -65,7 +65,7 @@ pub fn run(args: &BenchPeersArgs) -> Result<()> {
     time_files(args.samples, &python)
 }
 
-/// Builds the program that times us and the crates, and returns its path.
+/// Builds the program that times zerorate and the two crates, and returns its path.
 pub fn peers() -> Result<PathBuf> {
     done(&mut lab::cargo("build", "peers", "peers")?)?;
     Ok(lab::folder()?.join("peers/peers"))
@@ -75,7 +75,7 @@ pub fn parse(text: &str) -> Result<Vec<Line>> {
     text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
 }
 
-/// Prints the time of each run, and how many times as fast as the best peer it is for the same work.
+/// Prints the time of each run, and how many times as fast as the fastest other program it is for the same work.
 fn print_times(lines: &[Line]) {
     let copy = lines.iter().find(|line| line.work == "copy").and_then(|line| line.seconds).unwrap_or(f64::NAN);
     println!("{:22} {:22} {:>10} {:>12} {:>16}", "work", "who", "seconds", "numpy copies", "times as fast as");
@@ -106,7 +106,7 @@ fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 
-/// The fastest peer for the same work. Work on codes is compared with work on rates.
+/// The fastest other program for the same work. Work on codes is compared with work on rates.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
     let is_ours = |line: &Line| line.who.starts_with("zerorate");
@@ -151,7 +151,7 @@ fn time_program() -> Result<()> {
     Ok(std::fs::remove_file(CAPTURE)?)
 }
 
-/// The files, each with its goal: how many times as fast as polars or NumPy and allantools.
+/// The files, each with its goal: how many times as fast as a Python program with polars or NumPy and allantools.
 const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.parquet", 15.0), ("one.npy", 15.0)];
 
 /// Times the whole program from a log of noise to the table, and a comparable Python program. The best of three
@@ -195,7 +195,7 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
     Ok(std::fs::remove_dir_all(LOGS)?)
 }
 
-/// Times fitting a noise model as well. Computing the deviations alone took `seconds`.
+/// Times the deviations together with a noise model. The deviations alone took `seconds`.
 fn time_fit(python: &Path, path: &str, seconds: f64, samples: u64) -> Result<()> {
     const MOST_TIMES: f64 = 4.0;
     const MOST_COLUMNS: f64 = 1.5;

@@ -118,8 +118,8 @@ fn default_unit(seed: u64) -> anyhow::Result<Option<DefaultUnit>> {
     Ok(Some(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps }))
 }
 
-/// The change of the mean rate from the first 10 s after switching on to the last 150 s of F-51's duration, raw and
-/// corrected, °/s.
+/// The mean rate in the last 150 s of F-51's duration minus the mean rate in the first 10 s after switching on: raw
+/// and corrected, °/s.
 fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)> {
     let start_ns = rig.initialise()?;
     let (mut first, mut last) = (Mean::default(), Mean::default());
@@ -136,7 +136,7 @@ fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)>
     Ok((last.raw_dps() - first.raw_dps(), last.corrected_dps() - first.corrected_dps()))
 }
 
-/// The means of the raw and of the corrected rate.
+/// Sums of the raw and of the corrected rate, °/s, and the number of samples in them.
 #[derive(Default)]
 struct Mean {
     raw: f64,

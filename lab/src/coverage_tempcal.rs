@@ -29,7 +29,7 @@ const RATE_HZ: f64 = 50.0;
 const AXES: usize = 3;
 /// Standard deviations of the true bias's coefficients in powers of (T − 25 °C)/20 °C, °/s.
 const TERMS_DPS: [f64; 4] = [1.0, 0.4, 0.08, 0.03];
-/// Standard deviation of the coefficients of order 4 and 5 of a hard bias, °/s.
+/// Standard deviation of the coefficients of order 4 and 5, °/s, in logs with `is_hard`.
 const HARD_DPS: f64 = 0.02;
 const N: f64 = 0.003 / std::f64::consts::SQRT_2;
 const K: f64 = 1e-4;
@@ -38,17 +38,17 @@ const FLICKER_DPS: f64 = 0.0006;
 const FLICKER_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 const LSB_PER_DPS: f64 = 131.0;
 
-/// A kind of log.
+/// The properties that all simulated logs of one kind share.
 struct Kind {
     name: &'static str,
     is_hard: bool,
     /// Largest lag, s. Each log draws its lag from 0 to this value, or has this value.
     lag_s: f64,
     draws_lag: bool,
-    /// Largest half width of the backlash, °C, of which each log draws a share.
+    /// Largest half width of the backlash, °C. Each log draws a value from 0 to this one.
     play_c: f64,
     cools: bool,
-    /// Longest time from switch-on to the start of the log, s, of which each log draws a share.
+    /// Longest time from switch-on to the start of the log, s. Each log draws a time from 0 to this one.
     begins_s: f64,
     /// Noise of a reading of the thermometer, and its step, °C.
     noise_c: f64,
@@ -87,7 +87,7 @@ const KINDS: [Kind; 11] = [
     Kind { name: "cubic with a kink of 0.01 °/s/°C, no lag", kink_dps_per_c: 0.01, ..AT_ONCE },
 ];
 
-/// The rms errors of one axis without the mean error, and the ratios of the errors to the stated uncertainty.
+/// Errors of one axis: rms without the mean error, °/s, and single errors as multiples of the stated uncertainty.
 struct AxisErrors {
     cubic: f64,
     quintic: f64,
@@ -98,7 +98,7 @@ struct AxisErrors {
     elapsed_s: f64,
 }
 
-/// Temperatures at which curves are compared, °C: the span of the log without one degree at each end.
+/// Temperatures at which curves are compared, °C: from one degree above the log's first reading to 43 °C.
 fn temps_c(log: &Log) -> impl Iterator<Item = f64> + Clone + use<> {
     let low_c = log.temps_c[0] + 1.0;
     (0..60).map(move |k| low_c + (43.0 - low_c) * f64::from(k) / 59.0)

@@ -1,4 +1,4 @@
-//! The root mean square of residuals, and the factor to the unit of the pages.
+//! The root mean square of residuals, and the factor from °/s to °/h.
 
 /// Factor from °/s to °/h.
 pub const DPH_PER_DPS: f64 = 3600.0;

@@ -14,7 +14,7 @@ use world::{Day, HALF, OFTEN};
 
 const HOURS: f64 = 24.0;
 
-/// The simulated worlds: share of the moving time with slow rotations, as a label and as their frequency.
+/// The simulated worlds. Each has a label, the share of the moving time with slow rotations, and their frequency.
 const WORLDS: [(&str, f64); 4] = [("none", 0.0), ("5 %", SELDOM), ("25 %", OFTEN), ("50 %", HALF)];
 
 /// Command line of `cargo xtask tracking`.

@@ -22,7 +22,7 @@ pub fn plan(method: Method) -> Plan {
 
 /// The air temperature of a cycle: start of each change, s, and the temperature relative to the initial one, °C.
 const CYCLE: [(f64, f64); 2] = [(1200.0, -8.0), (2400.0, 0.0)];
-/// Duration of each change, s.
+/// Duration of each change of the air temperature, s.
 const RAMP_S: f64 = 480.0;
 
 /// A twin that is read through the driver.
@@ -74,7 +74,7 @@ impl Rig {
     }
 
     /// Runs a calibration. Returns the result, and the truth at the end of step 8 or of the recording. A refusal is
-    /// returned as an error that can be downcast.
+    /// returned as an error that can be downcast to `Refusal`.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
         let mut air = if plan.method == Method::Cycle { &CYCLE[..] } else { &[] };
         let mut procedure = Procedure::new(&self.axis, plan)?;
@@ -211,7 +211,8 @@ pub const FAULTS: [Fault; 12] = [
     },
 ];
 
-/// A unit with a base motion slow against the recording. The methods that use the whole recording must detect it.
+/// A unit on a base that sways slowly, with a period of 1000 to 10 000 s. The uncertainty of the methods that use the
+/// whole recording must include this motion.
 pub fn slow_sway(seed: u64) -> Spec {
     let (sway_dps, sway_hz) = (draw(seed, 1).between_logs(0.01, 0.2), draw(seed, 2).between_logs(1e-4, 1e-3));
     Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }

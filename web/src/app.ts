@@ -7,7 +7,7 @@ import type { Reply } from "./protocol";
 export interface App {
   model: Model;
   link: Link;
-  /** The link again, if the session runs in this browser. */
+  /** The same object as `link`, if the session runs in this browser. */
   inside: Inside | undefined;
   /** Sends a command. If it is refused, shows why and returns undefined. */
   ask(command: Command): Promise<Reply | undefined>;
@@ -20,7 +20,7 @@ export interface Page {
   readonly element: HTMLElement;
   /** Shows changes, at most once per animation frame and only while the page is visible. `all`: it just became visible. */
   update(changed: ReadonlySet<Part>, all: boolean): void;
-  /** The theme or the unit changed. */
+  /** Shows the page in a new theme or unit. */
   restyle(): void;
   /** Handles a key that no field took. Returns true if the page took it. */
   key?(event: KeyboardEvent): boolean;

@@ -36,7 +36,7 @@ export function value(value: number | null | undefined, u?: number | null): stri
   return usable(u) ? at(value, place(u)) : significant(value, 4);
 }
 
-/** The half width itself, with two digits. */
+/** Formats the half width `u` of an interval with two significant digits. */
 export function uncertainty(u: number | null | undefined): string {
   return usable(u) ? at(u, place(u)) : NONE;
 }
@@ -95,7 +95,7 @@ export function moment(seconds: number, decimals: number): string {
   return sign + parts.join(" ");
 }
 
-/** The decimals of the multiples of a step: 2 for 0.05, and 3 for 0.025. */
+/** Number of decimals that the multiples of a step need: 2 for 0.05, and 3 for 0.025. */
 export function decimalsOf(step: number): number {
   return (String(Number(step.toPrecision(3))).split(".")[1] ?? "").length;
 }

@@ -44,7 +44,7 @@ export function mark(element: Element, name: string, value: string | null): void
   else element.setAttribute(name, value);
 }
 
-/** A button with a text. A button with a sign gives its text to screen readers as `aria-label`. */
+/** A button with a text. If the text is only a sign, `aria-label` must have words for screen readers. */
 export function button(words: string, does: () => void, attributes: Attributes = {}): HTMLButtonElement {
   return h("button", { type: "button", click: () => does(), ...attributes }, words);
 }

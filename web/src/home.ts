@@ -1,4 +1,4 @@
-/** The home of the page, static or served: docs/formats/page.md. */
+/** Where the page comes from: a static site, or `zerorate serve` (docs/formats/page.md). */
 export type Home = { home: "static" } | { home: "served"; token_needed: boolean };
 
 export async function home(): Promise<Home> {

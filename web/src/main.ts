@@ -66,7 +66,7 @@ class Whole {
     requestAnimationFrame(() => this.#tick());
   }
 
-  /** In the static home: opens the port from before a reload, and keeps the page for use without a network. */
+  /** On a static page: opens the port that was open before a reload, and stores the page for use without a network. */
   #settle(inside: Inside): void {
     if (storage.hadPort()) {
       void import("./port").then(({ connectAgain }) => connectAgain(inside)).catch(() => {});
@@ -83,7 +83,7 @@ class Whole {
     this.#fresh = true;
   }
 
-  /** Takes a frame. Calibrations are kept here, because a hidden page draws nothing. */
+  /** Updates the model by a frame. Stores calibrations at once, because a hidden page draws nothing. */
   #take(framed: Framed): void {
     this.#app.model.take(framed);
     const { calibrations } = framed.frame;

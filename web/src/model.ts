@@ -22,7 +22,7 @@ export class Model {
   frames = 0;
   #changed = new Set<Part>();
 
-  /** Takes a frame. */
+  /** Updates the state by a frame, and notes which parts changed. */
   take({ frame, payload }: Framed): void {
     this.frames += 1;
     if (frame.snapshot) this.#forget();

@@ -55,7 +55,7 @@ export class PageFrame {
     );
   }
 
-  /** Shows a page. */
+  /** Shows this page in place of the one before. */
   show(name: PageName, element: HTMLElement): void {
     for (const [of, link] of this.#links) mark(link, "aria-current", of === name ? "page" : null);
     document.title = `${PAGES[name]} · zerorate`;

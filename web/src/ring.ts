@@ -2,7 +2,7 @@
 export const COLUMNS = ["rate", "corrected", "temp"] as const;
 export type Column = (typeof COLUMNS)[number];
 
-/** The newest bins of one axis at one level, in fixed memory. */
+/** The newest bins of one axis with one bin width, in fixed memory. */
 export class Ring {
   readonly #columns: Float32Array[];
   #first = 0;

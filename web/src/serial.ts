@@ -14,7 +14,7 @@ export const NO_SERIAL =
 /** Baud rate of a UART, enough for the full rate with every temperature. USB ignores it. */
 export const DEFAULT_BAUD = 3_000_000;
 
-/** The events of an open port. */
+/** What happens at an open port: bytes arrive, or the port is gone. */
 export interface PortEvents {
   received(bytes: Uint8Array): void;
   gone(why: string): void;
@@ -38,7 +38,7 @@ export async function knownPort(): Promise<SerialPort | null> {
   return ports.length === 1 ? (ports[0] ?? null) : null;
 }
 
-/** An open port. */
+/** An open serial port, with the loop that reads it. */
 export class OpenPort {
   private reader: ReadableStreamDefaultReader<Uint8Array> | undefined;
   private writing: Promise<void> = Promise.resolve();
@@ -66,7 +66,7 @@ export class OpenPort {
     this.writing = this.writing.then(() => this.write(bytes)).catch((why: unknown) => this.end(why));
   }
 
-  /** Gives the port back. */
+  /** Closes the port, so that others can open it. */
   async close(): Promise<void> {
     this.ended = true;
     await this.reader?.cancel().catch(() => {});
@@ -84,7 +84,7 @@ export class OpenPort {
     }
   }
 
-  /** Reads until the port is gone. After the error of a cut frame, reading can go on. */
+  /** Reads until the port is gone. Reading goes on after an error that the port survives, such as a framing error. */
   private async read(): Promise<void> {
     let why: unknown = "the port was closed";
     while (!this.ended && this.port.readable !== null) {

@@ -60,7 +60,7 @@ export const storage = {
     write(PORT, had);
   },
 
-  /** A setting of the page's look. */
+  /** A stored setting of the page; `otherwise` if none of `values` is stored. */
   choice<T extends string>(name: string, values: readonly T[], otherwise: T): T {
     const value = read<string>(`zerorate.${name}`, otherwise);
     return values.find((known) => known === value) ?? otherwise;

@@ -1,4 +1,5 @@
-// The static page works without a network after its first visit. From `zerorate serve`, this would show an old page.
+// The static page works without a network after its first visit. `zerorate serve` has no service worker, which would
+// show an old page.
 
 declare const FILES: string[];
 /** Files that are kept from their first use on, with their SHA-256. */
@@ -6,7 +7,7 @@ declare const LATER: Record<string, string>;
 declare const VERSION: string;
 
 const scope = self as unknown as ServiceWorkerGlobalScope;
-/** Other pages of the same site have caches of their own. */
+/** Start of the names of this page's caches. Other pages of the same site have caches with other names. */
 const PREFIX = "zerorate-";
 const CACHE = PREFIX + VERSION;
 

@@ -67,7 +67,7 @@ for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
     const found = await page.$$eval(".axes-of-log .coefficients tbody tr:first-child", (rows) =>
       rows.map((row) => row.textContent),
     );
-    // 0.1 °/s at 100 Hz is 0.01 °/s/√Hz, which is 0.6 °/√h
+    // 0.1 °/s at 100 Hz is N = 0.01 °/√s, which is 0.6 °/√h
     for (const row of found) assert.match(row, /^N.*(0\.59|0\.6|0\.0099|0\.0100|0\.0101)/);
     assert.ok((await page.locator(".pictures img").count()) > 0);
     assert.ok(await page.$eval(".pictures img", (image) => image.decode().then(() => image.naturalWidth > 100)));

@@ -1,4 +1,4 @@
-// Tests that both homes of the page, static and served, must pass.
+// Tests that the page must pass both on a static site and from `zerorate serve`.
 import assert from "node:assert/strict";
 import { bars, becomes, firstTrace, open, PATIENCE } from "./world.mjs";
 

@@ -1,4 +1,4 @@
-// Shared by the tests of the page: the browser, the two homes, and a window that collects its errors.
+// Shared by the tests of the page: the browser, the static and the served page, and a window that collects its errors.
 //
 //   ZERORATE_PAGE       the folder of the static page (dist)
 //   ZERORATE_PROGRAM    the program with the page inside (../target/debug/zerorate)

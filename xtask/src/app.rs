@@ -5,11 +5,11 @@ use anyhow::{Context, Result};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// All packages but this one, with all features of the program. Cargo compiles a library again for each set of
-/// features, so all builds use these words.
+/// Options for all packages but this one, with all features of the program. Cargo compiles a library again for each
+/// set of features, so all builds use these options.
 pub const WHOLE: &str = "--release --workspace --exclude xtask --features zerorate-cli/full,zerorate-web/readers";
 
-/// Builds the program.
+/// Builds the program `zerorate`; returns its path.
 pub fn program() -> Result<PathBuf> {
     built("zerorate")
 }

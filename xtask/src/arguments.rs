@@ -2,11 +2,11 @@
 
 use anyhow::{Context, Result, bail, ensure};
 
-/// Arguments that nothing has taken yet.
+/// The arguments that have not been taken yet.
 pub struct Arguments(Vec<String>);
 
 impl Arguments {
-    /// The arguments behind the name of a task.
+    /// Makes the list from the words after the name of a task.
     pub fn new(words: impl IntoIterator<Item = String>) -> Self {
         Self(words.into_iter().collect())
     }

@@ -19,10 +19,10 @@ CARGO_HOME=$(mktemp -d) in front of the command to begin with an empty cargo hom
 /// The two commands of the README.
 const FIRST: &str = "run --release -- calibrate";
 const SECOND: &str = "xtask test";
-/// A source file of the program on which nothing but the program depends.
+/// The source file that is changed before the last build. Only the program depends on it.
 const TOUCHED: &str = "crates/zerorate-cli/src/lib.rs";
 
-/// Runs both commands from nothing in a separate folder, and the first one again after a change.
+/// Runs both commands in an empty target folder, and the first one again after a change of the program.
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
     let folder = target_folder()?.join("build-time");

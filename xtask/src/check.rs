@@ -4,8 +4,8 @@ use crate::steps::{self, Step};
 use anyhow::Result;
 use xtask::arguments::Arguments;
 
-/// The steps, cheap ones first. They check in the profile of the tests, which use the same build
-/// scripts, macros and libraries in C.
+/// The steps, cheap ones first. They use the profile of the tests, so that build scripts, macros and C libraries are
+/// compiled once for both.
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.

@@ -78,7 +78,7 @@ pub fn help() -> String {
     format!("  --list  Print the names of the steps, and run nothing\n\n{}\n{NOTES}", steps::list(&all()))
 }
 
-/// The steps of the gate, those of `check` first.
+/// The steps of `cargo xtask ci`, those of `check` first.
 pub fn all() -> Vec<Step> {
     [check::STEPS.as_slice(), &REST].concat()
 }

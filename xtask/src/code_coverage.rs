@@ -23,7 +23,7 @@ const VERSION: &str = "0.9.1";
 /// The result of the last run, in LCOV's format.
 const REPORT: &str = "target/coverage.lcov";
 
-/// Runs the tests and prints a row for each crate, or lists lines.
+/// Runs the tests and prints a row for each crate. With `--missed`, lists lines that the last run did not reach.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let missed = arguments.value("--missed")?;
     let least = arguments.value("--at-least")?.map(|share| share.parse::<f64>()).transpose().context("--at-least")?;
@@ -68,7 +68,7 @@ fn read() -> Result<Vec<File>> {
 
 /// The lines of a file that can be covered.
 struct File {
-    /// The folder of its crate.
+    /// The folder of the crate to which the file belongs.
     of: String,
     path: String,
     /// Line numbers, each with true if a test reached the line.

@@ -52,7 +52,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The environment in which git fetches the advisories from this clone.
+/// The environment in which git fetches the advisories from the clone in `directory`.
 fn database(directory: String) -> Result<[(&'static str, String); 3]> {
     let directory = std::fs::canonicalize(&directory).with_context(|| format!("--advisories {directory}"))?;
     let mut newest = Command::new("git");

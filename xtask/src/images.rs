@@ -6,11 +6,11 @@ use anyhow::Result;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// A Cortex-M4F.
+/// The Rust target of the images: a Cortex-M4F.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
-/// The emulator.
+/// The emulator that runs the images.
 pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
-/// The project of the images.
+/// The folder with the sources of the images.
 const PROJECT: &str = "firmware/qemu";
 
 /// The path of an image with the twin, built for speed.
@@ -18,7 +18,7 @@ pub fn image_of(name: &str) -> Result<PathBuf> {
     build("release", name)
 }
 
-/// Builds an image and returns its path. The bare images contain nothing else.
+/// Builds an image and returns its path. The images `driver`, `empty` and `tracker` are built without the twin.
 pub fn build(profile: &str, name: &str) -> Result<PathBuf> {
     let target_dir = std::path::absolute("target/firmware")?;
     let mut cargo = Command::new("cargo");

@@ -17,10 +17,11 @@ beside its deviations (reading it, and every check of it) takes more than half a
 do not depend on how busy the machine is.";
 
 const TOOLS: [Tool; 1] = [Tool { program: "valgrind", package: "valgrind" }];
-/// Instructions are counted from the shorter log to the longer one, so that the start of the program does not count.
+/// Numbers of samples in two logs. The instructions for the shorter one are subtracted, so that the start of the
+/// program does not count.
 const SAMPLES: [usize; 2] = [200_000, 1_200_000];
 const MOST: f64 = 0.5;
-/// A text that is in the names of all functions of the deviations.
+/// The crate that computes the deviations. The names of its functions contain this text.
 const DEVIATIONS: &str = "zerorate_allan";
 
 /// Builds the program, and counts.

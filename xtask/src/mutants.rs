@@ -34,8 +34,8 @@ struct TestedCrate {
 
 /// The crate's own tests, in the profile that builds fastest.
 const OWN: &str = "--jobs 2 --minimum-test-timeout 60";
-/// The tests of the program, which are most of the tests of the jobs. They use all processors, and cargo-mutants does
-/// not time them before it begins.
+/// Options for the jobs. Most of their tests are tests of the program, which use all processors. `--timeout`, s, is
+/// given because cargo-mutants does not time the tests before it begins.
 const OF_THE_PROGRAM: &str =
     "--profile release --timeout 900 --test-package zerorate-jobs --test-package zerorate-cli";
 

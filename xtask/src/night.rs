@@ -76,7 +76,7 @@ const STEPS: [Step; 18] = [
         .installing("qemu-system-x86 busybox-static cpio kmod xz-utils acpica-tools, a kernel below target/"),
 ];
 
-/// Seeds below this are short to type. The units that the documentation names have seeds below 100,000.
+/// The range of the random seeds: short to type, and above the seeds of the units that the documentation names.
 const SEEDS: std::ops::Range<u64> = 100_000..1_000_000;
 
 /// Notes about all steps, for `--help`.

@@ -11,7 +11,7 @@ use xtask::tools::{self, Tool};
 use xtask::venv::done;
 use xtask::wheel;
 
-/// The function of a part.
+/// What a part does with the wheel.
 type Part = fn(&Wheel) -> Result<()>;
 
 /// The parts. The first one runs if none is named.
@@ -24,7 +24,7 @@ const PARTS: [(&str, Part); 6] = [
     ("bridge", bridge),
 ];
 
-/// The wheel, and the environment of the gate that built it.
+/// The wheel, and the interpreter of the environment in which it was built.
 struct Wheel {
     python: PathBuf,
     path: PathBuf,

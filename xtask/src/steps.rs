@@ -27,12 +27,12 @@ pub struct Step {
     seed: u64,
 }
 
-/// The step's use of the machine.
+/// How a step uses the machine.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
-    /// Uses all cores, or keeps the time: nothing runs beside it.
+    /// Uses all cores, or depends on real time: no other step runs at the same time.
     Alone,
-    /// Waits, or uses one core: runs beside its neighbours.
+    /// Waits, or uses one core: runs at the same time as adjacent steps of this kind.
     Beside,
 }
 
@@ -107,7 +107,7 @@ impl fmt::Display for Step {
     }
 }
 
-/// The steps with these names, in the order of the table; all steps if no name is given.
+/// The steps with these names, in the order of `steps`; all steps if no name is given.
 pub fn chosen(steps: &[Step], names: &[String]) -> Result<Vec<Step>> {
     if let Some(unknown) = names.iter().find(|name| steps.iter().all(|step| step.name != **name)) {
         bail!("there is no step {unknown}; --help lists the steps");
@@ -138,7 +138,7 @@ pub fn run_all(chosen: &[Step]) -> Result<()> {
     run_with(chosen, AtFailure::GoOn)
 }
 
-/// The treatment of later steps after a failure.
+/// What happens to the later steps after a failure.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum AtFailure {
     Stop,

@@ -9,7 +9,7 @@ use xtask::arguments::Arguments;
 /// command, which has built the dependencies by then.
 const STEP: Step = Step::new("test", "test --release").about("The tests of the crates with their default features");
 
-/// The test step of the gate.
+/// The test step of `cargo xtask ci`.
 pub const WHOLE_STEP: Step =
     Step::new("test", "xtask test --full").about("All tests of the workspace, with all features of the program");
 

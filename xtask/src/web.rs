@@ -45,7 +45,7 @@ const CHROMIUM: Tool = Tool { program: "chromium", package: "chromium" };
 /// The version that the bundler and its types require.
 const OLDEST_NODE: u32 = 18;
 
-/// A module: its part of the crate, and the names of its files.
+/// A WebAssembly module: the feature that selects its part of the crate, and the start of its files' names.
 struct Module {
     feature: &'static str,
     name: &'static str,
@@ -155,8 +155,8 @@ fn npm(arguments: &[&str]) -> Command {
     command
 }
 
-/// Copies the page to the program's folder, without the files that only a static site needs. A file that is there
-/// already keeps its time, so that cargo does not build the program again.
+/// Copies the page to the program's folder, without the files that only a static site needs. An unchanged file keeps
+/// its time, so that cargo does not build the program again.
 fn embed() -> Result<()> {
     fs::create_dir_all(INTO)?;
     let (into, page) = (Path::new(INTO), files(Path::new("web/dist"))?);

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
 const WHEELS: &str = "target/wheels-test";
 
-/// The interpreter with the packages of the gate's tests, or the reason why this machine has none.
+/// The interpreter with the packages for the tests of `cargo xtask ci`, or the reason why this machine has none.
 pub fn environment() -> Result<Result<PathBuf, &'static str>> {
     let has_venv = Command::new("python3").args(["-m", "venv", "--help"]).stdout(Stdio::null()).status();
     if !has_venv.is_ok_and(|status| status.success()) {
@@ -34,7 +34,7 @@ fn reaches_registry() -> bool {
     probe.status().is_ok_and(|status| status.success())
 }
 
-/// Builds the wheel, and installs it into the environment of the gate.
+/// Builds the wheel, and installs it into the environment of this interpreter.
 pub fn install(python: &Path) -> Result<()> {
     install_into(python, &build(python)?)
 }

@@ -17,9 +17,9 @@ uint64_t board_now_ns(void);
 void board_rdy_interrupt(void (*handler)(void));
 /* Sleeps until an interrupt, for 10 ms at most (a timer). Returns at once if an interrupt is pending. */
 void board_sleep(void);
-/* Uses the corrected rate, a code of 24 bits. */
+/* Uses the corrected rate, a code of 24 bits. `lost` is the number of samples lost just before it. */
 void board_use(uint32_t corrected_code, uint32_t lost);
-/* Reports a message. */
+/* Reports a message to whoever uses the board. */
 void board_report(const char *text);
 
 #endif

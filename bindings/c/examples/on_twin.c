@@ -14,7 +14,7 @@ static const zerorate_correction CORRECTION = {.pbc_dps = 0.2578, .btc_dps_per_c
 
 static zerorate_gyro gyro;
 
-/* The mean of some readings, before and after the correction. */
+/* Averages READINGS readings: their rate before and after the correction, and their temperature. */
 static zerorate_status measure(double *rate_dps, double *corrected_dps, double *temp_c)
 {
     zerorate_codes reading;

@@ -4,7 +4,7 @@ use crate::status::{Status, ZERORATE_E_NULL, ZERORATE_E_STATE};
 
 /// An object whose memory the caller owns and whose contents only this library knows.
 pub trait Object: Sized {
-    /// The contents.
+    /// The Rust value in that memory.
     type State;
     /// The mark in memory that was set up as this kind of object.
     const MARK: u32;

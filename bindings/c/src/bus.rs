@@ -55,7 +55,7 @@ impl digital::Error for CallbackError {
 /// The longest write that is not a transfer in place: the reset of F-23.
 const LONGEST_WRITE: usize = 5;
 
-/// The SPI port.
+/// The part as an SPI device: calls `transfer`.
 pub struct Port(pub Bus);
 
 impl Port {
@@ -90,7 +90,7 @@ impl SpiDevice for Port {
     }
 }
 
-/// The RDY line.
+/// RDY as an input pin: calls `rdy`.
 pub struct Line(pub Bus);
 
 impl digital::ErrorType for Line {
@@ -137,7 +137,7 @@ impl OutputPin for SelfTestPin {
     }
 }
 
-/// The delay.
+/// The caller's delay: calls `delay_us`.
 pub struct Delay(pub Bus);
 
 impl DelayNs for Delay {

@@ -22,13 +22,13 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// Converts it to the core's type.
+    /// Converts the correction to the core's type.
     pub fn to_core(self) -> zerorate::Correction {
         let Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = self;
         zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
     }
 
-    /// Converts it from the core's type.
+    /// Makes the correction from the core's type.
     pub fn from_core(of: zerorate::Correction) -> Self {
         let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = of;
         Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }

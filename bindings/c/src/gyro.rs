@@ -1,4 +1,4 @@
-//! The driver.
+//! The gyroscope: set-up, initialisation, readings, samples and diagnosis.
 
 use crate::boundary::{self, Object};
 use crate::bus::{Bus, Delay, Line, Port};
@@ -20,12 +20,12 @@ pub struct Gyro {
     pub opaque: [u64; 48],
 }
 
-/// The private contents.
+/// The contents of a [`Gyro`], which C sees as opaque memory.
 pub struct State {
-    /// The driver.
+    /// The Rust driver on the caller's functions.
     pub driver: Adis16130<Port, Line>,
     sampler: Sampler,
-    /// The caller's functions.
+    /// The caller's functions, as given at set-up.
     pub bus: Bus,
 }
 

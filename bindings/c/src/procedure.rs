@@ -17,10 +17,10 @@ pub struct Procedure {
     pub opaque: [u64; 512],
 }
 
-/// The private contents.
+/// The contents of a [`Procedure`], which C sees as opaque memory.
 pub struct State {
     procedure: FixedProcedure,
-    /// The refusal or error that ended it early.
+    /// The refusal that ended the calibration early. Every later call returns its status.
     refused: Option<Refusal>,
 }
 

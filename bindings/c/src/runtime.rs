@@ -18,7 +18,7 @@ unsafe impl GlobalAlloc for NoHeap {
     unsafe fn dealloc(&self, _: *mut u8, _: Layout) {}
 }
 
-/// Never linked either, since nothing panics.
+/// The library does not contain this handler either, since nothing panics.
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
     loop {

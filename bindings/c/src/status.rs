@@ -133,7 +133,7 @@ pub fn of(done: Result<(), Status>) -> Status {
     }
 }
 
-/// An error, as a number.
+/// An error that has a status number.
 pub trait StatusNumber {
     /// The status of this error.
     fn status(&self) -> Status;

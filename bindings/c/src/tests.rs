@@ -32,7 +32,7 @@ fn memory<T>() -> Box<T> {
     unsafe { Box::<T>::new_zeroed().assume_init() }
 }
 
-/// Calls an export, all of which are functions with a contract that this module keeps.
+/// Calls an exported function. This module keeps the contracts of all of them.
 macro_rules! call {
     ($name:ident($($argument:expr),*)) => {{
         // SAFETY: each pointer is null, or points to memory of its type that nothing else uses.

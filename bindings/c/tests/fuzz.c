@@ -374,7 +374,7 @@ static zerorate_status fault(void)
     return ZERORATE_OK;
 }
 
-/* The success of a function without status: its result can be used. */
+/* The status of a function that returns none: ZERORATE_OK if its result can be used. */
 static zerorate_status well(int is_used)
 {
     return is_used ? ZERORATE_OK : ZERORATE_E_STATE;
@@ -382,7 +382,7 @@ static zerorate_status well(int is_used)
 
 #define KINDS 38
 
-/* A call of each kind. */
+/* Calls the function with this number, with random arguments. */
 static zerorate_status call(uint32_t kind)
 {
     switch (kind) {

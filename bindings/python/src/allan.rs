@@ -1,4 +1,4 @@
-//! Allan deviations.
+//! Allan deviations for `zerorate.allan` and `zerorate.allantools_compat`.
 
 use crate::record::Record;
 use crate::settling::{self, Settling};

@@ -1,4 +1,4 @@
-//! The procedure of AN-1042.
+//! `zerorate.calibrate`: calibrates a sensor by AN-1042 or another method.
 
 use crate::calibration::Calibration;
 use crate::device::{Device, DeviceOptions, Duration, argument, in_words, sink, text};

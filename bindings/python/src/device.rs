@@ -24,7 +24,7 @@ pub struct DeviceOptions {
     realtime: bool,
 }
 
-/// A device that can be opened.
+/// A device with checked options, which can be opened.
 pub struct Device {
     pub spec: DeviceSpec,
     part: Option<PathBuf>,
@@ -33,7 +33,7 @@ pub struct Device {
 }
 
 impl DeviceOptions {
-    /// Checks them. Raises ValueError.
+    /// Checks the options. Raises ValueError if one is invalid.
     pub fn checked(self) -> PyResult<Device> {
         let every = |setting, given: Option<i64>| {
             let number = given.map(|number| u16::try_from(number).ok().filter(|number| *number > 0).ok_or(number));
@@ -56,7 +56,7 @@ impl DeviceOptions {
 }
 
 impl Device {
-    /// How to read the device. No output may be the recording that it replays.
+    /// Returns how to read the device. Makes sure that no output is the recording that is replayed.
     pub fn setup(&self, outputs: &mut Outputs) -> anyhow::Result<Setup> {
         self.spec.file().map_or(Ok(()), |file| outputs.reads(file))?;
         Ok(Setup { sampling: self.sampling, part: self.part(outputs)?, names: argument, ambient: None })
@@ -93,7 +93,7 @@ pub fn argument(setting: Setting) -> SettingName {
     }
 }
 
-/// Writes the arguments that the report's warnings name as Python does.
+/// Changes the arguments in the report's warnings and remarks to the form of Python.
 pub fn in_words(mut report: Value) -> Value {
     for key in ["warnings", "remarks"] {
         for warning in report.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten() {
@@ -110,7 +110,7 @@ pub fn text(warning: JobWarning) -> String {
     joined(&warning.coded(argument).to_string())
 }
 
-/// Hands on the warnings of a device.
+/// A function that passes the warnings of a device on to Python.
 pub fn sink(reporter: &Reporter) -> impl FnMut(String) + use<> {
     let reporter = reporter.clone();
     move |text| reporter.warn(text)

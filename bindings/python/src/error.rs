@@ -1,4 +1,4 @@
-//! Errors as exceptions.
+//! Converts errors of the Rust crates to exceptions of Python.
 
 use pyo3::exceptions::{
     PyFileExistsError, PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError, PyValueError,
@@ -31,7 +31,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     }
     match error.chain().find_map(|cause| cause.downcast_ref()).map(DeviceError::cause) {
         Some(Cause::Refused(_)) => return Refused::new_err(text),
-        // a recording in place of a device is a file
+        // the error of a recording that is read in place of a device is that of a file
         None | Some(Cause::Request | Cause::File) => {}
         Some(_) => return ZerorateError::new_err(text),
     }

@@ -21,12 +21,12 @@ use zerorate_logs::{
     TimeUnit, Unit,
 };
 
-/// The source of numbers.
+/// A log or a table in memory, as Python gives it.
 #[derive(FromPyObject)]
 pub enum Source<'py> {
     /// A table: its name in messages, and its columns.
     Table(String, Vec<(String, Cells<'py>)>),
-    /// A log.
+    /// The path of a log.
     File(PathBuf),
 }
 
@@ -66,10 +66,10 @@ pub type OfKind = (Vec<String>, Option<String>, Option<f64>);
 /// The part, and the full scales of gyroscope and accelerometer, as the caller gives them for integer codes.
 pub type OfCodes = (Option<String>, Option<f64>, Option<f64>);
 
-/// The axes, the topic, and the warnings.
+/// The axes, each as a dictionary; the topic of a bag; the warnings about the log.
 type AxesOfLog<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
 
-/// The names of the options in Python.
+/// The name of a setting as an argument in Python, for messages.
 pub fn argument(setting: Setting) -> SettingName {
     let name = SettingName { suffix: "=", ..SettingName::text(setting.word()) };
     match setting {
@@ -128,7 +128,7 @@ pub fn read_temperature<'py>(
     name: Option<&str>,
     options: Options,
 ) -> PyResult<Option<(String, Bound<'py, PyArray1<f64>>)>> {
-    // warnings about the unit of the other columns do not apply to it
+    // warnings about the unit of the other columns do not apply to the temperature
     let options = ColumnOptions { unit: None, scale: None, ..options.checked()? };
     let (path, column) = match opened(source)? {
         OpenSource::Table(path, table) => {
@@ -260,7 +260,7 @@ impl Options {
     }
 }
 
-/// A time in a log.
+/// Parses the time of a log at which its beginning or end is left out.
 fn cut_time(text: &Option<String>, name: &str) -> PyResult<Option<CutTime>> {
     text.as_deref().map(str::parse).transpose().map_err(|why| refused(name, why))
 }
@@ -300,7 +300,7 @@ pub enum OpenSource {
     File(PathBuf),
 }
 
-/// Takes a source out of Python.
+/// Converts a source to one that can be read without Python.
 pub fn opened(source: Source<'_>) -> PyResult<OpenSource> {
     let (name, columns) = match source {
         Source::File(path) => return Ok(OpenSource::File(path)),
@@ -368,7 +368,7 @@ pub fn label(unit: Unit) -> &'static str {
     if unit == Unit::Dps { Quantity::AngularRate.unit() } else { unit.name() }
 }
 
-/// The unit in which a step is one.
+/// The unit in which the value of a step is one; None if there is no such unit.
 fn unit_of(column: &Column) -> Option<Unit> {
     let quantity = column.quantity?;
     Unit::ALL.into_iter().find(|unit| unit.quantity() == quantity && unit.in_results() == column.scale)

@@ -13,7 +13,7 @@ use zerorate_logs::{self as logs, Column, Names, Series};
 /// The name of a record in memory, for messages.
 const RECORD: &str = "the record";
 
-/// The temperature of a record, and the treatment of it and of the beginning.
+/// The temperature of a record, and the options ``detrend`` and ``skip``.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Settling<'py> {
@@ -24,7 +24,7 @@ pub struct Settling<'py> {
 }
 
 impl Settling<'_> {
-    /// Treats a record. Returns the rest of the record, and the results of the treatment.
+    /// Applies the options to a record. Returns the rest of the record, and what was done.
     pub fn apply(
         &self,
         py: Python<'_>,

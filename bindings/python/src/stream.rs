@@ -14,7 +14,8 @@ use zerorate_jobs::JobWarning;
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, check_serial, period_ns, stream};
 
-/// Rows that wait for the program: 0.7 s at the full rate. The device's own queue follows it.
+/// Number of rows that may wait for the program: 0.7 s at the full rate. After that, samples wait in the device's own
+/// queue.
 const ROWS: usize = 4096;
 
 /// A message from the thread of a stream.
@@ -53,7 +54,7 @@ impl Listener for RowSender {
 /// The corrected rate of a device.
 #[pyclass(module = "zerorate._zerorate", frozen)]
 pub struct Stream {
-    /// The axes of the part.
+    /// Names of the axes of the part.
     #[pyo3(get)]
     axes: Vec<String>,
     stop: Stop,

@@ -51,7 +51,7 @@ pub fn tempcal<'py>(
     Ok(result)
 }
 
-/// The names of the options in `zerorate.tempcal`.
+/// The name of a setting as an argument of `zerorate.tempcal`, for messages.
 fn name(setting: Setting) -> SettingName {
     match setting {
         Setting::TempColumn => SettingName::text("temp_column="),

@@ -1,4 +1,4 @@
-//! The twin.
+//! The twin: its name as a device, and its keys.
 
 use adis16130_twin::{KEYS, Key, Spec};
 use pyo3::exceptions::PyValueError;

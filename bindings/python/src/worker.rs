@@ -81,7 +81,7 @@ struct Latest(Arc<Mutex<Option<Step>>>);
 type Step = (String, f64, f64);
 
 impl Reporter {
-    /// Passes on a warning. It has no effect after the end.
+    /// Passes on a warning. Has no effect after the work has ended.
     pub fn warn(&self, text: String) {
         let _ = self.warnings.send(text);
     }

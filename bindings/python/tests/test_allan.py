@@ -20,7 +20,8 @@ def white(n: int = 4096) -> NDArray[np.float64]:
 
 
 def oadev_by_definition(rate: NDArray[np.float64], m: int) -> float:
-    """The root of half the mean of squared differences of adjacent averages."""
+    """Overlapping Allan deviation by its definition: the root of half the mean square of differences of adjacent
+    averages."""
     means = np.convolve(rate, np.ones(m) / m, mode="valid")
     return float(np.sqrt(np.mean((means[m:] - means[:-m]) ** 2) / 2))
 

@@ -64,7 +64,7 @@ def test_each_axis_is_analysed(capture: zerorate.Capture) -> None:
     assert list(found) == ["x", "y", "z"]
     # a lost row is missing in all axes, a reading out of range only in its own
     assert [(axis.samples, axis.missing) for axis in found.values()] == [(7, 2), (7, 2), (7, 3)]
-    # z is 3, 4 and 6, 7: differences of a code of 1/20 °/s
+    # the valid codes of z are 3, 4, 6 and 7; a code is 1/20 °/s
     assert zerorate.allan(capture, column="z").dev[0] == pytest.approx(0.05 / 2**0.5)
     assert list(zerorate.imu(capture).gyroscope) == ["x", "y", "z"]
     with pytest.raises(ValueError, match="no column 'w'; choose with column= one of x, y, z"):

@@ -244,7 +244,7 @@ def test_increments_are_read_as_rates(tmp_path: Path) -> None:
 def test_a_bag_states_all_that_is_asked(name: str) -> None:
     found = zerorate.imu(FIXTURES / name, taus=[0.005])
     assert (found.topic, round(found.rate_hz)) == ("/imu", 200)
-    # two of its accelerometers are 0 in every message
+    # two axes of the accelerometer are 0 in every message
     assert [axis.unit for axis in found.axes.values()] == ["rad/s"] * 3 + ["m/s²"]
     with pytest.raises(ValueError, match="topic"):
         zerorate.imu(FIXTURES / name, topic="/other")

@@ -50,7 +50,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def axes(log: Path) -> list[tuple[float, float]]:
-    """N and K of each axis in the units of the files, rad and m. A K that is not identified is its upper limit."""
+    """N and K of each axis in the units of the files, rad and m. For a K that is not identified, its upper limit."""
     done = subprocess.run(
         [PROGRAM, "imu", "imu.csv", "--json"], cwd=log, check=True, capture_output=True, text=True, timeout=120
     )

@@ -51,7 +51,7 @@ def test_a_capture_that_follows_its_temperature_is_as_on_the_command_line(folder
     assert "(detrend=1, skip=)" in warned.fit.warnings[0] and warned.detrended is None
     same(warned, run(folder, "allan", "a.arrows", "--fit", "--json"))
 
-    # K of the part is 1e-4 (M-04)
+    # K of the part is 1e-4 °/s/√s (M-04)
     detrended = zerorate.allan(folder / "a.arrows", detrend=1)
     report = run(folder, "allan", "a.arrows", "--fit", "--json", "--detrend", "temp")
     assert detrended.fit is not None and "follows-temperature" not in codes(detrended.fit.warnings)

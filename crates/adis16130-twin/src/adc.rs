@@ -1,4 +1,4 @@
-//! The converter: its sequence in time, the data registers, unread data and RDY.
+//! The converter: the times of its conversions, the data registers, unread data and RDY.
 
 use crate::facts;
 use crate::registers::{Channel, Registers};
@@ -8,7 +8,7 @@ use crate::tally::{Conversion, LastRead, LostUnread, Reading, Tally};
 /// The time of an event that never comes.
 pub(crate) const NEVER: u64 = u64::MAX;
 
-/// A data register, with its status and its counts.
+/// A data register, with the bits of its status and its counts of conversions and losses.
 #[derive(Copy, Clone)]
 struct Data {
     code: u32,
@@ -206,7 +206,8 @@ impl Adc {
         }
     }
 
-    /// Begins a read after its COM byte: latches the 24-bit code, which counts as read from now on.
+    /// Begins the read of a data register after the COM byte. Returns its 24-bit code, which counts as read from now
+    /// on.
     #[inline]
     pub(crate) fn begin_read(&mut self, channel: Channel) -> u32 {
         self.reading = Some(channel);

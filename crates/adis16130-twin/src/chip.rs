@@ -13,11 +13,11 @@ enum Phase {
     Command,
     /// Data bytes of a write are still to come.
     Write { register: Register, left: u8, value: u16 },
-    /// Data bytes of a read are still to go out, the next one on top.
+    /// Data bytes of a read are still to go out, the next one from the highest byte of `shift`.
     Read { left: u8, shift: u32 },
 }
 
-/// The effect of a byte, apart from the state of the link.
+/// The effect of a byte on registers and converter.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) enum Effect {
     None,
@@ -49,7 +49,7 @@ impl Chip {
         self.ones = 0;
     }
 
-    /// Counts ones anew, since CS has risen.
+    /// Begins to count the ones of F-23 anew, because CS has risen.
     #[inline]
     pub(crate) fn deselect(&mut self) {
         self.ones = 0;
@@ -146,7 +146,7 @@ impl Chip {
         Effect::Changed { rdy_was_low }
     }
 
-    /// Returns to idle, since the single mode is done.
+    /// Sets MODE to idle after the last conversion of the single mode.
     pub(crate) fn finish_single(&mut self, now_ps: u64) {
         self.registers.mode &= !MODE_MD;
         self.plan(false, now_ps);

@@ -15,7 +15,7 @@ pub const MAX_CODE: u32 = (1 << 24) - 1;
 pub const SCALING_CYCLES: u32 = 163;
 /// Nominal supply, in mV (F-01).
 pub const SUPPLY_NOMINAL_MV: f64 = 5000.0;
-/// Output bias per mV of supply, in °/s (F-01).
+/// Change of the output bias per mV of supply, in °/s (F-01).
 pub const SUPPLY_DPS_PER_MV: f64 = 0.0002;
 /// One-sided density of the white rate noise, in °/s/√Hz (F-02).
 pub const WHITE_DPS_PER_RT_HZ: f64 = 0.0125;
@@ -38,7 +38,7 @@ pub const TEMPCO_DPS_PER_C: f64 = 0.04;
 pub const TEMPCO_SD_DPS_PER_C: f64 = 0.01;
 /// Standard deviation over the units of the curvature, in °/s/°C² (M-02).
 pub const CURVATURE_SD_DPS_PER_C2: f64 = 0.0005;
-/// Half width of the hysteresis loop of the bias, in °/s (M-02).
+/// Half width of the loop of the bias over temperature, in °/s (M-02).
 pub const HYSTERESIS_DPS: f64 = 0.002;
 /// Self-heating: mean over the units, in °C (M-03).
 pub const WARMUP_C: f64 = 8.0;
@@ -52,7 +52,7 @@ pub const WARMUP_FAST_S: f64 = 90.0;
 pub const WARMUP_SLOW_S: f64 = 600.0;
 /// Floor of the Allan deviation of the flicker alone, in °/s (M-04).
 pub const FLICKER_FLOOR_DPS: f64 = 0.0016;
-/// Floor of the flicker's Allan deviation divided by its coefficient B: √(2 ln 2/π), printed as 0.664 (M-04).
+/// Floor of the flicker's Allan deviation, in units of its coefficient B: √(2 ln 2/π), rounded to 0.664 (M-04).
 pub const FLOOR_PER_B: f64 = 0.664;
 /// Frequency below which the flicker becomes flat, in Hz (M-04).
 pub const FLICKER_HZ: f64 = 1e-4;

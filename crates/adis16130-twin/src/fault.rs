@@ -1,4 +1,4 @@
-//! Faults of the wiring and of the part, at a stated time or on demand.
+//! Faults of the wiring and of the part, which begin at a specified time or by a call.
 
 use crate::normal::{Process, Uniform};
 
@@ -29,7 +29,7 @@ pub enum Fault {
     Unplug,
 }
 
-/// The running state of the faults that act on the wires.
+/// The state of a fault that acts on the wires, and its random numbers.
 pub(crate) struct WireFaults {
     active: Fault,
     random: Uniform,
@@ -110,7 +110,7 @@ impl WireFaults {
         byte
     }
 
-    /// Draws the number of good bits before the next bad one, which is geometric.
+    /// Draws the number of good bits before the next bad one, from the geometric distribution.
     fn draw_gap(&mut self) -> u64 {
         if self.bit_error_rate <= 0.0 {
             return u64::MAX;

@@ -1,4 +1,5 @@
-//! The text form of a specification: `seed=7,bias_dps=0.8`. One table serves parsing and help.
+//! The text form of a specification, such as `seed=7,bias_dps=0.8`. The parser and the help use the same table of
+//! keys.
 
 use crate::fault::Fault;
 use crate::spec::{Motion, Profile, RdyOutput, Roa, Spec};
@@ -177,7 +178,7 @@ pub const KEYS: &[Key] = &[
     }),
 ];
 
-/// The reason why a text does not specify a unit.
+/// The reason why a text is not a valid specification.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SpecError {
     /// The key does not exist.
@@ -253,7 +254,7 @@ impl FromStr for Spec {
     }
 }
 
-/// Splits into known keys and their values.
+/// Splits a text into known keys and their values.
 fn items(text: &str) -> Result<Vec<(&'static Key, &str)>, SpecError> {
     let mut items: Vec<(&'static Key, &str)> = Vec::new();
     if text.trim().is_empty() {
@@ -323,7 +324,7 @@ fn nearest(name: &str) -> Option<&'static str> {
     (2 * distance(best) <= name.len()).then_some(best.name)
 }
 
-/// Insertions, deletions and replacements that turn one word into the other.
+/// The least number of insertions, deletions and replacements that turn one word into the other.
 fn edit_distance(from: &[u8], to: &[u8]) -> usize {
     let mut row: Vec<usize> = (0..=to.len()).collect();
     for (i, a) in from.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine: one stream per process, all from one seed.
+//! Random numbers that are the same on every machine. Each random process has a stream of its own, all from one seed.
 //!
 //! Why not `rand_distr`: its tails call `ln` and `exp` through `num-traits`, which any other crate of a workspace can
 //! switch to the system's mathematics library by feature unification. The ziggurat here uses `libm` only.
@@ -7,7 +7,7 @@ use alloc::rc::Rc;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-/// The processes that have a stream of their own, so that none disturbs another.
+/// The random processes. Each has its own stream, so that draws by one do not change another.
 #[derive(Copy, Clone)]
 pub(crate) enum Process {
     Unit,

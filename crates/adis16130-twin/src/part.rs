@@ -16,7 +16,7 @@ const PS_PER_S: f64 = 1e12;
 pub(crate) struct Part {
     pub(crate) spec: Spec,
     pub(crate) now_ps: u64,
-    /// The next update or fault, or [`NEVER`].
+    /// Time of the next update or fault, in ps, or [`NEVER`].
     next_event_ps: u64,
     fault_at_ps: u64,
     byte_ps: u64,
@@ -28,12 +28,12 @@ pub(crate) struct Part {
     supplied: bool,
     /// Whether bytes pass without being recorded or altered by a fault.
     plain: bool,
-    /// Whether RDY cannot fall, in any state of the converter.
+    /// Whether a fault keeps RDY from announcing data, whatever the state of the converter.
     rdy_masked: bool,
     edge_seq: u32,
     edge_ps: u64,
     reported_seq: u32,
-    /// Running number of the edges at the beginning of the scaling times.
+    /// Number of reported edges at which a scaling time began.
     scaling_seq: u32,
     wire: Option<Vec<Vec<u8>>>,
 }
@@ -67,7 +67,7 @@ impl Part {
 
     // ---- time ----
 
-    /// Lets everything happen up to and including `t_ps`.
+    /// Carries out all events up to and including `t_ps`, and sets the time to it.
     #[inline]
     pub(crate) fn run_to(&mut self, t_ps: u64) {
         while self.next_event_ps <= t_ps {
@@ -130,7 +130,8 @@ impl Part {
         Some((self.edge_ps, self.edge_seq))
     }
 
-    /// Returns an edge of this kind that was not reported yet, or the next one within `timeout_ps`.
+    /// Returns time and number of the next rising or falling edge within `timeout_ps`. An edge that announces new data
+    /// may also be a past one that was not reported yet.
     pub(crate) fn next_edge(&mut self, rising: bool, timeout_ps: u64) -> Option<(u64, u32)> {
         if rising == (self.spec.rdy != RdyOutput::Level) {
             self.next_falling_edge(timeout_ps)
@@ -189,7 +190,7 @@ impl Part {
 
     // ---- wires ----
 
-    /// CS falls.
+    /// CS falls. A recording begins a new frame.
     #[inline]
     pub(crate) fn select(&mut self) {
         if !self.plain
@@ -206,7 +207,7 @@ impl Part {
         self.advance_ps(self.gap_ps);
     }
 
-    /// One byte in each direction, at the speed of the SPI clock.
+    /// Exchanges one byte in each direction, which takes eight periods of the SPI clock.
     #[inline]
     pub(crate) fn exchange(&mut self, mosi: u8) -> u8 {
         self.advance_ps(self.byte_ps);
@@ -244,7 +245,7 @@ impl Part {
         }
     }
 
-    /// Whether RDY shows that there is no new data, whichever level that is.
+    /// Whether RDY has the level that means no new data.
     fn rdy_idle(&self) -> bool {
         !self.supplied || self.rdy_masked || !self.chip.adc.rdy_low(self.now_ps)
     }
@@ -319,7 +320,8 @@ impl Part {
         }
     }
 
-    /// Handles any change: updates the state that depends on it, and detects an edge of RDY.
+    /// Updates the state that depends on registers, faults or supply, after one of these has changed. Counts an edge
+    /// if RDY has fallen.
     fn changed(&mut self, rdy_was_high: bool) {
         self.note_plain();
         self.gyro.set_period_ps(self.chip.adc.period_ps());

@@ -29,8 +29,8 @@ pin!(
     /// The data-ready pin (F-32). Reading it takes no simulated time.
     ///
     /// Waiting lets simulated time pass at once, so a future here never pends. A wait gives up after one second of
-    /// simulated time, since nothing else could end it. A wait for an edge counts from the call. An edge that is
-    /// latched for [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) is forgotten.
+    /// simulated time, since nothing else could end it. A wait for an edge ends only with an edge after the call. It
+    /// discards an edge that [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) would have reported.
     TwinRdy
 );
 pin!(
@@ -44,7 +44,7 @@ pin!(
     SelfTestPin
 );
 pin!(
-    /// A delay in simulated time.
+    /// A delay that lets simulated time pass.
     TwinDelay
 );
 

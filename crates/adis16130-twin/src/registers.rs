@@ -15,7 +15,7 @@ impl Channel {
         2 * self as u8
     }
 
-    /// Bit in the twin's own channel sets.
+    /// The bit of the channel in a set of channels, as the twin stores it.
     pub(crate) const fn bit(self) -> u8 {
         1 << self as u8
     }
@@ -99,7 +99,7 @@ pub(crate) const MODE_24BIT: u8 = 1 << 1;
 /// MODE bit 0: out-of-range codes saturate instead of wrapping.
 pub(crate) const MODE_CLAMP: u8 = 1 << 0;
 
-/// Revision register of the AD7732.
+/// Value of the revision register: that of an AD7732.
 const REVISION: u8 = 0x24;
 
 /// The registers that keep the values written to them.
@@ -150,7 +150,7 @@ impl Registers {
         true
     }
 
-    /// Value of an 8-bit register of this table. `p1` is the level of pin 18.
+    /// Value of an 8-bit register that is kept here, and 00h for any other. `p1` is the level of pin 18.
     pub(crate) fn read(&self, register: Register, p1: bool) -> u8 {
         match register {
             Register::Iop => self.iop_levels(p1),
@@ -181,8 +181,8 @@ impl Registers {
 pub(crate) struct Checksum(pub(crate) u16);
 
 impl Checksum {
-    /// Takes eight bits at once. The feedback 2Dh is so short that no bit which it sets comes out within the byte. The
-    /// byte shifted out therefore acts by its carry-less product with 2Dh.
+    /// Takes eight bits at once. No bit that the feedback 2Dh sets is shifted out within the same byte. So the
+    /// feedback of a whole byte is the carry-less product of 2Dh and the byte shifted out.
     #[inline]
     pub(crate) fn take(&mut self, byte: u8) {
         let out = self.0 >> 8;

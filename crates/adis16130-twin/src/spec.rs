@@ -35,7 +35,7 @@ pub enum Roa {
     TenNanofarad,
 }
 
-/// Motion of a platform that should be still.
+/// Unwanted motion of the platform.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// At rest.
@@ -49,7 +49,7 @@ pub enum Motion {
 /// One unit, its surroundings and its faults.
 ///
 /// [`Spec::from_seed`] draws the unit (M-01…M-08). Every field can be set afterwards, and setting one does not change
-/// another. A field outside the range of its [`KEYS`](crate::KEYS) is at the caller's risk.
+/// another. The fields are not checked: keep each in the range that [`KEYS`](crate::KEYS) states.
 ///
 /// ```
 /// use adis16130_twin::Spec;
@@ -68,7 +68,7 @@ pub struct Spec {
     pub tempco_dps_per_c: f64,
     /// Quadratic coefficient of the bias over (T − 25 °C), in °/s/°C² (M-02).
     pub curvature_dps_per_c2: f64,
-    /// Half width of the hysteresis loop of the bias, in °/s (M-02).
+    /// Half width of the loop of the bias over temperature, in °/s (M-02).
     pub hysteresis_dps: f64,
     /// Time constant by which the sensing element's temperature follows the temperature sensor's, in s.
     pub lag_s: f64,
@@ -86,11 +86,11 @@ pub struct Spec {
     pub warmup_s: f64,
     /// Master clock, in Hz (M-06).
     pub mclk_hz: f64,
-    /// The RDY line.
+    /// Shape of the RDY line.
     pub rdy: RdyOutput,
     /// The capacitor between ROA1 and ROA2.
     pub roa: Roa,
-    /// Supply, in mV (F-01).
+    /// Supply voltage, in mV (F-01).
     pub supply_mv: f64,
     /// Step of the supply at [`Spec::event_s`], in mV (F-01).
     pub supply_step_mv: f64,
@@ -126,7 +126,8 @@ pub struct Spec {
     pub bit_error_rate: f64,
     /// The fault. It begins at [`Spec::fault_at_s`].
     pub fault: Fault,
-    /// Time when faults, bumps and the supply step begin, in s from the start. `None`: faults at 0, the others at 60.
+    /// Time when faults, bumps and the supply step begin, in s from the start. With `None`, faults begin at 0, bumps
+    /// and the supply step at 60 s.
     pub fault_at_s: Option<f64>,
     /// Relative error of the sensitivity (M-07). It scales the input of the sensing element (rotation, slow bias,
     /// flicker, random walk, self-test). White noise and resonance are stated at the output and not scaled.

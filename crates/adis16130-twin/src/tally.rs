@@ -1,4 +1,4 @@
-//! Counts of the conversions of a channel, and of those that the host has read.
+//! Counts of conversions and losses per channel, and the last reads by the host.
 
 /// Samples that the host never saw, per channel, since the start.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct ChannelLosses {
     pub lost_new: u64,
 }
 
-/// The last readings of the data registers. A reading is `None` if the host has not read its register.
+/// The last readings of the data registers. A field is `None` until the host reads its register.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct LastRead {
     /// The last reading of RATEDATA.
@@ -27,15 +27,15 @@ pub struct LastRead {
     pub temp: Option<Reading>,
 }
 
-/// A read of a data register, before any fault of the wires.
+/// A read of a data register, as the part sent it, before a fault of the wires changed it.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// The content of the register in 24 bits.
     pub code: u32,
     /// The conversion that the register announced last; `None` if there was none since the reset. With
-    /// [`Fault::Frozen`](crate::Fault::Frozen) the code is older than that.
+    /// [`Fault::Frozen`](crate::Fault::Frozen) the code is older than this conversion.
     pub conversion: Option<Conversion>,
-    /// Whether the code has left the range (F-35).
+    /// Whether the input was out of range, so that the code has wrapped or saturated (F-35).
     pub out_of_range: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The truth about the twin, which a measurement can only estimate.
+//! The true state of the twin, which a measurement can only estimate.
 
 use crate::facts::TEMP_AT_ZERO_CODE_C;
 use crate::gyro::slow::Point;
@@ -26,11 +26,11 @@ pub struct Truth {
     pub curvature_dps_per_c2: f64,
     /// Effect of the supply voltage (F-01), before the sensitivity error, in °/s.
     pub supply_dps: f64,
-    /// Random-walk state, before the sensitivity error, in °/s.
+    /// Value of the rate random walk, before the sensitivity error, in °/s.
     pub random_walk_dps: f64,
-    /// Distance from f(T) on the present branch of the hysteresis, before the sensitivity error, in °/s.
+    /// Distance of the bias from f(T) by hysteresis, before the sensitivity error, in °/s.
     pub branch_dps: f64,
-    /// Flicker now, before the sensitivity error, in °/s. It is not in any bias below.
+    /// Flicker now, before the sensitivity error, in °/s. [`bias_dps`](Self::bias_dps) leaves it out.
     pub flicker_dps: f64,
     /// Relative sensitivity error s.
     pub sensitivity_error: f64,

@@ -12,12 +12,13 @@ use alloc::rc::Rc;
 use alloc::vec::Vec;
 use core::cell::RefCell;
 
-/// One falling edge of RDY.
+/// An edge of RDY: its simulated time and its number.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct TwinEdge {
     /// Simulated time of the edge, in ns from the start.
     pub t_ns: u64,
-    /// Running number over all edges, reported or not; wraps.
+    /// Running number of the edge, which wraps. Edges that announce new data are counted even if not reported, the
+    /// others only if reported.
     pub seq: u32,
 }
 
@@ -71,24 +72,28 @@ impl Twin {
         self.part.borrow_mut().advance_ps(ns.saturating_mul(1000));
     }
 
-    /// The latest falling edge of RDY that was not reported yet, like an interrupt flag that is still set. Otherwise
-    /// lets time pass to the next edge. `None` after `timeout_ns` of simulated time without an edge.
+    /// The latest edge of RDY that announced new data and was not reported yet, like an interrupt flag that is still
+    /// set. It is the falling edge, unless [`Spec::rdy`] sets a line whose rising edge announces new data. If all
+    /// edges were reported, lets time pass to the next one. `None` after `timeout_ns` of simulated time without an
+    /// edge.
     #[inline]
     pub fn next_falling_edge(&self, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_falling_edge(timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// Like [`Twin::next_falling_edge`], for the rising or the falling edge of the line, whose shape [`Spec::rdy`]
-    /// sets. One of the two announces new data. The other comes where the scaling time begins (F-32), 27 µs before.
+    /// The next rising or falling edge of RDY, whose shape [`Spec::rdy`] sets. One of the two announces new data. The
+    /// other comes 27 µs before new data, when the scaling time begins (F-32). Past edges that announced new data and
+    /// were not reported are handled as by [`Twin::next_falling_edge`]. `None` after `timeout_ns` of simulated time
+    /// without an edge.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
     /// The time at which the part next acts by itself (a conversion ends, a fault sets in), in ns from the start,
-    /// rounded up; `None` if never. RDY has its edges at such times, so a loop that lets time pass by the wall clock
-    /// can sleep until then.
+    /// rounded up; `None` if never. New data is announced at such times, so a loop that lets simulated time follow the
+    /// wall clock can sleep until then.
     pub fn next_event_ns(&self) -> Option<u64> {
         match self.part.borrow().next_event_ps() {
             NEVER => None,
@@ -96,7 +101,7 @@ impl Twin {
         }
     }
 
-    /// The truth about the slow bias now.
+    /// The true slow bias at the present simulated time.
     pub fn truth(&self) -> Truth {
         self.part.borrow_mut().truth()
     }
@@ -116,7 +121,7 @@ impl Twin {
         self.part.borrow_mut().record_wire(on);
     }
 
-    /// The bytes from the host since [`Twin::record_wire`] or the last call: MOSI, one `Vec` per frame of CS.
+    /// Takes the bytes that the host has sent since [`Twin::record_wire`] or the last call, one `Vec` per frame of CS.
     pub fn take_wire(&self) -> Vec<Vec<u8>> {
         self.part.borrow_mut().take_wire()
     }

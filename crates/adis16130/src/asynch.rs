@@ -1,6 +1,6 @@
 //! The driver over async traits: [`embedded_hal_async::spi::SpiDevice`], [`Wait`](embedded_hal_async::digital::Wait).
 //!
-//! A task that waits for the part without holding the processor, here on the software twin of the part:
+//! This task gives the processor to other tasks while it waits. It runs on the software twin of the part:
 //!
 //! ```
 //! use adis16130::{Config, Error, WaitBound, asynch::Adis16130};
@@ -30,8 +30,8 @@
 //! # Ok::<(), Error<_, _>>(())
 //! ```
 //!
-//! A future may be dropped at any time, by a `select` or a timeout. If that was inside a transfer, the next calls
-//! return `Interrupted` until `restart` has put bus and part in order.
+//! A future may be dropped at any time, by a `select` or a timeout. If it is dropped in the middle of a command, the
+//! next calls return `Interrupted` until `reset` or `restart` succeeds.
 
 use core::future::{Future, poll_fn};
 use core::pin::pin;
@@ -53,7 +53,8 @@ pub use driver::Adis16130;
 mod driver;
 
 impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Waits until RDY shows that data waits (F-32), or until `delay` ends the bound.
+    /// Waits until RDY shows unread data (F-32). If the time of `bound` ends first, as measured by `delay`, the result
+    /// is [`WaitError::TimedOut`].
     pub async fn wait_ready(
         &mut self,
         delay: &mut impl DelayNs,
@@ -78,7 +79,8 @@ enum First<L, R> {
     Right(R),
 }
 
-/// The output of the future that ends first, or of the left one if both end. The other future is dropped.
+/// Returns the output of the future that ends first, or of the left one if both are ready at once. The other future is
+/// dropped.
 async fn first<L: Future, R: Future>(left: L, right: R) -> First<L::Output, R::Output> {
     let (mut left, mut right) = (pin!(left), pin!(right));
     poll_fn(|context| {

@@ -1,6 +1,6 @@
 //! The driver over blocking traits: [`embedded_hal::spi::SpiDevice`], [`InputPin`](embedded_hal::digital::InputPin).
 //!
-//! A loop that reads at its own times, here on the software twin of the part:
+//! One reading, on the software twin of the part:
 //!
 //! ```
 //! use adis16130::{Config, Error, WaitBound, blocking::Adis16130};
@@ -33,7 +33,7 @@ pub use driver::Adis16130;
 mod driver;
 
 impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Waits until RDY shows that data waits (F-32), and reads the pin at most `bound.polls() + 1` times.
+    /// Waits until RDY shows unread data (F-32). Reads the pin at most `bound.polls() + 1` times.
     pub fn wait_ready(&mut self, delay: &mut impl DelayNs, bound: WaitBound) -> Result<(), WaitError<RDY::Error>> {
         for _ in 0..bound.polls() {
             if self.is_ready()? {

@@ -1,4 +1,4 @@
-//! The two channels of the converter, and whether they have shown a reading yet.
+//! The two channels of the converter, and a record of those that have converted since MODE was written.
 
 use crate::registers::{Address, ChannelStatus};
 
@@ -34,8 +34,8 @@ impl Channel {
     }
 }
 
-/// The channels that are known to have converted since MODE was written. The code that the data registers have
-/// after a reset can be a reading of these channels only.
+/// The channels that are known to have converted since MODE was written. In the data register of any other channel,
+/// the code that it has after a reset is not a reading.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ConvertedChannels(u8);
 

@@ -1,4 +1,4 @@
-//! The checksum of the write path (F-34).
+//! The checksum over the bits written to the part (F-34).
 
 /// The 16-bit shift register over every written bit: the value of the CHECKSUM register (F-34, not verified on
 /// silicon).
@@ -21,17 +21,17 @@ impl Checksum {
     /// FFFFh, its state after a reset (F-34).
     pub const RESET_VALUE: Self = Self(0xFFFF);
 
-    /// The state with these bits.
+    /// Makes the value of the CHECKSUM register from its 16 bits.
     pub const fn new(bits: u16) -> Self {
         Self(bits)
     }
 
-    /// The bits of the state.
+    /// The 16 bits of the CHECKSUM register.
     pub const fn bits(self) -> u16 {
         self.0
     }
 
-    /// The state after these bytes have been written.
+    /// The value after these bytes have been written, the first one first.
     pub fn fed(self, bytes: &[u8]) -> Self {
         bytes.iter().fold(self, |state, &byte| state.fed_byte(byte))
     }
@@ -44,7 +44,8 @@ impl Checksum {
     }
 }
 
-/// The result of the part's checksum for the writes between two reads of it. It is a hint, never a failure (F-34).
+/// Compares CHECKSUM after a series of writes with the value computed from the written bytes. A difference is a hint,
+/// not an error (F-34).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -56,7 +57,7 @@ pub struct WriteCheck {
 }
 
 impl WriteCheck {
-    /// Whether the part has seen every bit.
+    /// Whether CHECKSUM has the expected value, so that the part has seen every bit.
     pub fn agrees(&self) -> bool {
         self.expected == self.got
     }

@@ -2,7 +2,7 @@
 
 use crate::{RATE_LSB_PER_DPS, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
 
-/// The width of a data register in bits: bit 24/16 of MODE at the time of the conversion.
+/// The width of a data register in bits. Bit 24/16 of MODE sets it.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -91,8 +91,8 @@ impl RateCode {
         self.0.code24()
     }
 
-    /// Whether the code is the lowest or the highest of its width: saturated with CLAMP = 1 (F-35), or not a reading
-    /// at all.
+    /// Whether the code is the lowest or the highest of its width. Such a code may be saturated (CLAMP = 1, F-35), or
+    /// come from a dead line.
     pub const fn is_at_rail(self) -> bool {
         self.0.is_at_rail()
     }
@@ -144,12 +144,13 @@ impl TempCode {
         self.0.code24()
     }
 
-    /// Whether the code is the lowest or the highest of its width: far outside −40 … +85 °C, so not a reading at all.
+    /// Whether the code is the lowest or the highest of its width. These stand for −570 °C and +620 °C, so such a code
+    /// is not a reading.
     pub const fn is_at_rail(self) -> bool {
         self.0.is_at_rail()
     }
 
-    /// Temperature in °C, correctly rounded: one division of two exact values, the offset taken in as codes (F-41).
+    /// Temperature in °C, correctly rounded (F-41). The 25 °C are added as codes, so that only the division rounds.
     pub fn to_celsius(self) -> f32 {
         let offset = TEMP_AT_ZERO_CODE_C * TEMP_LSB_PER_C as i32;
         (self.0.signed() + offset) as f32 / TEMP_LSB_PER_C as f32

@@ -170,7 +170,7 @@ impl Config {
         }
     }
 
-    /// Whether RDY waits for all enabled channels.
+    /// Whether RDYFN is set, so that RDY signals unread data in all enabled channels (F-32).
     pub const fn rdyfn(&self) -> bool {
         self.iop.rdyfn()
     }
@@ -218,13 +218,13 @@ impl Config {
     }
 }
 
-/// A write of the initialisation: a register and its value.
+/// A write of one register, as a command for the bus.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Write {
-    /// The register.
+    /// The register that is written.
     pub address: Address,
-    /// The command.
+    /// The command that writes the register.
     pub frame: Frame,
 }
 

@@ -1,4 +1,4 @@
-//! Finds the cause of a reading that cannot be right, without a bus.
+//! Finds the cause of an implausible reading from register values that were already read.
 
 use core::fmt::{Display, Formatter, Result};
 
@@ -41,10 +41,10 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// The text for a dead SDO while data ready is silent as well.
+    /// The message if SDO is dead and RDY has no edges.
     pub const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin \
          12) is dead; check the cable and the 5 V supply (pins 11, 13, 15)";
-    /// The text for a silent data ready while the part shows no fault.
+    /// The message if RDY has no edges although the part answers and is configured.
     pub const NO_NEW_DATA: &str = "no data ready: the part answers and is configured, but RDY (pin 10) brought no new \
          data for a second; check the RDY wire";
     pub(crate) const STUCK_HIGH: &str =
@@ -129,18 +129,17 @@ pub(crate) fn meaning_on_healthy_link(register: Address, answer: u8) -> Option<F
 /// The value of the data registers after a reset, before the first conversion (docs/facts.md section 3).
 const RESET_DATA: u32 = 0x8000;
 
-/// Whether the answer of a data register must be checked. A dead line would give it too, or a register that has
-/// perhaps not been written since the reset.
+/// Whether the answer of a data register must be checked, because a dead line or a register that holds its reset value
+/// would give the same answer.
 ///
-/// After a brown-out the part has 16 bits where the host may read 24. The third byte is then the level of SDO outside
-/// a read.
+/// After a brown-out the data registers have 16 bits, but the host may read 24. The third byte is then the level of
+/// SDO outside a read.
 #[inline]
 pub(crate) const fn is_doubtful_reading(answer: u32, width: Width) -> bool {
     is_at_rail(answer, width) || answer == RESET_DATA || answer >> 8 == RESET_DATA
 }
 
-/// Whether a rate is in the outermost 1/64 of its scale, beyond ±351.6 °/s, where it may be about to wrap or have
-/// wrapped.
+/// Whether a rate is in the outermost 1/64 of its scale, beyond ±351.6 °/s. Such a code may have wrapped.
 pub(crate) const fn is_near_rail(rate: RateCode) -> bool {
     rate.code24().abs_diff(ZERO_CODE) > ZERO_CODE - ZERO_CODE / 64
 }

@@ -1,4 +1,5 @@
-//! The driver, written once. `bisync` marks the code in `asynch`, and removes `async` and `.await` in `blocking`.
+//! The one source of both drivers. In `asynch`, `bisync` leaves the code as it is. In `blocking`, it removes `async`
+//! and `.await`.
 //!
 //! Two modules include this file: `blocking.rs` and `asynch.rs`. Each brings its own `SpiDevice`, `DelayNs` and
 //! `RdyPin`.
@@ -29,9 +30,9 @@ use crate::self_test::{Active, Level, SelfTest, SelfTestPlan};
 ///
 /// No method waits or retries unless its name says so. Each does a bounded number of transfers.
 ///
-/// A failed transfer, or an async call whose future was dropped, leaves the part in the middle of a command, and its
-/// next bytes would be read shifted. So from then on every call returns [`BusError::Interrupted`] and sends nothing,
-/// until [`reset`](Self::reset) or [`restart`](Self::restart) has gone through.
+/// A failed transfer, or an async call that is dropped during one, leaves the part in the middle of a command. The
+/// part's next bytes would then be read shifted. So every later command sends nothing and returns
+/// [`BusError::Interrupted`], until [`reset`](Self::reset) or [`restart`](Self::restart) succeeds.
 #[derive(Debug)]
 pub struct Adis16130<SPI, RDY> {
     spi: SPI,
@@ -39,7 +40,7 @@ pub struct Adis16130<SPI, RDY> {
     pub(super) config: Config,
     written: WriteLog,
     seen: ConvertedChannels,
-    /// The command that has begun and is not known to have ended.
+    /// The register of a command that has begun and may not have ended.
     in_flight: Option<Address>,
 }
 
@@ -66,7 +67,8 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
         &self.config
     }
 
-    /// Sets the configuration that the next [`init`](Self::init) writes. Its framing holds from now on.
+    /// Sets the configuration that the next [`init`](Self::init) writes. Its framing and its RDY edge take effect at
+    /// once.
     pub const fn set_config(&mut self, config: Config) {
         self.config = config;
     }
@@ -165,7 +167,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         ])
     }
 
-    /// Writes a register. If, and only if, the write succeeds, the driver updates its record of the part.
+    /// Writes a register. The driver records the value as written only if the transfer succeeds.
     pub async fn write_register<R: Writable>(&mut self, value: R::Value) -> Result<(), BusError<SPI::Error>> {
         self.send(Write::of::<R>(value)).await
     }
@@ -177,7 +179,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     ///
     /// The driver also checks the code that the data registers hold after a reset. It is a rate if the part still has
     /// its configuration and this channel has converted. Otherwise the result is [`ReadError::NoReading`] or the
-    /// fault. The first call after MODE was written asks the part beforehand whether the channel has converted.
+    /// fault. Until the channel has given a reading since MODE was written, each call first reads its status.
     ///
     /// With CLAMP = 0 codes wrap and only the status shows it: use [`read_rate_in_range`](Self::read_rate_in_range).
     pub async fn read_rate(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
@@ -198,9 +200,9 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok((rate, temp))
     }
 
-    /// Reads the rate and the status that belongs to it, and reports a rate out of range as
-    /// [`ReadError::OutOfRange`] also where CLAMP = 0 has wrapped its code (F-35). For loops that read when
-    /// they like; [`sample`](Self::sample) is for every edge.
+    /// Reads the rate and the status that belongs to it, and reports a rate out of range as [`ReadError::OutOfRange`]
+    /// also where CLAMP = 0 has wrapped its code (F-35). It is for loops that do not follow RDY;
+    /// [`sample`](Self::sample) handles every edge of RDY.
     ///
     /// If a conversion ends between the two reads, both are read once more. A conversion may end between them again,
     /// as on a host that takes longer than a conversion for six bytes. Then the rate is out of range if one of the two
@@ -256,13 +258,12 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     ///
     /// Returns `None` if nothing was due, or the edge was stale (its data has been read already).
     ///
-    /// An out-of-range rate is not an error. It is in the status of the sample, because losing the sample would hide
-    /// it, and because only the caller knows what it spoils. The status is read even where it was not due for a rate
-    /// at the end of its scale, and for the first rate after MODE was written. A temperature that was due before its
-    /// first conversion is missing, and due again.
+    /// An out-of-range rate is not an error: the status of the sample shows it, and the caller decides what to do. For
+    /// a rate at the end of its scale, and for the first rate after MODE was written, the status is read even if it
+    /// was not due. A temperature that is due before its first conversion is left out, and stays due.
     ///
     /// The driver diagnoses the link after a status that names another channel, and after an answer that a dead line
-    /// or a part without a reading would give. If the line or the part is at fault, that is the error.
+    /// or a part without a reading would give. A fault of the line or the part is returned as [`SampleError::Fault`].
     #[inline]
     pub async fn sample(
         &mut self,
@@ -308,9 +309,9 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Checks a rate that a dead line or a part without a reading would give. Returns the status for the sample,
-    /// which it reads if the rate is at the end of its scale. A status that is out of range, as the rate is, shows
-    /// a healthy link.
+    /// Checks a rate that a dead line or a part without a reading would give. Returns the status for the sample, which
+    /// it reads if the rate is at the end of its scale. If the rate and the given status both say that the input is
+    /// out of range, the link is healthy.
     #[cold]
     async fn status_of_doubtful(
         &mut self,
@@ -347,7 +348,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(Some(D::decode(answer, width)))
     }
 
-    /// Checks, before the data register is read, whether it holds a reading. Reading it clears RDY in its status.
+    /// Checks whether a channel has a reading. This must come before the data register is read, which clears RDY in
+    /// the status.
     #[cold]
     async fn look_for_first(&mut self, channel: Channel) -> Result<(), SampleError<SPI::Error>> {
         self.require_healthy().await?;
@@ -358,7 +360,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Whether a doubtful answer of a data register is a reading. A code at the end of the scale is an error.
+    /// Whether a doubtful answer of a data register is a reading. Returns an error for a code at the end of the scale.
     #[cold]
     async fn is_measured(&mut self, channel: Channel, answer: u32) -> Result<bool, SampleError<SPI::Error>> {
         self.require_healthy().await?;
@@ -395,8 +397,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Sends one command in the framing of F-22: one transfer per byte, or one in all. Returns the data bytes that
-    /// came back.
+    /// Sends one command in the configured framing (F-22): one transfer per byte, or one for the whole command.
+    /// Returns the data bytes that came back.
     #[inline]
     async fn exchange(&mut self, register: Address, mut frame: Frame) -> Result<u32, BusError<SPI::Error>> {
         if let Some(register) = self.in_flight {
@@ -419,12 +421,12 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
 
 #[bisync]
 impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Measures the shift of the rate by the self-test. It does not judge the shift (F-11).
+    /// Measures by how much the self-test shifts the rate. It does not judge the shift (F-11).
     ///
     /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns, also with
-    /// an error, and when an async call is dropped. The part must be initialised. Use a slow or undisturbed moment,
-    /// since motion counts as shift. Takes two settling times and `2 · samples` rates, each within `4 ·` the bound of
-    /// the plan.
+    /// an error, and when an async call is dropped. The part must be initialised, and at rest, since motion counts as
+    /// shift. The call takes two settling times and `2 · samples` rates. Each rate takes at most four times the bound
+    /// of the plan.
     #[allow(clippy::type_complexity, reason = "one type for each of the three wires that can fail")]
     pub async fn self_test<P: OutputPin>(
         &mut self,
@@ -454,7 +456,8 @@ impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
         Ok(level)
     }
 
-    /// Waits for the next unread rate. Both channels are read, since unread data of either may hold RDY.
+    /// Waits for the next unread rate. Both channels are read, since unread data of either channel can keep RDY
+    /// active.
     async fn next_rate<P>(
         &mut self,
         delay: &mut impl DelayNs,

@@ -49,7 +49,7 @@ impl<E: Debug> Display for BusError<E> {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ReadError<E> {
-    /// The bus refused a transfer.
+    /// A command failed on the bus, or was not sent.
     Bus(BusError<E>),
     /// The line or the part is at fault.
     Fault(Fault),
@@ -63,7 +63,7 @@ pub enum ReadError<E> {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum InitError<E> {
-    /// The bus refused a transfer. Registers before this one have been written.
+    /// A command failed (see [`BusError`]). The registers before the failed one have been written.
     Bus(BusError<E>),
     /// All registers were written, but reading them back failed, or one differs from what was written.
     Verify(VerifyError<E>),
@@ -73,7 +73,7 @@ pub enum InitError<E> {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum VerifyError<E> {
-    /// The bus refused a transfer.
+    /// A command failed on the bus, or was not sent.
     Bus(BusError<E>),
     /// MODE has not been written since the reset, so there is nothing to verify.
     NotInitialised,
@@ -91,7 +91,7 @@ pub enum VerifyError<E> {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SampleError<E> {
-    /// The bus refused a transfer.
+    /// A command failed on the bus, or was not sent.
     Bus(BusError<E>),
     /// The line or the part is at fault.
     Fault(Fault),
@@ -106,15 +106,15 @@ pub enum SampleError<E> {
 pub enum WaitError<P> {
     /// The RDY pin could not be read.
     Pin(P),
-    /// RDY did not come within the bound.
+    /// RDY showed no new data within the bound.
     TimedOut {
         /// The bound, in µs.
         timeout_us: u32,
     },
 }
 
-/// The error of a self-test. `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin. The pin
-/// has been released.
+/// The error of a self-test. `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin. Except after
+/// [`Pin`](Self::Pin), the self-test pin is low again.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SelfTestError<E, R, P> {
@@ -126,7 +126,8 @@ pub enum SelfTestError<E, R, P> {
     Pin(P),
 }
 
-/// Any error of the driver, for functions that do several things. The question mark converts each operation's error.
+/// Any error of the driver, for functions that do several things. The question mark operator converts each operation's
+/// error.
 ///
 /// `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin.
 ///
@@ -171,7 +172,7 @@ pub enum Error<E, R = Infallible, P = Infallible> {
 pub struct OutOfRange {
     /// The data register.
     pub register: Address,
-    /// The code that was read. It does not show the input.
+    /// The code that was read. It is not a measure of the input.
     pub code: u32,
     /// The width of the register.
     pub width: Width,
@@ -180,8 +181,8 @@ pub struct OutOfRange {
     pub status: Option<ChannelStatus>,
 }
 
-/// A data register that no conversion has reached since the reset, or since MODE was written. It holds its reset
-/// value.
+/// A data register that holds its reset value, if no conversion of its channel is known to have ended since MODE was
+/// written.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -246,7 +247,7 @@ impl<E: Debug> Display for InitError<E> {
 }
 
 impl<E> VerifyError<E> {
-    /// Judges the values of all registers that were read back.
+    /// Returns the error that explains the differences found by reading back, or `Ok` if there are none.
     pub(crate) fn judge(seen: Differences) -> core::result::Result<(), Self> {
         if seen.iter().next().is_none() {
             Ok(())
@@ -341,7 +342,7 @@ impl<E: Debug> core::error::Error for SampleError<E> {}
 impl<P: Debug> core::error::Error for WaitError<P> {}
 impl<E: Debug, R: Debug, P: Debug> core::error::Error for SelfTestError<E, R, P> {}
 
-/// Lets the question mark convert an error into the error of the operation that contains it.
+/// Implements `From`, so that `?` converts the error of a step to the error of the whole operation.
 macro_rules! widen {
     ($($from:ty => $to:ident::$variant:ident;)*) => {$(
         impl<E> From<$from> for $to<E> {
@@ -364,7 +365,7 @@ widen! {
     VerifyError<E> => InitError::Verify;
 }
 
-/// Implements the same conversions for [`enum@Error`], which has more type parameters.
+/// Implements `From` for [`enum@Error`], so that `?` converts the error of each operation to it.
 macro_rules! gather {
     ($($from:ty => $variant:ident;)*) => {$(
         impl<E, R, P> From<$from> for Error<E, R, P> {

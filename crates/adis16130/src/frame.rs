@@ -30,8 +30,8 @@ pub const fn com_write(address: Address) -> u8 {
 
 /// A command: the COM byte and up to three data bytes, full duplex.
 ///
-/// A read sends zeros after the COM byte, since 32 ones in a row would reset the part (F-23). The answer takes their
-/// place.
+/// A read sends zeros after the COM byte, since 32 ones in a row would reset the part (F-23). The bytes of the answer
+/// then replace the zeros.
 ///
 /// ```
 /// use adis16130::{Width, frame::Frame, registers::{ConversionTime, RateConv, RateData}};

@@ -1,7 +1,9 @@
 //! Division of 64 bits, small rather than fast. The compiler's own division takes a kilobyte of a microcontroller's
-//! flash, a quarter of the whole driver. The driver divides only for a learned period or a long gap.
+//! flash, a quarter of the whole driver. The driver divides rarely: for a learned period, for a long gap, and for a
+//! sample if a divider is set.
 
-/// ⌊dividend / divisor⌋, or 0 for the divisor 0, which no caller has. Takes two rounds for each bit of the quotient.
+/// Returns ⌊dividend / divisor⌋, or 0 if the divisor is 0, which no caller passes. Takes two rounds for each bit of
+/// the quotient.
 #[inline(never)]
 pub(crate) const fn quotient(dividend: u64, divisor: u64) -> u64 {
     if divisor == 0 {

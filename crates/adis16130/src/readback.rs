@@ -14,15 +14,15 @@ const CONFIGURED: [Address; 6] =
 pub(crate) struct WriteLog {
     /// The values in the order of [`CONFIGURED`]. MODE resets to 0; the others mean nothing until written.
     values: [u8; CONFIGURED.len()],
-    /// Bit n is set when the n-th register has been written.
+    /// Bit n is set when register n of [`CONFIGURED`] (from 0) has been written.
     known: u8,
 }
 
 impl WriteLog {
     pub(crate) const NOTHING: Self = Self { values: [Mode::RESET.bits(); CONFIGURED.len()], known: 0 };
 
-    /// Records a successful write, and returns whether it begins the conversions anew, as a write of MODE does.
-    /// Registers that configure nothing (CHECKSUM) are not kept.
+    /// Records a successful write. Returns whether it restarts the conversions, as a write of MODE does. Registers
+    /// that configure nothing (CHECKSUM) are not kept.
     pub(crate) fn record(&mut self, register: Address, value: u32) -> bool {
         for (place, (address, slot)) in CONFIGURED.iter().zip(&mut self.values).enumerate() {
             if *address == register {

@@ -21,7 +21,7 @@ pub struct Edge {
 pub struct Sample {
     /// Time of the edge that announced the sample, in ns.
     pub t_ns: u64,
-    /// Running number of that edge ([`Edge::seq`]). The rate of RDY is measured from it.
+    /// Running number of that edge ([`Edge::seq`]). Together with `t_ns` it gives the rate of the edges.
     pub seq: u32,
     /// The rate, as a code in the width of the data registers.
     pub rate: RateCode,
@@ -29,7 +29,7 @@ pub struct Sample {
     pub status: Option<ChannelStatus>,
     /// The temperature, if it was due (F-55).
     pub temp: Option<TempCode>,
-    /// Rate samples lost since the `Sample` before: overwritten, not taken up by the register, missed or failed
-    /// (F-33).
+    /// Number of rate samples lost since the previous `Sample`: overwritten, dropped by a register that was being read
+    /// (F-33), missed by the host, or lost in a failed read.
     pub lost: u32,
 }

@@ -15,13 +15,13 @@ pub struct SamplerConfig {
     /// Read on every n-th edge of RDY (F-56); 0 counts as 1. With both channels and RDYFN = 1, reading both on every
     /// N-th edge gives f_conv/(N + 1), since the first edge after a read of both comes two conversions later.
     pub divider: u16,
-    /// A counter before the host lets every n-th edge of RDY through (F-56). 1 = the host sees RDY itself, and
-    /// 0 counts as 1. A divider counts the edges behind that counter.
+    /// Number n of a counter in the RDY line that lets every n-th edge through to the host (F-56). 1 = no counter, and
+    /// 0 counts as 1. [`divider`](Self::divider) counts the edges that the counter lets through.
     #[cfg_attr(feature = "serde", serde(default = "undivided"))]
     pub divided: u16,
-    /// Read the status of the rate channel with every sample. It can only be left out with both channels, RDYFN =
-    /// 1 and no counter in the line. Even then it is read if an edge is doubtful. Leave it on if the line may lose
-    /// edges, or if other calls read the data registers between samples. Otherwise an edge at the expected time
+    /// Read the status of the rate channel with every sample. `false` has an effect only with both channels, RDYFN = 1
+    /// and no counter in the line. Even then the status is read if an edge is doubtful. Set `true` if the line may
+    /// lose edges, or if other calls read the data registers between samples. Otherwise an edge at the expected time
     /// may give the previous sample again.
     pub read_status: bool,
 }
@@ -86,25 +86,25 @@ pub struct Due {
     is_rate: bool,
 }
 
-/// Number of samples whose status is read after an edge that was doubtful. After these a late host has certainly
-/// caught up.
+/// Number of samples whose status is read after a doubtful edge. It gives a late host time to catch up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
-/// A working part gives an edge within this many periods, or intervals of divided edges. The longest gap comes from a
-/// drop of the part (F-33), a few edges missed in a row and the tolerance of MCLK; this is several times that gap.
+/// Number of periods without an edge, or of intervals between divided edges, after which the part counts as silent. It
+/// is several times the longest gap of a working part, which comes from a dropped reading (F-33), a few missed edges
+/// and the tolerance of MCLK.
 const SILENT_PERIODS: u32 = 64;
 
 /// Largest number of ticks by which samples may be counted ahead of their edges, after edges with late timestamps.
 const MAX_AHEAD: i32 = 3;
 
 /// After this many samples without temperature, with no edge missed, the next edge announces a rate update. At the
-/// edge before the second sample the temperature was unread (F-32), and nothing has read it since.
+/// edge of the second sample the temperature was unread (F-32), and it has not been read since.
 const RATES_ONLY: u8 = 2;
 
 /// Number of readings in a row that may fail, or find nothing new, before there is a pause between them.
 const PATIENT_READINGS: u8 = 16;
 
-/// The longest pause is 2¹⁰ edges: a tenth of a second with F-30, as long as nothing is read.
+/// The longest pause is 2¹⁰ edges. While nothing is read, these take a tenth of a second with F-30.
 const LONGEST_PAUSE_LOG2: u8 = 10;
 
 /// Facts about the previous sample.
@@ -119,9 +119,9 @@ struct LastSample {
 
 /// Decides at each edge which registers to read, and counts the lost rate samples.
 ///
-/// Call [`edge`](Self::edge) with every edge seen. If it says that something is due, read it. Call
+/// Call [`edge`](Self::edge) with every edge seen. If it returns a [`Due`], read these registers. Call
 /// [`taken`](Self::taken) if, and only if, the reading succeeded and was not stale: it returns how many samples were
-/// lost since the one before. Call [`stale`](Self::stale) if the reading was stale.
+/// lost since the previous one. Call [`stale`](Self::stale) if the reading was stale.
 ///
 /// # Example
 ///
@@ -161,16 +161,16 @@ struct LastSample {
 ///
 /// The part raises no flag when it overwrites a reading, or when a reading that arrives during a read is dropped
 /// (F-33). But conversions run evenly, so the learned period gives each edge the number of the rate update before it.
-/// The numbers of two samples in a row tell what is missing between them. So a dropped reading (doubled interval), an
-/// overwritten one, missed edges and failed reads are all found by the same rule, once each. A stale edge counts
-/// neither as a sample nor as a loss.
+/// The difference between the numbers of two successive samples shows how many are missing. So a dropped reading
+/// (doubled interval), an overwritten one, missed edges and failed reads are all found by the same rule, once each. A
+/// stale edge counts neither as a sample nor as a loss.
 ///
 /// With both channels and RDYFN = 1 an edge announces a rate update or a temperature update, and the edges change from
-/// one kind to the other when the host is late. The sampler follows this from the time alone. What such a change costs
-/// depends on the kind of the first edge, which is unknown where the host was late from the start. So at the first
-/// change the sampler leaves two temperatures out. After two samples without temperature the next edge can only
-/// announce a rate update, which tells the two kinds apart. A loss that depends on it is reported then, two samples
-/// later.
+/// one kind to the other when the host is late. The sampler detects such a change from the times alone. Whether a
+/// change loses a sample depends on the kind of the first edge, which is unknown if the host was late from the start.
+/// So at the first change the sampler leaves two temperatures out. After two samples without temperature the next edge
+/// can only announce a rate update, and the kinds are known. A loss that depends on the kind is therefore reported two
+/// samples late.
 ///
 /// With a divider above 1 a loss is a reading that was due and not taken. Their number is the gap divided by the
 /// nominal distance of the readings, rounded, less one. That distance is N + 1 conversions with both channels and
@@ -178,7 +178,7 @@ struct LastSample {
 ///
 /// Edges that a counter has divided by D come D + 1 or D conversions apart. So a missing one is found by the same rule
 /// with N = D, or D times the divider. The edges that the counter keeps back do not count as losses. The distance is
-/// learned as the period is, as the mean of the gaps.
+/// learned as the mean of the gaps.
 ///
 /// # Assumptions
 ///
@@ -188,47 +188,47 @@ struct LastSample {
 /// * A host may stop at any moment, for several periods. As long as the timestamps are the times of the edges, every
 ///   reported loss is real, and each is reported within five samples. Timestamps may be late as well, as behind USB.
 ///   Then one stop in 100 periods costs at most two losses too many or too few in all, and one in 20 periods 0.6 % of
-///   the samples (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time,
-///   nothing can be learned from them. Then the nominal period holds, and the losses are right to 3.5 % of all samples
-///   (measured with edges late by up to a period, which wait for each other).
-/// * `seq` differs for different edges. Where `t_ns` stands still or runs backwards, the edges themselves are counted:
-///   each missed pair is a loss.
+///   the samples (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). From timestamps that are late by
+///   up to a whole period, nothing can be learned. Then the nominal period holds, and the number of losses is right to
+///   within 3.5 % of all samples (measured).
+/// * `seq` differs for different edges. Where `t_ns` stands still or runs backwards, losses are counted from `seq`:
+///   one for every two missed edges with both channels, one for each missed edge otherwise.
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
 ///   edges on, to some 10⁻⁶ after a second.
 /// * The kind of the first edge is guessed. With RDYFN = 0, or where rate and temperature take different times, a host
-///   that was late from the start may count one loss too many or too few in all. Until the period is learned, so may a
-///   host that stops for some periods while MCLK is more than 1 % off.
-/// * After a gap of more than 4096 periods the phase starts anew, and the gap is divided by the period that was
-///   learned. A gap above 19.5 h counts as 19.5 h, and 2³¹ periods without a sample (4.4 days with F-30) as no more
-///   than that.
+///   that was late from the start may count one loss too many or too few in all. The same error is possible before the
+///   period is learned, if the host stops for some periods and MCLK is more than 1 % off.
+/// * After a gap of more than 4096 periods (fewer until the period is learned) the phase starts anew, and the gap is
+///   divided by the learned period. A gap above 19.5 h counts as 19.5 h. Without a sample, at most 2³¹ periods are
+///   counted (4.4 days with F-30).
 /// * With `read_status` off, an edge that comes too early to be new, or after edges that were not seen, makes the
-///   status due for this sample and the next few. So a late host gets no sample twice. With one channel, or with RDYFN
-///   = 0, only the status tells that, so it is always due.
+///   status due for this sample and the next few. So a late host gets no sample twice. With one channel, with RDYFN =
+///   0 or with a counter in the line, only the status shows whether the data is new, so it is always due.
 /// * After a failed read the next edge is due again, with any divider.
 ///
 /// # When nothing comes
 ///
-/// A brown-out stops the edges, so a loop that waits for the next one needs a second way out. Call
+/// A brown-out stops the edges, so a loop that waits for the next edge needs a time-out. Call
 /// [`silent_since`](Self::silent_since) with the time now, or wait at most [`silence_ns`](Self::silence_ns).
 ///
-/// Where edges come but readings fail (a dead SDO), the sampler pauses. After 16 readings in a row that were due and
-/// not [`taken`](Self::taken), the next is due one edge later, then two, four, and so on up to 1024. So a loop that
-/// initialises the part after each failure does so 11 times a second and not 11 400 times. The first reading that is
-/// taken ends the pauses, and its `lost` counts what they cost.
+/// Where edges come but readings fail (a dead SDO), the sampler pauses. From the 17th reading in a row that was due
+/// and not [`taken`](Self::taken), the sampler skips one edge before the next reading, then two, four, and so on, at
+/// most 1024. So a loop that initialises the part after each failure does so 11 times a second and not 11 400 times.
+/// The first reading that is taken ends the pauses, and its `lost` counts the samples lost in them.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     rules: Rules,
     timeline: Timeline,
     taken: Option<LastSample>,
     until_temp: u16,
-    /// Number of samples without temperature in a row, if every edge between them was the next one.
+    /// Number of samples without temperature in a row, with no edge missed between them.
     rates_only: u8,
     /// Whether temperatures are left out until it is known which edges announce rate updates.
     seeks_rate: bool,
     suspicious: u8,
     /// Number of readings that were due since the last one taken.
     untaken: u8,
-    /// Number of edges until the next reading is due.
+    /// Number of edges to skip before the next reading is due.
     pause: u16,
     /// Time of the last edge. If there was none, time of the first call of [`silent_since`](Self::silent_since).
     heard_ns: Option<u64>,
@@ -257,7 +257,7 @@ struct Rules {
 impl Rules {
     fn new(sampling: SamplerConfig, config: &Config, mclk_hz: u32) -> (Self, EdgeGrid) {
         let both = matches!(config.channels(), Channels::Both);
-        // after a read of both, the next edge comes two conversions later
+        // after a read of both channels, the next edge comes two conversions later
         let pairs = both && config.rdyfn();
         let (divider, divided) = (sampling.divider.max(1), sampling.divided.max(1));
         let counts_edges = divided > 1;
@@ -290,8 +290,8 @@ impl Rules {
     /// Returns the number of readings lost if `ticks` have passed since the previous sample, and the advance of
     /// the count.
     ///
-    /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and the
-    /// surplus that it counted is not counted again. But a sample is never far ahead of its edge, so that no loss is
+    /// A sample whose edge got too low a number still advances by one, because the late timestamp of the previous edge
+    /// has counted one too many. A sample is at most [`MAX_AHEAD`] ticks ahead of its edge, so that no loss stays
     /// hidden.
     fn lost_in(&self, ticks: i32) -> (u32, i32) {
         if self.divider > 1 {
@@ -383,8 +383,9 @@ impl Sampler {
         lost
     }
 
-    /// Notes that the due reading was not new: the status shows that the previous reading took the data. If that
-    /// was the first reading, it came late. The samples that it missed were lost before it, and are not counted.
+    /// Notes that the due reading was not new: the status shows that the previous reading took the data. If the
+    /// previous reading was the first one, it was late. The samples that it missed were lost before it, and are not
+    /// counted.
     pub fn stale(&mut self) {
         if self.taken.is_some_and(|taken| taken.first) {
             self.timeline.begin();
@@ -392,19 +393,20 @@ impl Sampler {
     }
 
     /// Notes that the part has been initialised anew, so that its conversions have another phase. The samples that
-    /// were lost in the gap are counted at the next sample, to within one. Discard the edges from before: if one
-    /// is passed on later, the count is right to within two.
+    /// were lost in the gap are counted at the next sample, to within one. Discard the edges from before the
+    /// initialisation. If one is passed to [`edge`](Self::edge) later, the count is right to within two.
     pub fn restarted(&mut self) {
         self.timeline.restart();
         self.heard_ns = None;
     }
 
-    /// Time since which the part has been silent. `None` until `now_ns` (of the clock of [`Edge::t_ns`]) is more than
-    /// [`silence_ns`](Self::silence_ns) after the last edge. A silent part has lost its supply or its configuration,
-    /// or RDY is cut.
+    /// Returns the time of the last edge if the part has been silent since. `None` until `now_ns` (of the clock of
+    /// [`Edge::t_ns`]) is more than [`silence_ns`](Self::silence_ns) after it. A silent part has lost its supply or
+    /// its configuration, or RDY is cut.
     ///
     /// Before the first edge, and after [`restarted`](Self::restarted), the time counts from the first call on. The
-    /// clock may wrap, and `now_ns` may be older than the last edge. Hand over edges that wait before you ask.
+    /// clock may wrap, and `now_ns` may be older than the last edge. Pass all edges that are still queued to
+    /// [`edge`](Self::edge) before this call.
     pub fn silent_since(&mut self, now_ns: u64) -> Option<u64> {
         let heard_ns = *self.heard_ns.get_or_insert(now_ns);
         let silence_ns = now_ns.wrapping_sub(heard_ns) as i64;
@@ -438,7 +440,7 @@ impl Sampler {
         self.until_temp == 0 && self.rules.every_temp > 0 && !self.seeks_rate
     }
 
-    /// The pause that follows a reading that is due now, unless it is taken.
+    /// Returns the number of edges to skip after the reading that is due now, unless it is taken.
     fn pause_after_failure(&mut self) -> u16 {
         let failed_before = self.untaken;
         self.untaken = failed_before.saturating_add(1);

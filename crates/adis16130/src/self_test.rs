@@ -8,12 +8,12 @@ use crate::RATE_LSB_PER_DPS;
 use crate::codes::RateCode;
 use crate::wait::WaitBound;
 
-/// Number of batches per level. Neighbouring samples are correlated by the bandwidth (F-03), but means of batches
-/// hardly are. So the scatter of the batch means gives a correct uncertainty. The scatter of the samples would give
-/// one several times too small.
+/// Number of batches at each level of the self-test pin. Neighbouring samples are correlated by the bandwidth (F-03),
+/// but means of batches hardly are. So the scatter of the batch means gives a correct uncertainty. The scatter of the
+/// samples would give one several times too small.
 const BATCHES: u32 = 16;
 
-/// The plan of a self-test.
+/// How a self-test measures: number of samples, settling time, and longest wait for a sample.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -24,8 +24,8 @@ pub struct SelfTestPlan {
 }
 
 impl SelfTestPlan {
-    /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test. Take a second's
-    /// worth or more: each of the 16 batches must be long compared with 1/(300 Hz).
+    /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test. Use the samples of a
+    /// second or more, since each of the 16 batches must be long compared with 1/(300 Hz).
     pub const fn new(samples: u16) -> Self {
         let per_batch = match NonZeroU16::new(samples.div_ceil(BATCHES as u16)) {
             Some(per_batch) => per_batch,
@@ -56,13 +56,14 @@ impl SelfTestPlan {
         self.bound
     }
 
-    /// Number of samples per level.
+    /// Number of rates averaged without the self-test. The same number is averaged with it.
     pub const fn samples(&self) -> u32 {
         BATCHES * self.per_batch.get() as u32
     }
 }
 
-/// The measured effect of the self-test. Its proper size is not known, so nothing is judged (F-11).
+/// The measured effect of the self-test. The size that it should have is not known, so the driver does not judge it
+/// (F-11).
 #[derive(Copy, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -71,7 +72,7 @@ pub struct SelfTest {
     pub shift_dps: f32,
     /// Standard uncertainty of `shift_dps` from the scatter, in °/s.
     pub u_dps: f32,
-    /// Number of samples per level.
+    /// Number of rates averaged without the self-test. The same number is averaged with it.
     pub n: u32,
 }
 
@@ -87,7 +88,7 @@ impl SelfTest {
     }
 }
 
-/// The sum of the codes at one level of the pin, exact, and the scatter of its batches.
+/// The exact sum of the codes at one level of the self-test pin, and the scatter of the batch sums.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Level {
     total: i64,
@@ -131,7 +132,8 @@ fn sqrt(x: f32) -> f32 {
 pub(crate) struct Active<'a, P: OutputPin>(Option<&'a mut P>);
 
 impl<'a, P: OutputPin> Active<'a, P> {
-    /// Sets the pin high. The guard owns the pin before that, so that a failed attempt releases it too.
+    /// Sets the pin high. The guard holds the pin already during the attempt, so that a failed one sets the pin low
+    /// again.
     pub(crate) fn activate(pin: &'a mut P) -> Result<Self, P::Error> {
         let mut active = Self(Some(pin));
         active.0.as_mut().map_or(Ok(()), |pin| pin.set_high())?;

@@ -23,7 +23,7 @@ impl PollInterval {
     }
 }
 
-/// The longest wait for data.
+/// The longest time to wait for data, and how often a blocking wait reads the pin.
 ///
 /// ```
 /// use adis16130::WaitBound;
@@ -44,7 +44,8 @@ impl WaitBound {
         Self { timeout_us, poll: PollInterval::DEFAULT }
     }
 
-    /// Sets the interval at which the blocking driver reads the pin. The async driver is woken by the edge.
+    /// Sets the interval at which the blocking driver reads the pin. The async driver is woken by the pin and does not
+    /// use it.
     pub const fn with_poll(mut self, poll: PollInterval) -> Self {
         self.poll = poll;
         self

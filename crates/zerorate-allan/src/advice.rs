@@ -91,7 +91,7 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
         let tau_s = tau_s(step);
         deviation(fit, tau_s) < FILTERED_BELOW * fit.n.value / libm::sqrt(tau_s)
     };
-    // ratio of the deviation one octave later
+    // the deviation one octave later divided by the deviation at this step
     let change = |step: u32| deviation(fit, 2.0 * tau_s(step)) / deviation(fit, tau_s(step));
     let before_the_last = ((octaves - 1.0).max(0.0) * STEPS_PER_OCTAVE) as u32;
     let last_fall = (0..before_the_last).rev().find(|step| change(*step) * FLAT_WITHIN < 1.0).unwrap_or(0);

@@ -12,9 +12,9 @@ use core::fmt;
 /// The settings of an analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// The statistic.
+    /// The statistic to compute.
     pub stat: Stat,
-    /// The averaging times.
+    /// The averaging times at which it is computed.
     pub taus: Taus,
     /// Probability that the limits enclose the true deviation, above 0 and below 1: 0.683 for one sigma.
     pub confidence: f64,
@@ -38,9 +38,9 @@ pub struct Point {
     pub m: u64,
     /// The deviation: unit of the input (for phase: per s) times [`Options::scale`]. TDEV has that unit times s.
     pub dev: f64,
-    /// Lower confidence limit, same unit.
+    /// Lower confidence limit, in the unit of `dev`.
     pub lo: f64,
-    /// Upper confidence limit, same unit.
+    /// Upper confidence limit, in the unit of `dev`.
     pub hi: f64,
     /// Equivalent degrees of freedom behind the limits, 1 or more. Gaps reduce them in proportion to the terms
     /// that are lost. They assume a noise exponent of at most the last one identified from 128 averages (in
@@ -64,7 +64,7 @@ pub struct Unavailable {
 /// The deviations of a record, by averaging time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
-    /// The statistic.
+    /// The statistic that was computed.
     pub stat: Stat,
     /// Samples per second.
     pub rate_hz: f64,

@@ -13,8 +13,8 @@ const BLOCKS: usize = 128;
 /// Highest order of the polynomial.
 pub const MOST_ORDER: usize = 3;
 /// The rate follows the temperature if twice the gain in log-likelihood is above this. χ² of one degree of freedom
-/// exceeds it once in 130 000. At most one in 400 records of walk, flicker and white noise during a warm-up exceeds it
-/// (the tests below).
+/// exceeds it once in 130 000. A test below shows that at most one of 400 records of random walk, flicker and white
+/// noise during a warm-up exceeds it.
 const SIGNIFICANT: f64 = 20.0;
 /// The least share of the slow variance that a line over temperature must explain.
 const LEAST_EXPLAINED: f64 = 0.25;
@@ -159,7 +159,7 @@ impl DetrendedRate {
     }
 
     /// Corrects K for the share of a random walk that the polynomial removes on average. The value and the upper limit
-    /// rise. The lower limit stays, because nothing may have been removed.
+    /// rise. The lower limit stays, because the polynomial may have removed none of the random walk.
     #[must_use]
     pub fn widened_walk(&self, k: &super::Coefficient) -> super::Coefficient {
         let gain = 1.0 / sqrt(self.walk_kept);
@@ -310,7 +310,7 @@ fn allan(covariance: &[Vec<f64>], m: usize) -> f64 {
 /// Number of mixtures of random walk and white noise that are tried.
 const MIXTURES: usize = 25;
 
-/// Variance of a step of the walk per variance of the white noise: 0, and 2⁻¹² … 2¹¹.
+/// Variance of a step of the random walk divided by the variance of the white noise: 0, and 2⁻¹² … 2¹¹.
 fn mixture(k: usize) -> f64 {
     if k == 0 { 0.0 } else { exp2(k as f64 - 13.0) }
 }
@@ -398,7 +398,7 @@ mod tests {
         assert!((coefficients[0] - (0.04 + 0.002 * (mean_c - 30.0))).abs() < 1e-4, "{coefficients:?}");
     }
 
-    /// A line over time leaves 6/15 of a walk's variance.
+    /// After a line over time is removed, 6/15 of the variance of a random walk is left.
     #[test]
     fn a_line_leaves_six_fifteenths_of_a_walk() {
         let temps: Vec<f64> = (0..4000).map(f64::from).collect();
@@ -414,7 +414,8 @@ mod tests {
         assert!(cubic.walk_kept() < line.walk_kept());
     }
 
-    /// The interval of K of a warming sensor, 1e-4 (M-04), allows for the loss to a line or a parabola.
+    /// A line or a parabola over temperature is removed from the rate of a warming sensor with K = 1e-4 °/s/√s (M-04).
+    /// The widened interval of K includes this value in at least 13 of 15 records.
     #[cfg(feature = "std")]
     #[test]
     fn the_interval_of_k_holds_what_the_polynomial_took() {

@@ -182,7 +182,7 @@ impl Case {
             .sum()
     }
 
-    /// s_x: the same covariance of the phase, averaged over τ/F.
+    /// s_x: covariance of two points of the phase that are t τ apart, averaged over τ/F, up to a constant factor.
     fn sx(&self, t: f64, filter: f64) -> f64 {
         if filter.is_infinite() {
             return sw(t, self.alpha + 2);
@@ -224,7 +224,8 @@ fn binomial(n: u32, k: u32) -> f64 {
     (1..=k).fold(1.0, |product, i| product * f64::from(n + 1 - i) / f64::from(i))
 }
 
-/// Table 1 of the paper, (a0, a1): α = 2 … −4, d = 1, 2, 3. Pairs that do not converge are never looked up.
+/// Table 1 of the paper, (a0, a1) of modified variances: α = 2 … −4, d = 1, 2, 3. Pairs that do not converge are
+/// never looked up.
 const MODIFIED: [[(f64, f64); 3]; 7] = [
     [(2.0 / 3.0, 1.0 / 3.0), (7.0 / 9.0, 1.0 / 2.0), (22.0 / 25.0, 2.0 / 3.0)],
     [(0.840, 0.345), (0.997, 0.616), (1.141, 0.843)],
@@ -235,7 +236,7 @@ const MODIFIED: [[(f64, f64); 3]; 7] = [
     [NONE, NONE, (1.489, 0.702)],
 ];
 
-/// Table 2, the same for unmodified variances.
+/// Table 2 of the paper, (a0, a1) of unmodified variances: α = 2 … −4, d = 1, 2, 3.
 const UNMODIFIED: [[(f64, f64); 3]; 7] = [
     [(3.0 / 2.0, 1.0 / 2.0), (35.0 / 18.0, 1.0), (231.0 / 100.0, 3.0 / 2.0)],
     [(78.6, 25.2), (790.0, 410.0), (9950.0, 6520.0)],

@@ -94,7 +94,7 @@ impl<'t> Document<'t> {
         })
     }
 
-    /// The root table.
+    /// The root table of the file. [`Entry::at`] finds the entries in it.
     #[must_use]
     pub fn root(&self) -> Entry<'_> {
         Entry { document: self, value: Some(&self.root), key: "", byte: None }

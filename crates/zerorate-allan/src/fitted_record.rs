@@ -6,7 +6,7 @@ use crate::{
 };
 use alloc::vec::Vec;
 
-/// The result of the steps before the analysis.
+/// How the dependence of the rate on temperature was treated before the analysis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preparation {
     /// The rate without a polynomial over temperature, if one was removed.

@@ -14,7 +14,7 @@ pub enum Input<'a> {
     Phase(&'a [f64]),
 }
 
-/// Samples that were lost.
+/// A place in a record at which one or more adjacent samples were lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gap {
     /// Index of the first sample after the gap.

@@ -27,7 +27,7 @@ pub enum Cause {
     Filter,
     /// Most samples repeat the one before.
     CoarseCodes,
-    /// None of these causes.
+    /// The record shows none of the other causes.
     Unknown,
 }
 

@@ -368,7 +368,8 @@ mod tests {
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[]), vec![0; 0]);
     }
 
-    /// One in ten white records of 41 averages is taken for phase noise; hardly any gets its degrees of freedom.
+    /// With 41 averages, white noise is taken for phase noise in one of ten records. At most 4 of 200 records get the
+    /// degrees of freedom of phase noise.
     #[test]
     fn few_averages_do_not_make_degrees_of_freedom() {
         let white = white(200 * 5_000);

@@ -3,7 +3,7 @@
 use super::{Gap, Input};
 use alloc::vec::Vec;
 
-/// Number of points in a run.
+/// Largest number of points in a run.
 const BLOCK: usize = 4096;
 const LANES: usize = 8;
 
@@ -56,7 +56,7 @@ pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
     }
 }
 
-/// Mean of the samples present, in a fixed number of lanes: fast, and the same on every machine. 0 without samples.
+/// Mean of the samples present; 0 without samples. The number of partial sums is fixed, so every machine rounds alike.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 fn mean_of_present(rate: &[f64]) -> f64 {
     let (mut sums, mut counts) = ([0.0; LANES], [0.0; LANES]);

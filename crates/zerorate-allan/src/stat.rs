@@ -196,7 +196,8 @@ mod tests {
         assert_eq!(error.to_string(), "not a statistic; there are adev oadev mdev tdev hdev ohdev totdev");
     }
 
-    /// Order d, S = m and F = 1 (NIST SP 1065 section 5.4.1), and the handbook's unit and expected value, typed again.
+    /// The order d, whether S = m and whether F = 1 (NIST SP 1065 section 5.4.1), the unit and the expected value are
+    /// typed again from the handbook.
     #[test]
     fn rows_are_those_of_the_handbook() {
         let of = |order, overlapped, modified| Some(Difference { order, overlapped, modified });

@@ -11,8 +11,8 @@ use core::str::FromStr;
 pub enum Taus {
     /// 1, 2, 4, 8 … samples.
     Octave,
-    /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four per octave, for a plot. Lengths that double
-    /// share most of their data, so they cost less than as many other lengths.
+    /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four per octave, for a plot. A length and its double
+    /// read mostly the same data from memory, so these lengths cost less than as many others.
     Fine,
     /// 1, 2, 4, 10, 20, 40, 100 … samples.
     Decade,
@@ -56,7 +56,7 @@ fn seconds(text: &str) -> Result<f64, TausError> {
 /// The part of a text that [`Taus::from_str`] does not accept.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TausError {
-    /// The part is neither one of the words nor a time.
+    /// The part is neither a name, such as `octave`, nor a time above 0 s.
     Time(String),
     /// The part after `log:` is not a positive whole number.
     Count(String),
@@ -88,7 +88,7 @@ pub fn longest(stat: Stat, phase_points: u64) -> u64 {
 }
 
 impl Taus {
-    /// Lengths in samples from 1 to `longest`, ascending, each once. Empty for a list; see [`nearest`].
+    /// Lengths in samples from 1 to `longest`, ascending, each once. Empty for a list: [`nearest`] converts its times.
     pub(crate) fn lengths(&self, longest: u64) -> Vec<u64> {
         let up_to = |m: &u64| *m <= longest;
         match self {

@@ -18,7 +18,7 @@ pub enum AllanWarning {
     QuantisationLimited { q: f64, below_s: f64 },
     /// The rate drifts evenly.
     Drift { r: f64, over_record: f64 },
-    /// Samples were replaced.
+    /// Samples that noise does not explain were replaced by straight lines.
     Glitches { glitches: u64, samples: u64, ratio: f64 },
     /// So many samples stand out of their neighbours that none was replaced.
     ManyGlitches { most: f64 },
@@ -41,15 +41,15 @@ pub enum AllanWarning {
     DriftOrWalk { has_drift: bool, worse: f64 },
     /// A periodic disturbance explains the slow noise better than a random walk. `k` is K without it, unit/√s.
     PeriodOrWalk { period_s: f64, k: f64 },
-    /// The halves of the record differ.
+    /// One half of the record is noisier: `ratio` is the deviation of the first half divided by that of the second.
     Unsteady { tau_s: f64, ratio: f64 },
-    /// The samples are too few to show the sensor's band.
+    /// The samples are too few to show how the sensor's filter shapes the noise.
     ShortRecord { samples: u64, needed: u64 },
     /// A line is so strong that its leakage may be taken for noise: up to `share` of the fitted noise.
     Leakage { frequency_hz: f64, share: f64 },
-    /// The measured curve differs from the model's.
+    /// The measured deviations differ from the model by more than 10 % and chance, in this many octaves.
     OffCurve { tau_s: f64, ratio: f64, octaves: usize },
-    /// The model is off by more than the limit.
+    /// The model is rejected: it is wrong by the share `error`, and the limit is `most`.
     Rejected { error: f64, most: f64, misfit: crate::Misfit },
     /// The slow rate follows the temperature: `explained` is the share of its variance, `slope` its change per °C.
     FollowsTemperature { explained: f64, slope: f64, span_c: f64 },
@@ -180,7 +180,7 @@ impl fmt::Display for AllanWarning {
     }
 }
 
-/// One of the noises of the model.
+/// A noise that one coefficient of the model describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Noise {
     /// Angle quantisation Q.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use zerorate_allan::{Input, Options, Point, Stat, Taus, analyse, interval};
 
-/// Print precision of the tables.
+/// Largest relative rounding error of the printed deviations, and of the printed limits.
 const DEVIATION: f64 = 5e-5;
 const LIMITS: f64 = 5e-4;
 const CONFIDENCE: f64 = 0.683;
@@ -29,12 +29,12 @@ struct Row {
     hi: f64,
 }
 
-/// How the rows of a data set compare.
+/// Numbers of rows of a data set: all rows, and those with confidence limits.
 #[derive(Debug, Default, PartialEq)]
 struct Tally {
     rows: usize,
     limits: usize,
-    /// Noise types that only Stable32's own rule gives.
+    /// Rows whose noise type only the rule of Stable32 gives.
     own_rule: usize,
 }
 

@@ -1,4 +1,5 @@
-//! The command line: the names of all commands. Each command defines its options in its own file.
+//! The command line: all commands and the option that they share. Most commands define their own options in a file of
+//! their own.
 
 use crate::commands::{
     allan::{self, AllanArgs},
@@ -58,7 +59,7 @@ pub struct Cli {
 }
 
 impl Cli {
-    /// Runs the command.
+    /// Runs the command that the user gave. `exit::report` turns the error into an exit code.
     pub fn run(&self) -> Result<()> {
         match &self.command {
             Command::Probe(args) => probe::run(args),
@@ -86,14 +87,15 @@ impl Cli {
         }
     }
 
-    /// Applies the limit on memory.
+    /// Limits the memory for reading files to `--max-memory`, or else to half of the machine's. If that is unknown,
+    /// the default of the library applies.
     pub fn set_limits(&self) {
         if let Some(bytes) = self.max_memory.or_else(memory::half) {
             limits::set_max_memory(bytes);
         }
     }
 
-    /// Describes what a command is doing, if it has no progress bar. `None` for all other commands.
+    /// Describes the work of a command that reads whole files without a progress bar. `None` for all other commands.
     pub fn activity(&self) -> Option<String> {
         use Command::{Allan, Correct, Imu, Repair, Tempcal, Verify};
         let (Allan(_) | Imu(_) | Tempcal(_) | Correct(_) | Verify(_) | Repair(_)) = self.command else { return None };

@@ -7,7 +7,7 @@ use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::Columns;
 use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, RawType, RowFilter, Setting, TimeUnit, Unit};
 
-/// How a log is read: options that `allan` and `imu` share.
+/// How a log is read: options that `allan`, `imu` and `tempcal` share.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "The log")]
 pub struct LogArgs {
@@ -81,7 +81,7 @@ impl LogArgs {
         self.topic.get(1..).unwrap_or_default()
     }
 
-    /// The settings for the reader of the log. Messages use `names` for the options.
+    /// The settings with which the log is read. Error messages name each option as `names` states it.
     pub fn options(&self, names: Names) -> ColumnOptions {
         ColumnOptions {
             topic: self.topic.first().cloned(),
@@ -146,7 +146,7 @@ impl ColumnArgs {
         }
     }
 
-    /// The selected columns.
+    /// The columns to analyse: all, those of a list, or a single one, which [`Self::options`] may name.
     pub fn columns(&self) -> Columns {
         match self.column.as_deref().filter(|_| self.is_list()) {
             Some(list) => listed(list).map_or(Columns::All, Columns::Listed),
@@ -154,14 +154,14 @@ impl ColumnArgs {
         }
     }
 
-    /// The settings for reading the columns, which the log does not state.
+    /// The settings for reading the log, with the given name, unit and scale of the column.
     pub fn options(&self) -> ColumnOptions {
         let Self { column, unit, scale, log } = self;
         ColumnOptions { column: column.clone(), unit: *unit, scale: *scale, ..log.options(Names(flag)) }
     }
 }
 
-/// The value that selects all columns of numbers.
+/// The value of an option that selects all columns of numbers.
 const ALL: &str = "all";
 
 /// Splits a list at its commas. `None` means all columns.

@@ -34,8 +34,8 @@ const LARGE_PAGES: &str = "glibc.malloc.hugetlb=1";
 /// Memory of the program apart from the content of the files: threads, tables, results.
 const PROGRAM_BYTES: u64 = 256 << 20;
 
-/// Exit code of a child that could not start this program without the parent noticing, as in QEMU's user mode. The
-/// program itself never exits with this code.
+/// Exit code of a child process in which this program could not be started, if starting the child seemed to succeed,
+/// as in QEMU's user mode. The program itself never exits with this code.
 const NOT_STARTED: i32 = 127;
 
 /// The role of this process.
@@ -69,8 +69,9 @@ fn limit(files: &[&Path]) -> Bytes {
     Bytes(limits::for_size(sizes).saturating_add(PROGRAM_BYTES - limits::FREE_BYTES).min(limits::max_memory()))
 }
 
-/// Limits the memory of this process. Only memory that is written to counts, not reserved address space. If the
-/// limit cannot be set, the readers' own limits still apply.
+/// Limits the memory of this process, turns off its core dump, and ends it when its parent ends. Private writable
+/// memory counts. Address space that is reserved without access does not. If the limit cannot be set, the readers' own
+/// limits still apply.
 fn confine(Bytes(limit): Bytes) {
     let _ = setrlimit(Resource::Data, Rlimit { current: Some(limit), maximum: Some(limit) });
     let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
@@ -78,8 +79,8 @@ fn confine(Bytes(limit): Bytes) {
 }
 
 /// Starts the child and waits for it. The child has our standard streams. The kernel sends Ctrl-C to both processes;
-/// signals from other processes are passed on. The child starts before the handlers are installed, so that it
-/// inherits which signals are ignored.
+/// SIGINT and SIGTERM from other processes are passed on. The child starts before the handlers are installed, so that
+/// it inherits which signals are ignored.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut command = Command::new("/proc/self/exe");

@@ -48,7 +48,7 @@ impl SourceArgs {
 }
 
 impl DeviceArgs {
-    /// Opens the device. From here on Ctrl-C requests a clean end.
+    /// Opens the device. After this call, the first Ctrl-C only requests a clean end.
     pub fn open(&self, setup: Setup) -> Result<Acquisition> {
         self.open_at(setup, false)
     }
@@ -74,7 +74,7 @@ impl Deref for DeviceArgs {
     }
 }
 
-/// How often to read the sensor. For a replayed capture this is fixed.
+/// How often to read the sensor. A replayed capture has these settings from its recording.
 #[derive(Args, Debug, Clone, Copy)]
 pub struct SamplingArgs {
     /// Read the temperature with every N-th rate sample only, for a slow host [default: 1].

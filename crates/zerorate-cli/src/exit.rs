@@ -59,7 +59,7 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
 }
 
-/// True if it is a usage error: another command line, or another build, would succeed.
+/// True if one of these errors is a usage error: a file name has an unknown extension, or this build lacks a format.
 fn is_request(capture: Option<&CaptureError>, log: Option<&LogError>) -> bool {
     let is_missing = |error: &InputError| matches!(error, InputError::NotBuiltIn { .. });
     let of_capture = capture.is_some_and(|error| match error {

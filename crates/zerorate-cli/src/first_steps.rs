@@ -18,7 +18,7 @@ const LINES: [&str; 5] = [
     "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
 ];
 
-/// Commands that users may look for but that other programs provide, and how to install those from a clone.
+/// Commands that users may look for but that this program does not have, and where to find what they do.
 const ELSEWHERE: [(&str, &str); 3] = [
     ("version", "is an option: zerorate --version"),
     ("fleet", "is in the Python package: pip install './bindings/python[fleet]' in a clone"),
@@ -42,8 +42,8 @@ pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
     Ok(cli)
 }
 
-/// Parses the command line. Options accept negative numbers, so that their own errors can state the limits, and
-/// named values in any case.
+/// Parses the command line. Options accept negative numbers, so that their own errors can state the limits. Named
+/// values may be in upper or lower case.
 fn parsed<T: Into<OsString> + Clone>(args: impl IntoIterator<Item = T>) -> Result<Cli, Error> {
     let lenient = |arg: Arg| match arg.get_action().takes_values() && !arg.is_positional() {
         true => arg.allow_negative_numbers(true).ignore_case(true),
@@ -106,7 +106,7 @@ fn usage(error: &Error) -> String {
     }
 }
 
-/// A tip about a value that is not a number that the option accepts.
+/// A tip about a value that the option does not accept as a number; `None` if there is no tip.
 fn of_number(value: &str, why: Option<&(dyn std::error::Error + 'static)>) -> Option<String> {
     let is_whole = || why.is_some_and(|why| why.is::<ParseIntError>());
     let is_float = || why.is_some_and(|why| why.is::<ParseFloatError>());

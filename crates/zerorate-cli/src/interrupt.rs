@@ -1,7 +1,7 @@
 //! Ctrl-C, SIGTERM and SIGHUP. The first signal requests a clean end if a loop listens for it; otherwise it ends the
-//! program. A second signal ends the program at once, or after two seconds while a chamber is being set to its safe
+//! program. A second signal ends the program at once, or within two seconds while a chamber is being set to its safe
 //! temperature. Signals within half a second count as one, because programs such as `timeout` send two. Temporary
-//! files are always removed. A program that was started by `nohup` continues when its terminal is closed.
+//! files are always removed. On Linux, a program that was started by `nohup` continues when its terminal is closed.
 
 use crate::{exit_message, output};
 use anyhow::Context;
@@ -25,7 +25,8 @@ const SAME: Duration = Duration::from_millis(500);
 /// Time after a second signal for work that must not be interrupted.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Installs the signal handler. From here on a signal ends the program. Call it before any command runs.
+/// Installs the signal handler. Until [`listen`] is called, a signal then ends the program. Call it before any command
+/// runs.
 pub fn handle() -> anyhow::Result<()> {
     // a process such as Python may run several command lines
     if HANDLED.set(()).is_ok() {
@@ -39,7 +40,7 @@ pub fn stop() -> &'static Stop {
     STOP.get_or_init(Stop::default)
 }
 
-/// From here on the first signal only requests [`stop`].
+/// After this call, the first signal does not end the program, but only requests [`stop`].
 pub fn listen() {
     LISTENED_TO.store(true, Ordering::Relaxed);
 }

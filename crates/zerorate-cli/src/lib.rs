@@ -36,7 +36,7 @@ use std::process::ExitCode;
 
 /// Runs the command line `args`, program name first. Returns 0 for success, 1 failure, 2 usage error, 3 refusal.
 ///
-/// For help, `--version` and command lines that cannot be parsed, clap ends the process.
+/// `zerorate help` may end the process, because clap prints its text.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args: Vec<OsString> = args.into_iter().collect();
     match first_steps::parse(&args) {

@@ -39,7 +39,7 @@ impl Kind {
 pub struct Pictures(Vec<(Kind, StagedOutput)>);
 
 impl Pictures {
-    /// Claims the files.
+    /// Claims a file for each path, whose extension states the format of the plot.
     ///
     /// # Errors
     /// Returns an error if a path has no extension of a plot, or if its file must not be written.
@@ -63,7 +63,7 @@ impl Pictures {
     }
 }
 
-/// Writes a plot in its format.
+/// Writes the plot `svg` to a file, as SVG or converted to PNG.
 pub fn write(kind: Kind, file: StagedOutput, svg: &str) -> Result<()> {
     match kind {
         Kind::Svg => Ok(file.fill(svg.as_bytes())?),

@@ -41,7 +41,7 @@ impl Meter {
         self.bar.set_position((done / (done + left).max(f64::MIN_POSITIVE) * STEPS as f64) as u64);
     }
 
-    /// True if the bar is hidden.
+    /// True if the bar is hidden. The text of the current step is then not needed.
     pub fn is_hidden(&self) -> bool {
         self.bar.is_hidden()
     }

@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 /// A parsed address, without its kind: the text after the colon.
 pub(crate) trait Address: fmt::Debug + Send + Sync {
-    /// Opens the device. `name` is the address as the user wrote it. Sends nothing yet. `stop` ends every long wait.
+    /// Opens the device. `name` is the address as the user wrote it. [`Source::initialise`] initialises the part
+    /// later. `stop` ends every long wait.
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>>;
 
     /// The path of the recording; `None` for any other device.

@@ -12,7 +12,7 @@ pub trait Edges {
     /// The current time on the clock of the edges, as text for messages.
     fn now(&self) -> String;
 
-    /// Pauses for `ns` nanoseconds.
+    /// Pauses for `ns` nanoseconds on the clock of the edges, which may be simulated.
     fn pause(&mut self, ns: u64) {
         std::thread::sleep(Duration::from_nanos(ns));
     }

@@ -14,7 +14,7 @@ use zerorate_record::{CaptureError, CaptureReader};
 /// because they have no length and maybe no end.
 ///
 /// # Errors
-/// Returns an error if the file is not a regular file or cannot be opened.
+/// Returns an error if the file is a pipe, a socket or a device, or if it cannot be opened.
 pub fn open(path: &Path) -> Result<Input, InputError> {
     let failed = |error| InputError::io("read", path, error);
     let metadata = path.metadata().map_err(|error| failed(not_an_address(path, error)))?;
@@ -103,7 +103,8 @@ pub fn listed(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// Length of a log on disk, without holes, bytes. A pipe may have any length and counts as the largest.
+/// Length of a log on disk, without holes, bytes. It is `u64::MAX` for standard input, and 0 for a log that cannot be
+/// opened.
 pub fn log_length(path: &Path) -> u64 {
     let length = |path: &Path| open(path).ok().and_then(|input| input.stored().ok()).unwrap_or(0);
     match path {

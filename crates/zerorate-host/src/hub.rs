@@ -1,8 +1,9 @@
 //! One thread reads a device and distributes the samples to all readers.
 //!
-//! A reader that needs every sample (a recorder, the procedure) uses a [`LosslessReader`], for which the thread waits.
-//! If the reader is too slow, samples are lost before they reach the thread, and later samples count them. The thread
-//! never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and is told their number.
+//! A reader that needs every sample (for example one that records a capture) uses a [`LosslessReader`], for which the
+//! thread waits. If the reader is too slow, samples are lost before they reach the thread, and later samples count
+//! them. The thread never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and is
+//! told their number.
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
@@ -26,7 +27,7 @@ const LIVE_BATCH: Duration = Duration::from_millis(20);
 /// Number of batches that can wait for a lossless reader.
 const QUEUE: usize = 16;
 
-/// Consecutive samples.
+/// Consecutive samples, with the warnings and the losses up to the last of them.
 #[derive(Debug, Default)]
 pub struct Batch {
     /// The samples in order of time, checked so that a capture can hold them.
@@ -35,13 +36,13 @@ pub struct Batch {
     pub notes: Vec<SourceWarning>,
     /// The warnings about the timestamps of all samples so far.
     pub doubts: Vec<CaptureWarning>,
-    /// Losses between the part and this thread, since the start.
+    /// Losses between the part and the hub, since the start.
     pub losses: Losses,
-    /// The twin's true state of each axis after the last sample.
+    /// The true state of each axis of a simulated part after the last sample; empty for any other device.
     pub truths: Vec<Truth>,
 }
 
-/// A thread that reads a device.
+/// A thread that reads a device, and the subscriptions to its samples.
 #[derive(Debug)]
 pub struct Hub {
     facts: DeviceInfo,
@@ -117,8 +118,8 @@ enum Request {
 }
 
 impl Hub {
-    /// Opens the device in a new thread. Nothing is sent to the part yet. A `stop` ends the samples without an error,
-    /// as the end of a recording does.
+    /// Opens the device in a new thread. [`Source::initialise`] initialises the part later. A `stop` ends the samples
+    /// without an error, as the end of a recording does.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -127,7 +128,8 @@ impl Hub {
         Self::start(move || spec.open(&setup, &inner), stop)
     }
 
-    /// Starts a hub for the source that `open` returns. It is made in the thread, so it need not be `Send`.
+    /// Starts a hub for the source that `open` returns. The source is made in the thread of the hub, so it need not
+    /// be `Send`.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -296,8 +298,8 @@ impl BatchBuilder {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
     }
 
-    /// Fills a batch until it is full, long enough or marked; returns `None` then. Otherwise returns how reading
-    /// ended.
+    /// Fills a batch. Returns `None` if it is full, spans its longest duration, or reached a mark. Otherwise returns
+    /// how reading ended.
     fn fill(&mut self, batch: &mut Batch, source: &mut dyn Source, is_over: impl Fn() -> bool) -> Option<Result<()>> {
         let longest_ns = self.longest_ns().unwrap_or(u64::MAX);
         loop {
@@ -321,7 +323,7 @@ impl BatchBuilder {
     }
 }
 
-/// The thread's state.
+/// The part of the hub that runs in the reading thread.
 struct Worker {
     subscribers: Subscribers,
     speed: Speed,
@@ -408,7 +410,7 @@ fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &St
     }
 }
 
-/// Sleep between attempts while a queue is full: short compared with the samples in the queue.
+/// Sleep between attempts while a queue is full. A full queue of a live device holds 0.3 s of samples.
 const FULL_QUEUE: Duration = Duration::from_micros(200);
 
 impl Subscriber {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[cfg(target_os = "linux")]
 use crate::{iio::IioAddress, spi::SpiAddress};
 
-/// A kind of device.
+/// A kind of device, with the prefix and the syntax of its addresses.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
     /// The prefix of the addresses, before the colon.
@@ -74,7 +74,7 @@ impl DeviceSpec {
         self.address.is_simulated()
     }
 
-    /// Opens the device. Nothing is sent to the part yet. `stop` ends every long wait.
+    /// Opens the device. [`Source::initialise`] initialises the part later. `stop` ends every long wait.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.

@@ -33,13 +33,14 @@ const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_0
 /// Number of times that the whole configuration must be read back correctly at each clock.
 const READ_BACKS: u32 = 20;
 
-/// Number of samples with and without the self-test: batches of 64, long compared with the bandwidth (F-03).
+/// Number of rates averaged without the self-test. The same number is averaged with it. They form 16 batches of 64
+/// rates, 11 ms each at the full rate.
 const SELF_TEST_SAMPLES: u16 = 1024;
 
 /// Time without a sample that is an error, ns.
 const SILENCE_NS: u64 = 1_000_000_000;
 
-/// Number of sample periods without a sample that is an error, if it is longer than [`SILENCE_NS`].
+/// A silence of this many sample periods is an error if it is longer than [`SILENCE_NS`].
 const SILENT_PERIODS: f64 = 20.0;
 
 /// Time in which an initialised part produces many edges (F-32), ns.
@@ -120,7 +121,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(Registers { config: self.config, values: self.part.read_all()?.to_vec() })
     }
 
-    /// Reads the next sample.
+    /// Waits for an edge, and reads the next sample. A read that fails for a temporary reason counts as a lost
+    /// sample.
     #[inline]
     pub fn next(&mut self) -> Result<Sample> {
         loop {

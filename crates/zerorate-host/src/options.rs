@@ -39,7 +39,8 @@ impl PartOptions {
         Self { config: Config::new(), divided: 1, bandwidth_hz: None }
     }
 
-    /// Settings for a host that is too slow for the note's framing: CS stays low for a whole command (F-22).
+    /// Settings for a host that is too slow for the framing of the application note. CS stays low for a whole command
+    /// (F-22).
     pub const fn of_host() -> Self {
         Self { config: Config::new().with_framing(Framing::Command), ..Self::new() }
     }

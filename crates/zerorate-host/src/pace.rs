@@ -46,7 +46,7 @@ impl Speed {
         self.0.store(factor.to_bits(), Ordering::Relaxed);
     }
 
-    /// The speed.
+    /// The speed as a multiple of real time; 0 means as fast as the reader accepts samples.
     #[inline]
     #[must_use]
     pub fn factor(&self) -> f64 {

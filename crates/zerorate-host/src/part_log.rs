@@ -10,7 +10,8 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Largest distance of a value from a whole code, in codes, that still is rounding of a decimal or of a unit.
+/// Values may be this far from a whole code without a warning, in codes. Rounded decimals and units explain that
+/// much.
 const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes and the temperature of a part.
@@ -171,7 +172,7 @@ fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Resu
 struct Coding<'a> {
     path: &'a Path,
     scale: Scale,
-    /// Size of the column's unit in the unit of the scale; `None` if the column holds codes.
+    /// The column's unit as a multiple of the unit of the scale; `None` if the column holds codes.
     unit: Option<f64>,
     /// Name of the unit of the scale.
     name: &'static str,

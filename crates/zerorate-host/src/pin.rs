@@ -10,7 +10,6 @@ use std::fmt;
 /// Longest single wait for an edge, ns.
 const LOOK_NS: u64 = 1_000_000;
 
-/// The error of a pin.
 pub struct PinError(String);
 
 impl PinError {

@@ -63,7 +63,7 @@ impl Reader {
         Ok(Self { samples: Some(samples), overflowed, thread: Some(thread) })
     }
 
-    /// Waits for the next sample.
+    /// Waits for the next sample, or for the error that ended the thread.
     pub fn next(&self) -> Result<Sample> {
         let sample = self.samples.as_ref().and_then(|samples| samples.recv().ok());
         sample.unwrap_or_else(|| Err(anyhow!("the reading thread has ended")))

@@ -35,11 +35,11 @@ impl Sampling {
 /// The settings for reading a device.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// The sampling.
+    /// How often the rate and the temperature are read.
     pub sampling: Sampling,
     /// The known facts about the part; `None` for an ADIS16130, or the part that a recording states.
     pub part: Option<Part>,
-    /// The ambient temperature of a simulated part; `None` uses its address.
+    /// The ambient temperature of a simulated part; `None` takes it from the address of the device.
     pub ambient: Option<AmbientProfile>,
     /// The front end's names for the settings, for error messages.
     pub names: SettingNames,
@@ -103,9 +103,9 @@ pub trait Source {
 /// The facts that do not change while a device is read.
 #[derive(Clone, Debug)]
 pub struct DeviceInfo {
-    /// Name of the device.
+    /// The name that is shown to the user: the address, or `recording of` and the recorded device.
     pub name: String,
-    /// The description of the capture.
+    /// The description that a capture of this device gets.
     pub info: CaptureInfo,
     /// The known facts about the part, with its current settings.
     pub part: Part,
@@ -113,7 +113,7 @@ pub struct DeviceInfo {
     pub framing: Option<Framing>,
     /// True if the device runs in real time; false for simulated and replayed time.
     pub is_real: bool,
-    /// Nominal samples per second; `None` for a recording of a part other than the ADIS16130.
+    /// Nominal samples per second; `None` if it is unknown, as for a recording of a part other than the ADIS16130.
     pub rate_hz: Option<f64>,
     /// The nominal master clock of an ADIS16130, Hz.
     pub mclk_hz: u32,
@@ -152,7 +152,7 @@ impl DeviceInfo {
     }
 }
 
-/// The part of a device or a recording. With `known`, it has the other known facts as well.
+/// The part of a device or a recording. If `known` is given, properties that `info` does not state come from there.
 pub(crate) fn part_of(info: &CaptureInfo, known: Option<&Part>) -> Result<Part> {
     let Some(known) = known else { return Ok(info.part()) };
     info.part_from(known).map_err(|error| UserError::request(error.to_string()).into())
@@ -179,7 +179,7 @@ pub struct Registers {
 /// The results of testing an SPI bus.
 #[derive(Clone, Copy, Debug)]
 pub struct Bus {
-    /// The requested clock, Hz.
+    /// The clock that the bus runs at for the requested one, Hz.
     pub sclk_hz: u32,
     /// The fastest tested clock at which the configuration reads back correctly, Hz; `None` if there is none.
     pub fastest_clean_hz: Option<u32>,

@@ -227,7 +227,7 @@ impl SpiBus {
         Ok(Self { spi, clock, failed, split: address.part.config.framing() == Framing::PerByte })
     }
 
-    /// Sends one message to the kernel: with CS low throughout, or low for each byte.
+    /// Sends the operations to the kernel as one message. CS is low throughout, or low for each byte if `split`.
     fn message(&self, operations: &mut [Operation<'_, u8>]) -> io::Result<()> {
         let mut transfers = Vec::with_capacity(8);
         for operation in operations.iter_mut() {

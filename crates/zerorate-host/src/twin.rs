@@ -37,7 +37,7 @@ impl TwinAddress {
                 axes = count.ok_or_else(|| format!("`axes={text}`: a twin has 1, 2 or 3 axes"))?;
                 continue;
             }
-            // this key also belongs to the unit, and sets its real bandwidth
+            // these keys belong to the simulated unit, and set its real bandwidth
             let of_unit = ["roa=", "bandwidth_hz="].iter().any(|key| item.trim().starts_with(key));
             let changed = if of_unit { None } else { part.with(item.trim())? };
             match changed {
@@ -97,7 +97,7 @@ impl Address for TwinAddress {
         let sampling = setup.sampling.config(self.part.divided);
         let known = setup.part.as_ref().filter(|_| axes == 1);
         let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz(), known)?;
-        // recordings of a twin depend on the seed only, and state neither time nor computer
+        // recordings of a twin depend on its address only, so they state neither time nor computer
         let info = CaptureInfo { created: String::new(), notes: Notes::default(), ..facts.info };
         let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
@@ -255,7 +255,7 @@ struct TwinEdges {
     twin: Twin,
     /// True if the driver uses rising edges.
     rising: bool,
-    /// Number of the part's edges per edge of the counter.
+    /// Number of edges of the part for each edge that the counter passes.
     divided: u32,
     /// Number of edges that the counter has passed.
     counted: u32,

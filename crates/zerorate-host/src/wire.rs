@@ -10,7 +10,7 @@ use std::time::Duration;
 /// Time limit for connecting, and for sending a request.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// The port of the bridge.
+/// The way to reach a bridge.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Port {
     /// A serial port. USB ports ignore the baud rate.
@@ -46,12 +46,13 @@ impl Wire {
         #[cfg(unix)]
         claim(&serial)?;
         serial.set_write_timeout(PATIENCE)?;
-        // USB bridges wait for DTR, which not all systems set; without a DTR line the port is not USB
+        // USB bridges wait for DTR, which not all systems set; an error means that the port has no DTR line, so it is
+        // not USB
         let _ = serial.set_dtr(true);
         Ok(Self::Serial(serial))
     }
 
-    /// Waits for bytes, for `patience` at most, and reads all that have arrived.
+    /// Waits for bytes, for `patience` at most, and reads up to 4096 of those that have arrived.
     pub fn read(&mut self, patience: Duration, into: &mut VecDeque<u8>) -> io::Result<()> {
         let mut bytes = [0; 4096];
         let read = match self {
@@ -134,7 +135,7 @@ mod tests {
 
     const SOON: Duration = Duration::from_secs(5);
 
-    /// The far end of a port, and the file of the near end.
+    /// Opens a pseudo-terminal. Returns its far end, and the path of its near end.
     fn pair() -> (File, String) {
         let far = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pair of ports");
         grantpt(&far).expect("a near end");

@@ -244,7 +244,7 @@ fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
         let spec: DeviceSpec = format!("twin:seed={seed}").parse().expect("a device");
         let hub = Hub::open(&spec, setup, &Stop::default()).expect("a hub");
         hub.with(|source| source.initialise()).expect("a part");
-        // dropped before the hub, which waits for its thread, which waits for the writer
+        // the writer is dropped before the hub: the hub waits for its thread, and the thread waits for the writer
         let (everything, writer) = (hub.everything(), ambient.writer());
         hub.read(Pace::Free, (0..=400).map(|second| second * SECOND_NS).collect()).expect("it begins");
         for second in 0..400 {

@@ -10,7 +10,7 @@ use crate::{increments, kalibr};
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
 
-/// The user's statements about the axes, for logs that lack them.
+/// What the user states about the axes, for logs that do not state it.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
     /// The columns, by name or number. `None` takes those in `gyro` and `accel`, or else all columns that are axes.
@@ -371,7 +371,8 @@ impl ImuOptions {
         self.columns.clone().or_else(|| Some(of_kinds()).filter(|columns| !columns.is_empty()))
     }
 
-    /// The columns to read if `listed` are listed. If only one kind is listed, the other is found by its names.
+    /// Selects the columns to read, if the user listed the columns `listed`. If only one kind is listed, the other is
+    /// found by its names.
     #[must_use]
     pub fn selection<'a>(&self, listed: Option<&'a [String]>) -> ColumnSelection<'a> {
         let are_all = self.columns.is_some() || Kind::ALL.iter().all(|kind| !self.said(*kind).columns.is_empty());
@@ -382,8 +383,8 @@ impl ImuOptions {
         }
     }
 
-    /// True if a column that is not listed may be an axis of this kind. If the user listed columns of the other
-    /// kind, it may only if its unit is known.
+    /// True if a column that is not listed may be an axis of this kind. If the user listed columns of the other kind
+    /// only, the unit of the column must be known.
     fn may_be(&self, kind: Kind, column: &Column) -> bool {
         let KindOptions { columns, unit, scale, .. } = self.said(kind);
         let is_known = column.quantity.is_some() || unit.is_some() || scale.is_some();

@@ -37,7 +37,7 @@ impl Codes {
     }
 }
 
-/// The samples that are present.
+/// The samples of a column, without the missing ones.
 pub(super) fn numbers(column: &Column) -> Vec<f64> {
     match &column.series {
         Series::Codes(codes) => codes.iter().map(|code| f64::from(*code)).collect(),
@@ -50,7 +50,7 @@ pub(super) fn are_whole(column: &Column) -> bool {
     matches!(column.series, Series::Codes(_)) || numbers(column).iter().all(|number| number.fract() == 0.0)
 }
 
-/// The share by which the scale of an accelerometer may be off.
+/// The mean of three accelerometers counts as gravity if it differs from it by less than this share.
 const WITHIN: f64 = 0.05;
 
 /// The usual full scales of accelerometers, g.
@@ -59,7 +59,8 @@ const FULL_SCALES_G: [f64; 8] = [2.0, 4.0, 8.0, 16.0, 3.0, 6.0, 12.0, 24.0];
 /// Number of 16-bit codes on one side of zero.
 const CODES: f64 = 32768.0;
 
-/// A hint at the unit or scale of three accelerometers, whose mean is gravity. `None` if no usual one fits.
+/// A hint at the unit or scale of three accelerometers at rest, whose mean is gravity. `None` if no usual unit or full
+/// scale fits.
 pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String> {
     let ([x, y, z], names) = (axes, log.names) else { return None };
     let mean = |axis: &Column| axis.facts().mean() * log.per_second(axis.rate_hz);

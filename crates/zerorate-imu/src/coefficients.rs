@@ -103,7 +103,7 @@ impl Named<'_> {
         Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }
     }
 
-    /// The text for a coefficient that is not identified.
+    /// The reason why the coefficient is not identified, in words; empty if it is identified.
     #[must_use]
     pub fn remark(&self) -> String {
         match (self.coefficient.identified, self.coefficient.needed_s) {

@@ -28,7 +28,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// All formats.
+    /// All formats, in the order in which front ends list them.
     pub const ALL: [Self; 6] = [Self::Kalibr, Self::Openvins, Self::Vins, Self::Orbslam3, Self::KfGins, Self::Ros];
 
     /// The name of the format as an option value.

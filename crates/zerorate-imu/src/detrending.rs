@@ -45,7 +45,7 @@ impl Detrending {
         };
         let mut temps = temperature.points(file)?;
         temps.iter_mut().for_each(|temp| *temp *= temperature.scale);
-        // samples that are missing at the start are not in the column
+        // the column begins with its first sample, so the temperatures before it are dropped
         let temps = &temps[temps.len().saturating_sub(rates.len())..];
         let Some(order) = self.order else {
             return Ok(Preparation { detrended: None, follows: follows(&rates, temps, column.scale) });

@@ -15,14 +15,15 @@ const FEWEST_GROUPS: f64 = 200.0;
 /// coarse and heavy-tailed noise, none of 3000 simulated records of 400 to 65,536 samples reaches it.
 const SURE: f64 = 7.0;
 
-/// Standard deviation of the ratio of two noises, as a multiple of the relative standard deviation of a step over the
-/// root of the number of groups.
+/// The noises at two places in a group have a ratio whose standard deviation is this factor times the relative
+/// standard deviation of a step, divided by the root of the number of groups.
 const OF_NOISES: f64 = 2.6;
 
 /// Least ratio of the noise of two sensors that counts as different.
 const NOISES: f64 = 1.25;
 
-/// The mean of the steps from sample to sample without the largest hundredth, and their relative standard deviation.
+/// The mean absolute step from sample to sample, and the relative standard deviation of the steps. The largest 1 % of
+/// the steps are left out.
 pub(super) fn steps(samples: &[f64]) -> (f64, f64) {
     let samples = &samples[..samples.len().min(SAMPLES)];
     let mut steps: Vec<f64> = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();

@@ -18,7 +18,7 @@ const ANGLES: [&str; 10] = [
 ];
 const VELOCITIES: [&str; 7] = ["dvel", "deltavel", "deltvel", "delvel", "velincr", "velocityincr", "incvel"];
 
-/// Beginnings of short names of such increments, before the letter or digit of the axis.
+/// Beginnings of short names of increments, before the letter or digit of the axis.
 const SHORT_ANGLES: [&str; 3] = ["dth", "dang", "dphi"];
 const SHORT_VELOCITIES: [&str; 3] = ["dv", "deltav", "delv"];
 

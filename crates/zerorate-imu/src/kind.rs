@@ -16,7 +16,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// All kinds.
+    /// Both kinds, the gyroscope first.
     pub const ALL: [Self; 2] = [Self::Gyroscope, Self::Accelerometer];
 
     /// `gyroscope` or `accelerometer`.
@@ -61,8 +61,8 @@ impl Kind {
     }
 
     /// True if a column may be an axis by its name. Set points, biases, norms, motor speeds, and accelerations without
-    /// gravity (`FreeAccX` of Movella, `userAcceleration.x` of phones) are not axes. Columns of wheels and motors are
-    /// axes unless `others` are surely axes.
+    /// gravity (`FreeAccX` of Movella, `userAcceleration.x` of phones) are not axes. With `others`, the log has
+    /// columns that are surely axes, and columns of wheels and motors are not.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
         let name = name.to_lowercase();
@@ -110,7 +110,7 @@ impl Kind {
         let name = name.strip_suffix("raw").map_or(&*name, |bare| bare.trim_end_matches(['_', ' ', '.']));
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         let short = |letters: &str| {
-            // without the device in front of it, as in `imu0.gx`
+            // drops the name of the device in front, as in `imu0.gx`
             let parts = name.rsplit_once(['.', '/', '_']).filter(|(device, _)| device.len() > 1);
             let own = parts.map_or(name, |(_, axis)| axis);
             let mut rest = own.chars().filter(|c| c.is_alphanumeric());
@@ -118,7 +118,7 @@ impl Kind {
             let is_axis = second.is_some_and(|axis| "xyz0123".contains(axis)) && rest.next().is_none();
             is_axis && first.is_some_and(|first| letters.contains(first))
         };
-        // `gyX` of SparkFun's loggers, `BodyRateX`
+        // for names such as `gyX` (SparkFun's loggers) and `BodyRateX`
         let ends = |words: &[&str]| words.iter().any(|word| name.ends_with(word));
         match () {
             () if Self::is_of_others(name) => None,

@@ -1,4 +1,5 @@
-//! Finds where a sensor moved in a record that has no noise model: there its samples spread far more than elsewhere.
+//! Finds where a sensor moved in a record that has no valid noise model: there its samples spread far more than
+//! elsewhere.
 
 /// Length of a window, s, and its least number of samples.
 const WINDOW_S: f64 = 10.0;
@@ -7,7 +8,8 @@ const FEWEST: usize = 20;
 /// Ratio of the spread in a window to the median spread, above which the sensor moves.
 const MOVES: f64 = 4.0;
 
-/// The times in which the samples spread more than `MOVES`, as pairs of start and end, s. NaN is a missing sample.
+/// The times in which the samples spread more than `MOVES` times as much as usual, as pairs of start and end, s. A
+/// missing sample is NaN.
 pub fn moving(samples: &[f64], rate_hz: f64) -> Vec<(f64, f64)> {
     let length = ((WINDOW_S * rate_hz) as usize).max(FEWEST);
     let spreads: Vec<f64> = samples.chunks(length).map(spread).collect();
@@ -38,7 +40,7 @@ fn spread(samples: &[f64]) -> f64 {
 pub fn shared(axes: &[&[(f64, f64)]]) -> Vec<(f64, f64)> {
     let mut edges: Vec<(f64, i32)> =
         axes.iter().flat_map(|spans| spans.iter()).flat_map(|(from, to)| [(*from, 1), (*to, -1)]).collect();
-    // at equal times, a span begins before another ends
+    // if one span begins when another ends, the beginning comes first, so that both are joined
     edges.sort_by(|one, other| one.0.total_cmp(&other.0).then(other.1.cmp(&one.1)));
     let enough = axes.len().div_ceil(2) as i32;
     let (mut open, mut found): (i32, Vec<(f64, f64)>) = (0, Vec::new());

@@ -17,8 +17,8 @@ pub enum Combine {
 /// The rule that derives N and K from a noise model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// N and K cover the noise from 1 s to this horizon, s, for the way in which the reader uses them. `None`
-    /// takes the horizon of the reader.
+    /// N and K cover the noise from 1 s to this horizon, s, in the way in which the reading program uses them. `None`
+    /// takes a third of the record, or a limit for that use if it is less.
     Covers(Option<f64>),
     /// N and K are those of the model.
     AsFitted,
@@ -57,7 +57,7 @@ pub struct NoiseFileOptions {
 }
 
 impl Default for NoiseFileOptions {
-    /// The worst axis of a kind, and numbers that cover the noise over the horizon of the reader.
+    /// The worst axis of a kind, and numbers that cover the noise up to the default horizon.
     fn default() -> Self {
         Self {
             log: String::new(),
@@ -186,8 +186,8 @@ impl Axis<'_> {
         }
     }
 
-    /// A coefficient, or its upper limit where it is not identified: too small a number makes a filter trust its
-    /// state too much, too large a number only makes the filter learn more slowly.
+    /// A coefficient, or its upper limit if it is not identified. Too small a number makes a filter trust its state
+    /// too much. Too large a number only makes it learn more slowly.
     fn chosen(&self, letter: &str, coefficient: &Coefficient) -> SourcedNumber {
         let axis = self.name;
         let (value, from) = match coefficient.identified {
@@ -234,7 +234,8 @@ impl Axis<'_> {
         largest.map(|(_, tau_s)| tau_s)
     }
 
-    /// σ of a process with correlation time `tau_s` whose Allan peak is as high as the noise without N.
+    /// σ of a Gauss–Markov process with correlation time `tau_s`, whose Allan deviation peaks as high as the model
+    /// without N.
     fn sigma_at(&self, tau_s: f64) -> f64 {
         let peak_s = PEAK_AT * tau_s;
         let m = (peak_s * self.rate_hz).round().max(1.0);
@@ -252,7 +253,7 @@ const SEEN: f64 = 0.1;
 
 /// The averaging time at which the Allan deviation of a Gauss–Markov process peaks, in correlation times.
 const PEAK_AT: f64 = 1.89;
-/// The Allan deviation at that peak, in standard deviations.
+/// The highest Allan deviation of a Gauss–Markov process, in standard deviations of the process.
 const PEAK: f64 = 0.617;
 
 impl Numbers {

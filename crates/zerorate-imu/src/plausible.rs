@@ -20,7 +20,7 @@ const SLOW_HZ: f64 = 0.5;
 const WHOLE_DPS: f64 = 1.0;
 const WHOLE_M_S2: f64 = 9.0;
 
-/// Largest relative error of gravity from increments, or in a unit taken for g.
+/// Gravity that is computed from increments, or in columns that seem to be in g, may be off by this share.
 const WITHIN_OF_INCREMENTS: f64 = 0.05;
 
 /// Evidence that accelerometer columns hold velocity increments: their mean times the sample rate is gravity.
@@ -33,7 +33,7 @@ pub(super) fn increments(axes: &[Column]) -> Option<String> {
     (is_off && is_gravity).then(|| format!("{m_s:.4} m/s², times {rate_hz:.0} Hz, are gravity: {m_s2:.2} m/s²"))
 }
 
-/// The warnings about the axes of an IMU in the log at `path`.
+/// Warns of implausible values in the axes of an IMU. The log is at `path`.
 pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<LogWarning> {
     let of = |quantity| axes.iter().filter(move |axis| axis.quantity == Some(quantity));
     let warning = |what| LogWarning::Implausible { path: path.display().to_string(), what };
@@ -79,7 +79,8 @@ fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
     let first = gyros.clone().next()?;
     let density = |axis: &Column| {
         let numbers = codes::numbers(axis);
-        // a step has twice the variance of a sample, and the one-sided density is twice that over the rate
+        // the square of the one-sided density is twice the variance of a sample divided by the rate, and a step has
+        // twice the variance of a sample
         in_turn::PER_MEAN * in_turn::steps(&numbers).0 * axis.scale / axis.rate_hz.sqrt()
     };
     let least = gyros.map(density).min_by(f64::total_cmp)?;

@@ -1,6 +1,6 @@
 //! A column of a log with its results: deviations, noise model and warnings.
 //!
-//! The command line and the page analyse columns in this way. Python analyses arrays, with the same parts.
+//! The command line and the page analyse columns in this way. Python analyses arrays, by the same functions.
 
 use crate::moving::{moving, shared};
 use crate::{Axis, ImuWarning, Kind, Rejection, Rejections, coded};
@@ -34,13 +34,13 @@ pub struct Record {
     pub notes: Vec<LogWarning>,
     /// The warning that the rate follows the temperature, if no model carries it.
     pub follows: Option<AllanWarning>,
-    /// The data of plots beside the curve. `None` unless requested, and for a phase.
+    /// The data for plots of the samples and of their spectrum. `None` unless requested, and for a phase.
     pub plot_data: Option<PlotData>,
     /// The polynomial over temperature that was removed.
     pub detrended: Option<DetrendedRate>,
     /// The time left out at the beginning of the log, s.
     pub skipped_s: f64,
-    /// The times in which the sensor moves, s from the start; `None` if a valid model describes the record.
+    /// The times in which the sensor moves, s from the start; `None` if the model is valid, or if none was requested.
     moving_s: Option<Vec<(f64, f64)>>,
     /// The names of the settings in messages.
     names: Names,
@@ -91,7 +91,7 @@ pub enum RecordError {
     /// The preparation failed.
     #[error(transparent)]
     Detrending(#[from] DetrendingError),
-    /// The numbers of the column must not become a result, or cannot be expanded.
+    /// The numbers of the column must not become a result, or too many samples are lost to space the column evenly.
     #[error(transparent)]
     Log(#[from] LogError),
     /// Too few samples for a deviation.
@@ -169,7 +169,8 @@ impl Record {
         })
     }
 
-    /// Joins records of one type: the mean of the curves, weighted by their terms, with the common model.
+    /// Joins records of one type of sensor to one record with the common model. Its deviations are root mean squares
+    /// over the records, weighted by the number of terms in each deviation.
     pub fn together(used: &[&Self], fit: Fit, notes: Vec<LogWarning>) -> Self {
         let first = used[0];
         let samples = used.iter().map(|record| record.analysis.samples).max().unwrap_or(0);
@@ -340,7 +341,7 @@ impl Record {
         inside.then_some((least.tau_s, least.dev))
     }
 
-    /// True if the rate follows the temperature.
+    /// True if a warning says that the rate follows the temperature.
     fn follows_temperature(&self) -> bool {
         self.of_noise().any(|warning| matches!(warning, AllanWarning::FollowsTemperature { .. }))
     }

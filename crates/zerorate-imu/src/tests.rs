@@ -203,8 +203,9 @@ fn as_batch(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     }
 }
 
-/// The ratios for a sensor: coupling and gap of a batch, then the three spans of a filter. The numbers come from four
-/// records, and each is tested on another record.
+/// Five ratios for each noise file of a sensor: of the coupling constant and of the angle in a batch, then of the
+/// angle after each of the three spans of a filter. The numbers come from four records, and each is tested on another
+/// record.
 fn ratios(truth: Truth, all: &[(Format, Rule)]) -> Vec<[f64; 5]> {
     let mut found = vec![[Ratio::default(); 5]; all.len()];
     for seed in 0..4 {

@@ -18,7 +18,8 @@ const AXES: [[&str; 3]; 11] = [
     ["p", "q", "r"],
 ];
 
-/// Groups names into triads, each in the order x, y, z or 0, 1, 2, in the order of their first names.
+/// Groups names into triads of axes. A triad holds the indices of its names in the order of [`AXES`]. The triads are
+/// sorted by their first index.
 pub fn triads(names: &[&str]) -> Vec<[usize; 3]> {
     let mut found: Vec<[usize; 3]> = Vec::new();
     for axes in AXES {
@@ -44,7 +45,7 @@ pub fn triads(names: &[&str]) -> Vec<[usize; 3]> {
     found
 }
 
-/// Words for axes in names.
+/// Words in which the names of the axes of one sensor may differ.
 const WORDS: [&str; 24] = [
     "roll", "pitch", "yaw", "p", "q", "r", "x", "y", "z", "alpha", "beta", "gamma", "a", "b", "c", "north", "east",
     "down", "up", "forward", "right", "left", "lateral", "vertical",

@@ -21,7 +21,7 @@ pub enum ImuWarning {
 /// A moment at which several axes jump, or have a glitch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// Time from the start, s.
+    /// Time from the start of the log, s.
     pub at_s: f64,
     /// The names of the axes.
     pub axes: Vec<String>,
@@ -30,7 +30,8 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The moments that the axes of one log share, each with its name. `skipped_s` of the log were left out.
+    /// The moments that the axes of one log share. Each axis has a name. The first `skipped_s` seconds of the log were
+    /// left out of the fits.
     #[must_use]
     pub fn all(axes: &[(&str, &Fit)], skipped_s: f64) -> Vec<Self> {
         let fits: Vec<&Fit> = axes.iter().map(|(_, fit)| *fit).collect();

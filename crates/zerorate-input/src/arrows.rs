@@ -11,7 +11,7 @@ use arrow_ipc::reader::StreamDecoder;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Number of bytes that are searched at once.
+/// Number of bytes that are read at once in a search for messages.
 const SCAN: u64 = 1 << 16;
 
 /// Reads a stream, up to the last whole batch.
@@ -51,7 +51,7 @@ impl StreamReader {
         Ok(Self { path: path.to_owned(), messages, decoder, rest, len, room, stated: Stated::new(schema) })
     }
 
-    /// The batch of a whole message; `None` if it is the end or not a batch.
+    /// The batch of a whole message; `None` if the message is the end statement or holds no batch.
     fn decode(&mut self, start: u64, bytes: MessageBytes) -> Result<Option<RecordBatch>, InputError> {
         let damaged = |what: String| InputError::damaged(&self.path, format!("byte {start}"), what);
         if self.stated.end.is_some() {
@@ -69,15 +69,15 @@ impl StreamReader {
         decode(&mut self.decoder, bytes.into()).map_err(damaged)
     }
 
-    /// Ends a stream that was closed. A warning reports bytes that follow.
+    /// Ends the reading of a stream that was closed. Sets a warning if bytes other than zeros follow the stream.
     fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         self.stated.warning = InputWarning::behind_end(&self.path, &self.rest, self.messages.position())?;
         Ok(())
     }
 
-    /// Ends a stream that was cut off in a message that began at `whole`. If other messages follow, the file is
-    /// damaged instead.
+    /// Ends the reading of a stream that was cut off inside the message at offset `whole`. If more messages follow
+    /// within it, the stream was not cut off: the length of the message is wrong, which is an error.
     fn torn(&mut self, whole: u64) -> Result<(), InputError> {
         let follow = checks_from(&mut self.rest, whole).map_err(|error| InputError::io("read", &self.path, error))?;
         if follow > 1 {
@@ -100,7 +100,7 @@ fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
     let mut found = 0;
     while input.take(SCAN).read_to_end(&mut seen)? > 0 {
         found += seen.windows(mark.len()).filter(|window| *window == mark).count();
-        // a mark may span two pieces
+        // a mark may span two reads
         seen.drain(..seen.len().saturating_sub(mark.len() - 1));
     }
     Ok(found)

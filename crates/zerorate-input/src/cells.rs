@@ -1,11 +1,13 @@
-//! Converts columns of numbers to another type. A value that does not fit is an error, never another number.
+//! Converts columns of numbers to integers or to `f64`. A value that an integer type cannot hold is an error. An `f64`
+//! may be rounded.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Decimal128Type, Float16Type, Float32Type, Float64Type};
 use arrow_array::{Array, ArrowPrimitiveType, Float64Array, Int64Array, PrimitiveArray, downcast_integer_array};
 use arrow_schema::{ArrowError, DataType};
 
-/// The values as integers of the type `T`. Floating-point numbers must be whole; times become their counts.
+/// The values as integers of the type `T`. Floating-point numbers must be whole. A timestamp or a
+/// duration becomes its count of units, such as milliseconds.
 pub fn integers<T>(column: &dyn Array) -> Result<PrimitiveArray<T>, ArrowError>
 where
     T: ArrowPrimitiveType<Native: TryFrom<i128>>,
@@ -50,7 +52,7 @@ fn misfit<T: ArrowPrimitiveType>(value: impl std::fmt::Display) -> ArrowError {
     ArrowError::CastError(format!("{value} does not fit the type {}", T::DATA_TYPE))
 }
 
-/// The values as the nearest floating-point numbers.
+/// The values as `f64`, rounded to the nearest one. `Err` if the column does not hold numbers.
 pub fn floats(column: &dyn Array) -> Result<Float64Array, ArrowError> {
     downcast_integer_array! {
         column => { Ok(column.unary(|value| value as f64)) }

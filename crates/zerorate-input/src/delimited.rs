@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Size of the read buffer, bytes.
 const READ_BUFFER: usize = 1 << 18;
 
-/// The longest line, bytes: a bound on memory if a file is not text.
+/// A line of this many bytes or more is refused. This bounds the memory if a file is not text.
 const MAX_LINE: u64 = 1 << 20;
 
 /// Reads a text file line by line.
@@ -33,7 +33,7 @@ pub struct Line<'a> {
 }
 
 impl Lines {
-    /// Lines of `input`, which `path` names in messages.
+    /// Reads the lines of `input`. `path` names the file in messages.
     pub fn new(path: &Path, input: Input) -> Self {
         Self {
             path: path.to_owned(),
@@ -44,7 +44,7 @@ impl Lines {
         }
     }
 
-    /// Offset of the next line.
+    /// Offset of the next line, bytes.
     pub fn position(&self) -> u64 {
         self.position
     }
@@ -54,12 +54,12 @@ impl Lines {
         self.number
     }
 
-    /// The next line that is not blank.
+    /// The next line that is not blank; `None` at the end of the text.
     pub fn next_line(&mut self) -> Result<Option<Line<'_>>, InputError> {
         self.next_where(|_| true)
     }
 
-    /// The next line that is not blank and for whose text `wanted` is true.
+    /// The next line that is not blank and for whose text `wanted` is true; `None` at the end of the text.
     pub fn next_where(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Line<'_>>, InputError> {
         loop {
             if !self.read()? {
@@ -98,6 +98,7 @@ impl Lines {
 }
 
 /// True if a text looks like a table: one of its first 100 lines has several cells, at least one of them a number.
+/// Lines that are delimited by blanks, or contain `=` or `[`, do not count.
 pub fn is_table(text: &str) -> bool {
     let has_numbers = |line: &str| {
         let delimiter = Delimiter::detect(line);
@@ -123,7 +124,8 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// The delimiter of a line of data: the first of tab, semicolon, bar, comma, blank that it contains.
+    /// The delimiter of a line of data: the first of tab, semicolon, bar, comma, blank that the line contains. It is
+    /// the comma if the line contains none of them.
     pub fn detect(line: &str) -> Self {
         match line {
             line if line.contains('\t') => Self::Tab,

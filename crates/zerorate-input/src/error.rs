@@ -1,4 +1,4 @@
-//! Errors of inputs: each message names the file and says what to do.
+//! Errors of inputs. The messages name the file and what is wrong with it.
 
 use crate::NotBuiltIn;
 use crate::limits::OverBudget;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum InputError {
-    /// The file system returned an error.
+    /// Reading or writing returned an I/O error.
     #[error("cannot {action} {}", path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
 
@@ -24,15 +24,15 @@ pub enum InputError {
     #[error("{}: {missing}", path.display())]
     NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
 
-    /// The content needs more memory than the file may take.
+    /// The content exceeds the memory budget of the file.
     #[error("{}: {why}", path.display())]
     OverBudget { path: PathBuf, why: OverBudget },
 
-    /// The content is wrong.
+    /// The content is wrong. `place` says where in the file, and `what` says how.
     #[error("{}, {place}: {what}", path.display())]
     Damaged { path: PathBuf, place: String, what: String },
 
-    /// The Arrow or Parquet library returned another error.
+    /// The Arrow or Parquet library returned an error that is not an I/O error.
     #[error("cannot {action} {}: {what}", path.display())]
     Table { action: &'static str, path: PathBuf, what: String },
 
@@ -42,7 +42,7 @@ pub enum InputError {
 }
 
 impl InputError {
-    /// An I/O error, with the action and the file.
+    /// The error of an `action` that failed, such as `read`, on the file at `path`.
     pub fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         Self::Io { action, path: path.to_owned(), source }
     }

@@ -6,10 +6,10 @@ use std::fs::File;
 use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::sync::Arc;
 
-/// Number of bytes that are examined together.
+/// Number of bytes that are read at once in a search.
 const BLOCK: u64 = 1 << 16;
 
-/// Bytes to be read from the start: of an open file, in memory, or elsewhere.
+/// The bytes of an open file, of memory, or from elsewhere, and the position of the next read.
 #[derive(Debug)]
 pub struct Input {
     kind: Kind,
@@ -22,7 +22,8 @@ pub trait RemoteBytes: Debug + Send + Sync {
     /// The number of bytes.
     fn length(&self) -> u64;
 
-    /// Reads bytes from offset `at` on into the front of `into`, as far as there are any. Returns their number.
+    /// Reads bytes from offset `at` on to the start of `into`. Returns the number of bytes read, which may be less
+    /// than `into` holds; 0 means the end.
     ///
     /// # Errors
     /// Returns an error if the bytes cannot be read.
@@ -59,7 +60,7 @@ impl Input {
         Self { kind, holes: 0 }
     }
 
-    /// This input, `holes` of whose bytes are in holes of a sparse file.
+    /// Sets how many of the bytes lie in holes of a sparse file, which take no space on disk.
     #[must_use]
     pub fn with_holes(self, holes: u64) -> Self {
         Self { holes, ..self }
@@ -70,7 +71,7 @@ impl Input {
         Ok(self.length()?.saturating_sub(self.holes))
     }
 
-    /// The number of bytes.
+    /// The number of bytes, holes included.
     pub fn length(&self) -> io::Result<u64> {
         match &self.kind {
             Kind::File(file) | Kind::Nameless(file) => Ok(file.metadata()?.len()),
@@ -91,7 +92,7 @@ impl Input {
         Self::of(Kind::Nameless(file))
     }
 
-    /// True if the bytes are in a file. If so, they are unpacked into another file instead of memory.
+    /// True if the bytes are in a file. If so, packed bytes are unpacked into another file instead of memory.
     pub fn is_file(&self) -> bool {
         matches!(self.kind, Kind::File(_) | Kind::Nameless(_))
     }
@@ -169,7 +170,7 @@ impl Input {
         Ok(None)
     }
 
-    /// The output of `fill`, in a nameless file if this input is a file, else in memory.
+    /// Returns what `fill` writes as an input. It is in a nameless file if this input is a file, otherwise in memory.
     pub fn unpacked<E: From<io::Error>>(
         &self,
         fill: impl FnOnce(&mut dyn io::Write) -> Result<(), E>,

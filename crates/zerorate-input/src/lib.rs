@@ -1,4 +1,5 @@
-//! Reads files and bytes as columns: inputs, units, a memory budget, delimited text, and tables in Arrow and Parquet.
+//! The parts that all readers of columns share: inputs, units, a memory budget, delimited text, and tables in Arrow
+//! and Parquet.
 //!
 //! This crate never opens a file, and is not specific to gyroscopes. The caller passes open bytes as [`Input`], so the
 //! same readers serve a browser.

@@ -23,7 +23,8 @@ const DEFAULT_BYTES: u64 = 1 << 30;
 
 static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
 
-/// A number of bytes, written as `512M`, `2G`, or a bare number.
+/// A number of bytes. Text such as `512M`, `2G` or a bare number of bytes is parsed as a memory limit, so less than
+/// 256 MiB is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bytes(pub u64);
 
@@ -79,7 +80,7 @@ pub struct MemoryBudget {
 /// The error for a file that exceeds its memory budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OverBudget {
-    /// The file grows to more than a log of its size can hold.
+    /// The file unpacks to more than this many bytes, its budget by its size on disk.
     #[error(
         "it grows to more than {} in memory, {} plus {FACTOR} times its size on disk: it is damaged, or made to fill \
          a machine",
@@ -102,7 +103,7 @@ impl MemoryBudget {
         self.bytes.min(self.max_memory)
     }
 
-    /// Checks that this many bytes fit into memory.
+    /// Checks that this many bytes exceed neither the budget nor the memory limit of the process.
     pub fn check(self, bytes: u64) -> Result<(), OverBudget> {
         match bytes {
             _ if bytes > self.bytes => Err(OverBudget::ForItsSize(self.bytes)),
@@ -116,7 +117,7 @@ impl MemoryBudget {
         self.bytes
     }
 
-    /// Checks the limit on disk, which does not depend on the memory limit of the process.
+    /// Checks that this many bytes do not exceed the limit on disk.
     pub fn check_on_disk(self, bytes: u64) -> Result<(), OverBudget> {
         Self { max_memory: u64::MAX, ..self }.check(bytes)
     }

@@ -34,7 +34,7 @@ pub enum Message {
         /// True for the marker, false for zeros.
         marked: bool,
     },
-    /// The end of the file before the end of the stream.
+    /// The file ends before the stream does.
     Torn,
 }
 
@@ -113,8 +113,8 @@ impl MessageBytes {
         Ok(Arc::new(schema))
     }
 
-    /// Checks two things that the Arrow library assumes: that a batch stays inside its message, and that it fits into
-    /// `room` when unpacked.
+    /// Checks what the Arrow library assumes of a batch: its buffers lie inside the message, fit into `room` when
+    /// unpacked, and are long enough for the stated rows.
     pub fn check(&self, room: MemoryBudget) -> Result<(), String> {
         let message = self.message()?;
         let body = &self.bytes[self.metadata.end..];
@@ -146,7 +146,7 @@ impl MessageBytes {
     }
 }
 
-/// Adds custom metadata to a record batch message of the Arrow library, which cannot write them.
+/// Adds custom metadata to a record batch message. The Arrow library cannot write such metadata.
 pub fn with_note(message: &[u8], key: &str, value: &str) -> Result<Vec<u8>, String> {
     let message = root_as_message(message).map_err(|error| error.to_string())?;
     let batch = message.header_as_record_batch().ok_or("no record batch")?;
@@ -226,7 +226,7 @@ impl From<MessageBytes> for Vec<u8> {
 mod tests {
     use super::*;
 
-    /// A stream that has only a schema without fields.
+    /// Writes a stream with only a schema without fields, in this byte order. Returns the schema as read back.
     fn schema(endianness: ipc::Endianness) -> Result<SchemaRef, String> {
         let mut builder = FlatBufferBuilder::new();
         let fields = Some(builder.create_vector::<flatbuffers::ForwardsUOffset<ipc::Field<'_>>>(&[]));
@@ -244,7 +244,8 @@ mod tests {
         }
     }
 
-    /// A file of Arrow's Java on a big-endian machine was read with wrong numbers (arrow-testing, 1.0.0-bigendian).
+    /// Arrow for Java wrote a file on a big-endian machine, which was once read with wrong numbers (arrow-testing,
+    /// 1.0.0-bigendian).
     #[test]
     fn numbers_of_the_other_byte_order_are_refused() {
         assert!(schema(ipc::Endianness::Little).is_ok());

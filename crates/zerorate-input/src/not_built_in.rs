@@ -5,14 +5,14 @@ use std::fmt;
 /// A part of the program that is not in this build, and the feature of `zerorate-cli` that adds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotBuiltIn {
-    /// The missing feature, as in "built without …".
+    /// The name of the missing part, as in "built without …".
     pub what: &'static str,
-    /// The feature that adds it.
+    /// The Cargo feature that adds the part.
     pub feature: &'static str,
 }
 
 impl NotBuiltIn {
-    /// Captures and logs in Parquet.
+    /// Parquet, as the form of captures and logs.
     pub const PARQUET: Self = Self { what: "Parquet", feature: "parquet" };
     /// Zstandard compression of a whole file or inside a file.
     pub const ZSTD: Self = Self { what: "Zstandard", feature: "zstd" };

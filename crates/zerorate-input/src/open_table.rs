@@ -5,7 +5,7 @@ use crate::{Input, InputError, arrows};
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// A file by its form, ready to be read.
+/// A file that was opened as a table, or that is no table.
 pub enum Opened {
     /// Columns with names and types.
     Table(Box<dyn BatchSource>),

@@ -14,7 +14,8 @@ use std::io::{self, BufReader, ErrorKind, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::vec::IntoIter;
 
-/// Rows per block, and per batch when reading. All row groups except the last consist of whole blocks.
+/// Number of rows of a batch that is read, and of a block that a capture writes. All row groups of a capture except
+/// the last consist of whole blocks.
 pub const BLOCK: usize = 1 << 16;
 
 /// Largest number of decoded batches that wait for the checks.
@@ -108,8 +109,8 @@ const JOINT: &[u8] = b"PAR1PAR1";
 /// Size of the footer, bytes: the length of the index, and the mark.
 const TAIL: u64 = 8;
 
-/// Refuses a file that begins with other Parquet files. The index counts from the start of the last file, so that
-/// pages of the first file would be read.
+/// Refuses several Parquet files that were joined into one. The index at the end counts offsets from the start of the
+/// last file, so pages of the first file would be read in its place.
 pub fn refuse_joined(path: &Path, metadata: &ParquetMetaData, input: &Input) -> Result<(), InputError> {
     guarded(path, || Ok(joint(metadata, input)?))?.map_or(Ok(()), |at| {
         let what = format!("two files were joined: another one follows after its first {at} bytes; cut it there");
@@ -131,7 +132,7 @@ fn joint(metadata: &ParquetMetaData, input: &Input) -> io::Result<Option<u64>> {
     }
 }
 
-/// Offset of the end of the pages and of their indexes and filters, according to the index.
+/// Offset of the end of the pages, and of their page indexes and Bloom filters, according to `metadata`.
 fn pages_end(metadata: &ParquetMetaData) -> u64 {
     let end = |offset: Option<i64>, length: Option<i32>| {
         let offset = offset.and_then(|offset| u64::try_from(offset).ok()).unwrap_or_default();

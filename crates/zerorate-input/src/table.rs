@@ -16,13 +16,13 @@ pub fn describes_itself(schema: &Schema) -> bool {
 /// The start of the metadata keys of checks: digests of the rows, which the writer adds.
 pub const CHECKS: &str = "zerorate.check.";
 
-/// Key of the check of a batch.
+/// Key under which the message of a batch in an Arrow stream carries the check of its rows.
 pub const BATCH_CHECK: &str = "zerorate.check.batch";
 
-/// Key of the checks of all batches in Parquet, in order, separated by blanks. Parquet has one index for all batches.
+/// Key under which a Parquet file carries the checks of all batches, in order and separated by blanks.
 pub const BATCH_CHECKS: &str = "zerorate.check.batches";
 
-/// Key of the end statement, which follows the last row.
+/// Key of the end statement: the number of rows, a digest of the samples, and a check of both.
 pub const END: &str = "zerorate.check.end";
 
 /// The statements that a source has made so far, besides its rows.
@@ -31,11 +31,11 @@ pub struct Stated {
     pub schema: SchemaRef,
     /// The check of the batch that was returned last.
     pub check: Option<String>,
-    /// The statement at the end, once all batches were read.
+    /// The end statement. An Arrow stream gives it only after the last batch.
     pub end: Option<String>,
     /// True if no batch follows.
     pub ended: bool,
-    /// True if the file ended before its content did.
+    /// True if the file is cut off before the end of its content.
     pub torn: bool,
     /// A warning about the end of the file, known after the last batch.
     pub warning: Option<InputWarning>,
@@ -61,7 +61,8 @@ pub trait BatchSource {
     /// The statements of the source, to be changed.
     fn stated_mut(&mut self) -> &mut Stated;
 
-    /// Reads the next batch; `None` at the end. It is not called again after the end or an error.
+    /// Reads the next batch; `None` at the end. [`next_batch`](Self::next_batch) does not call it
+    /// again after the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
     /// True if common software keeps the description but drops the checks of the rows when it rewrites such a file.

@@ -198,7 +198,8 @@ impl Unit {
     }
 }
 
-/// The quantity and the size of a part of a unit: `gx (0.01 dps)`, `gz [0.1°/s]`. `gx (250 dps)` may be a range.
+/// The quantity and the step size, in the unit of results, of a name such as `gx (0.01 dps)` or `gz [0.1°/s]`. Only
+/// factors below 1 count, because the 250 in `gx (250 dps)` may be a range.
 fn part_of_unit(name: &str) -> Option<(Quantity, f64)> {
     let inner = bracketed(name)?;
     let end = inner.find(|c: char| !c.is_ascii_digit() && c != '.')?;
@@ -247,7 +248,7 @@ fn plain(unit: &str) -> String {
         ("per", "/"),
         ("degrees", "deg"),
         ("degree", "deg"),
-        // the sign of degrees as UTF-8, as GBK read as Latin-1, and as UTF-8 read as Latin-1
+        // the degree sign: as GBK read as Latin-1, as UTF-8 read as Latin-1 (in lower case), and as UTF-8
         ("¡ã", "deg"),
         ("â°", "deg"),
         ("°", "deg"),
@@ -302,7 +303,7 @@ impl TimeUnit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ArduPilot, of
+    /// The unit that the name of a column states: in brackets, as its last word, or by the naming of ArduPilot, of
     /// phones and of Arduino sketches.
     pub fn of_column(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
@@ -331,7 +332,7 @@ impl TimeUnit {
     }
 }
 
-/// True if the name of a column states °C: in brackets or after an underscore.
+/// True if the name of a column states °C: in brackets or as its last word.
 pub fn is_celsius(name: &str) -> bool {
     let lower = name.to_lowercase();
     match bracketed(&lower) {
@@ -340,7 +341,7 @@ pub fn is_celsius(name: &str) -> bool {
     }
 }
 
-/// The text in the last pair of brackets.
+/// The text in the last pair of square brackets or, without such a pair, of round brackets.
 fn bracketed(name: &str) -> Option<&str> {
     [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
         let (_, rest) = name.rsplit_once(open)?;

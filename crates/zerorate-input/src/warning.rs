@@ -7,13 +7,13 @@ use std::path::Path;
 /// A warning about the end of a file. The content before it is valid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InputWarning {
-    /// The file lacks its end, as the text says.
+    /// The file lacks its end. The text says what is dropped.
     Torn(String),
-    /// Bytes follow the end.
+    /// Bytes other than zeros follow the end of the content.
     BytesBehindEnd {
         /// The name of the file.
         path: String,
-        /// The number of bytes.
+        /// The number of bytes behind the end of the content.
         bytes: u64,
     },
 }

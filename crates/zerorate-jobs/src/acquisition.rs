@@ -24,7 +24,7 @@ pub struct Acquisition {
     everything: LosslessReader,
     pace: Pace,
     on_warning: WarningSink,
-    /// `None` before the first batch was requested.
+    /// The samples that were read last; `None` before the first request.
     batch: Option<Arc<Batch>>,
     taken: usize,
     marks_ns: Vec<u64>,
@@ -38,7 +38,8 @@ pub struct Acquisition {
 }
 
 impl Acquisition {
-    /// Opens the device and reads it until its end or until `stop` is requested. `on_warning` receives its warnings.
+    /// Opens the device. Its samples can then be read until it ends or `stop` is requested. `on_warning` receives its
+    /// warnings.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -70,7 +71,7 @@ impl Acquisition {
         self.is_recording
     }
 
-    /// The facts about the device.
+    /// The part, its settings, and the description of the capture.
     pub fn facts(&self) -> &DeviceInfo {
         self.hub.facts()
     }
@@ -118,6 +119,7 @@ impl Acquisition {
     }
 
     /// Requests the true state of a simulated sensor at the first sample that is `after_ns` or more after the start.
+    /// Call this before the first sample.
     pub fn mark(&mut self, after_ns: u64) {
         self.marks_ns.push(after_ns);
     }
@@ -166,8 +168,8 @@ impl Acquisition {
         Ok(true)
     }
 
-    /// Puts the next reading of each axis, with its fault flags, into `judged`. It runs two samples behind. Returns
-    /// false after the last reading.
+    /// Puts the next reading of each axis, with its fault flags, into `judged`. Readings come two samples late,
+    /// because the samples after a reading help to judge it. Returns false after the last reading.
     #[inline]
     pub fn next_judged(&mut self, judged: &mut Vec<Judged>) -> Result<bool> {
         judged.clear();
@@ -195,7 +197,7 @@ impl Acquisition {
         }
     }
 
-    /// Checks a sample without queuing it for `next_judged`. The caller uses the sample itself.
+    /// Checks a sample without queuing it for `next_judged`, for callers that use the sample without its fault flags.
     #[inline]
     pub fn look_at(&mut self, row: &Row) {
         self.judge(row, false);
@@ -206,12 +208,13 @@ impl Acquisition {
         &self.facts().part
     }
 
-    /// The reading checks of each axis.
+    /// The checks of each axis, with the numbers of faulty readings so far.
     pub fn healths(&self) -> impl Iterator<Item = &Health> {
         self.axes.iter().map(|axis| &axis.health)
     }
 
-    /// The frozen readings at the end, if there are any.
+    /// The readings of the first axis that is frozen at the end of the samples. A shorter time without change is
+    /// enough there than for [`Acquisition::frozen`].
     pub fn frozen_at_end(&self) -> Option<Frozen> {
         self.healths().find_map(Health::frozen_at_end)
     }
@@ -243,8 +246,8 @@ impl Acquisition {
         valid::of_axes(axes, &self.tally, self.start_ns()).into_iter().map(JobWarning::Readings)
     }
 
-    /// F-07: the warning if the resonance aliases so that it looks like a bias, at the measured rate and in means over
-    /// `average_s`.
+    /// Returns a warning if the resonance aliases to a frequency so low that it looks like a bias in means over
+    /// `average_s` seconds (F-07). It uses the measured sampling rate.
     pub fn resonance(&self, average_s: f64) -> Option<Warning> {
         let edges = self.facts().info.edges_per_reading();
         let rate_hz = self.tally.sampling_hz();
@@ -269,10 +272,11 @@ impl Acquisition {
     }
 }
 
-/// The shortest averaging time for which a recording should be valid, s.
+/// The warning about an aliased resonance assumes means over this time, s.
 const SHORTEST_AVERAGE_S: f64 = 1.0;
 
-/// F-56: samples alias when they come below twice the bandwidth.
+/// Returns a warning if the sampling rate is below twice the bandwidth of the axis, so that faster motion aliases
+/// (F-56).
 pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
     let (rate_hz, needed_hz) = (tally.rate_hz(), 2.0 * axis.bandwidth_hz?);
     (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })

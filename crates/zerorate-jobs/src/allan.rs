@@ -11,7 +11,7 @@ use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 pub struct AllanOptions {
     /// The columns of each log.
     pub columns: Columns,
-    /// Settings for reading: facts that the logs do not state.
+    /// Facts that the logs do not state, such as unit and sampling rate.
     pub log: ColumnOptions,
     /// The temperature column; `None` looks for a column with a usual name.
     pub temperature: Option<String>,

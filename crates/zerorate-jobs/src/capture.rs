@@ -10,23 +10,23 @@ use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, valid};
 /// The samples of a capture as columns, one row per sample, with the description of the capture.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
-    /// Time of the data-ready edge, ns.
+    /// Time of each sample's data-ready edge, ns.
     pub t_ns: Vec<u64>,
-    /// Running number of the edge.
+    /// Running number of each sample's data-ready edge.
     pub edge_seq: Vec<u32>,
     /// The type name of the part.
     pub part: String,
     /// The readings of each axis, in the order of the file.
     pub axes: Vec<RecordedAxis>,
-    /// Status register (of an ADIS16130: of the channel, F-35); −1 if it was not read.
+    /// Status register of each sample; −1 if it was not read. For an ADIS16130 it is the channel status (F-35).
     pub status: Vec<i64>,
-    /// Temperature code; `None` if it was not read.
+    /// Temperature code of each sample; `None` if it was not read.
     pub temp_code: Vec<Option<i64>>,
     /// The scale of the temperature codes.
     pub temp: Option<Scale>,
-    /// Samples lost right before this one.
+    /// Number of samples lost right before each sample.
     pub lost: Vec<u32>,
-    /// The description in the file (docs/formats/capture.md).
+    /// The keys and values that describe the capture, sorted by key (docs/formats/capture.md).
     pub metadata: Vec<(String, String)>,
     /// The id of the applied calibration, if the capture is a corrected one. Its raw columns are unchanged.
     pub calibration_id: Option<String>,
@@ -43,8 +43,8 @@ pub struct RecordedAxis {
     pub codes: Vec<i64>,
     /// The scale of the codes, in °/s.
     pub scale: Scale,
-    /// The faults of the reading, 0 for none: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible
-    /// temperature.
+    /// The fault bits of each reading: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible temperature.
+    /// 0 means no fault.
     pub flags: Vec<u8>,
     health: Health,
 }

@@ -11,7 +11,7 @@ macro_rules! files {
     ($($name:literal)*) => { &[$(($name, include_str!(concat!("../../../parts/", $name, ".toml")))),*] };
 }
 
-/// Name and text of each file.
+/// Name without `.toml`, and text, of each part file.
 pub const FILES: &[(&str, &str)] = files! {
     "adis16130" "adis16405" "adis164652" "adis16470" "adis164752" "adis16488" "adis164952"
     "adxrs290" "bmi055" "bmi088" "bmi160" "bmi270" "bno055" "icm20602" "icm20689" "icm20948"
@@ -19,7 +19,7 @@ pub const FILES: &[(&str, &str)] = files! {
     "mpu6050" "mpu9250" "mti1" "scha634d03" "vn100"
 };
 
-/// The text of a part file, from the catalogue or from a path.
+/// The text of a part file, from the catalogue or from a path. The inner result holds the error of reading the file.
 ///
 /// # Errors
 /// Returns the errors of [`Outputs::reads`].
@@ -51,7 +51,7 @@ fn split(named: &Path) -> (PathBuf, Option<f64>) {
     named.to_str().and_then(of_text).unwrap_or_else(|| (named.to_owned(), None))
 }
 
-/// Finds the part file of this name. Only letters and digits are compared, without case.
+/// Returns the text of the catalogue's file for this part. Only letters and digits are compared, without case.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static str> {
     let wanted = key(name);

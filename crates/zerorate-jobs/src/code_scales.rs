@@ -151,7 +151,8 @@ fn others(kind: Kind, scale: FullScale) -> Vec<&'static str> {
     catalogue::FILES.iter().filter(|(_, text)| has(text)).map(|(name, _)| *name).collect()
 }
 
-/// True if a scale warning concerns these axes. Three accelerometers need none: gravity verifies their scale.
+/// True if a scale warning concerns these axes. Three accelerometers need no such warning: gravity verifies their
+/// scale.
 #[must_use]
 pub fn concerns(kind: Kind, axes: &[Column]) -> bool {
     let count = axes.iter().filter(|axis| axis.quantity == Some(kind.quantity())).count();
@@ -201,7 +202,7 @@ struct Axis {
     rate: Option<Sensitivity>,
 }
 
-/// The scales of a kind of axis.
+/// The full scales that a part file states for its gyroscope or its accelerometer.
 #[derive(Deserialize)]
 struct Sensitivity {
     #[serde(alias = "lsb_per_dps", alias = "lsb_per_g")]

@@ -2,15 +2,15 @@
 
 use serde::Serialize;
 
-/// The page of the book. It has a section for each code.
+/// The text of docs/codes.md. It has a section for each code.
 const PAGE: &str = include_str!("../../../docs/codes.md");
 
 /// Codes that belong together, under a heading.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// The heading of the group on the page.
+    /// The heading of the group in docs/codes.md.
     pub title: &'static str,
-    /// The codes of the group, in the order of the page.
+    /// The codes of the group, in the order of docs/codes.md.
     pub codes: Vec<Explanation>,
 }
 
@@ -23,7 +23,7 @@ pub struct Explanation {
     pub says: String,
     /// The commands of `zerorate` that print the code.
     pub by: Vec<String>,
-    /// The observation, in one sentence.
+    /// What the program observed.
     pub seen: String,
     /// The consequence for the result.
     pub matters: String,
@@ -34,7 +34,7 @@ pub struct Explanation {
     pub command: &'static str,
 }
 
-/// Parses the page into its groups.
+/// Returns the groups of codes, in the order of docs/codes.md.
 #[must_use]
 pub fn groups() -> Vec<Group> {
     let groups = PAGE.split("\n## ").skip(1).filter_map(|group| group.split_once('\n'));
@@ -42,7 +42,7 @@ pub fn groups() -> Vec<Group> {
     groups.map(|(title, text)| Group { title, codes: sections(text) }).collect()
 }
 
-/// All sections, without headings.
+/// The explanations of all codes, in the order of docs/codes.md.
 pub fn all() -> impl Iterator<Item = Explanation> {
     groups().into_iter().flat_map(|group| group.codes)
 }
@@ -67,8 +67,8 @@ pub fn nearest(word: &str) -> Vec<&'static str> {
 }
 
 impl Explanation {
-    /// Parses a section of the page: the code; `*A warning of `a`, `b`.*` with the observation; why it matters; the
-    /// remedy; and in most sections a command block.
+    /// Parses a section of docs/codes.md: the code; `*A warning of `a`, `b`.*` with the observation; why it matters;
+    /// the remedy; and in most sections a command block.
     fn parse(section: &'static str) -> Option<Self> {
         let mut paragraphs = section.trim_end().split("\n\n");
         let code = paragraphs.next()?;

@@ -111,7 +111,8 @@ fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
     checked_schema([info.layout.raw_fields(), info.layout.derived_fields()].concat(), metadata)
 }
 
-/// Applies the correction row by row. It runs two rows behind, because the reading checks need two more samples.
+/// Applies the correction. A batch of rows is corrected once two rows after it are read, because the reading checks
+/// need them.
 struct Correcting {
     layout: Layout,
     axes: Vec<JudgedAxis>,

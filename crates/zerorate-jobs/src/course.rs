@@ -9,10 +9,11 @@ use zerorate_view::report::{Course, Moment};
 
 /// Averaging time of a mean, ns.
 const LENGTH_NS: u64 = 5_000_000_000;
-/// The last temperature of a procedure is within this many rows after its last sample.
+/// The checksum of the calibration's capture covers up to this many rows more than the calibration counts as samples.
 const ROWS_BEHIND: u64 = 64;
 
-/// Reads the part of a capture that the calibration used: all of it, or its beginning. `stop` can end the reading.
+/// Averages the samples of a capture that the calibration used: all of them, or the first ones. `stop` can end the
+/// reading.
 ///
 /// # Errors
 /// Returns an error if the capture is damaged, if the calibration was made from another capture, or if the

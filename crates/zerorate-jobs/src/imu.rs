@@ -35,7 +35,7 @@ pub struct ImuNoise {
     pub absent: Vec<ImuWarning>,
 }
 
-/// Analyses all axes of the IMU in a log, one pass over it.
+/// Analyses all axes of the IMU in a log.
 ///
 /// # Errors
 /// Returns an error if the log cannot be read or lacks axes, or if an axis cannot be analysed.

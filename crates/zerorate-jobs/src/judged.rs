@@ -8,7 +8,7 @@ use zerorate::{Axis, NamedAxis};
 pub struct JudgedAxis {
     /// The name of the axis in its part.
     pub name: String,
-    /// The known facts about the axis.
+    /// The scales, limits and noise of the axis, as far as they are known.
     pub axis: Axis,
     /// The checks of its readings.
     pub health: Health,

@@ -7,12 +7,12 @@
 //! * [`allan`]: the noise of columns of logs. [`pool`]: one noise model for several records.
 //! * [`imu`]: the noise of all axes of an IMU.
 //! * [`tempcal`]: the bias over temperature of all axes in logs.
-//! * [`chamber`]: a calibration over the temperatures of a chamber.
-//! * [`correct`]: a capture, corrected.
+//! * [`chamber`]: calibrates a part over the temperature range of a chamber.
+//! * [`correct`]: writes a corrected copy of a capture.
 //! * [`course`]: the capture of a calibration as means over time.
 //! * [`probe`]: checks that a part responds and is wired correctly.
-//! * [`record`]: raw codes into a file.
-//! * [`stream`]: the corrected rate, row by row as it comes.
+//! * [`record`]: records the raw codes of a part into a file.
+//! * [`stream`]: passes on the corrected rate of a part, row by row.
 //! * [`Acquisition`]: the samples of a device in order, counted and checked.
 //! * [`codes`]: what each warning and refusal means.
 //! * [`Outputs`](output::Outputs): the files of a run, which never overwrite a file by accident.

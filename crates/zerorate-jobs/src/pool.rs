@@ -7,9 +7,9 @@ use zerorate_logs::LogWarning;
 
 /// The common noise model of several records.
 pub struct Pool {
-    /// The model, in the form of a record.
+    /// The model as a record, which can be reported and plotted like the record of one log.
     pub record: Record,
-    /// The differences of each term between the records, beyond their own intervals.
+    /// The differences of each coefficient between the records, as far as their intervals do not explain them.
     pub spread: Vec<Spread>,
     /// The records that do not fit the common model.
     pub outliers: Vec<Outlier>,
@@ -61,7 +61,7 @@ impl NoPool {
     }
 }
 
-/// Fits one model to all of these records. Their rates must have been kept.
+/// Fits one model to all of these records. Each record must still hold its samples.
 ///
 /// # Errors
 /// Returns [`NoPool`] if the records have no common model.

@@ -63,7 +63,7 @@ pub struct SelfTestResult {
     pub shift_dps: f32,
     /// Standard uncertainty of the change, °/s.
     pub u_dps: f32,
-    /// Number of samples with the self-test on, and the same number with it off.
+    /// Number of samples averaged with the self-test on. The same number is averaged with it off.
     pub samples: u32,
 }
 

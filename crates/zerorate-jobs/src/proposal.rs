@@ -3,7 +3,7 @@
 use adis16130::Config;
 use zerorate::{Setting, SettingNames};
 
-/// SPI reads per sample: status, rate, temperature.
+/// SPI reads per sample: status, rate and temperature.
 const READS: f64 = 3.0;
 /// Temperature readings per second that resolve 0.02 °C at 1 °C/s (F-55).
 const TEMPS_HZ: f64 = 100.0;
@@ -25,7 +25,7 @@ pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: SettingNames) -> O
     if every > 1.0 && (READS - 1.0 + 1.0 / every) * read_s <= BUSY * pair_s {
         return Some(format!("{} {every} (F-55)", names(Setting::EveryTemp)));
     }
-    // both channels on every N-th edge: N + 1 conversions from one reading to the next
+    // if both channels are read at every N-th edge, N + 1 conversions pass from one reading to the next
     let conversions = (READS * read_s / (BUSY * pair_s / 2.0)).ceil();
     let divider = (conversions - 1.0).max(2.0);
     let rate_hz = 2.0 / (pair_s * (divider + 1.0));
@@ -38,7 +38,7 @@ mod tests {
     use super::*;
     use adis16130::MCLK_HZ;
 
-    /// A pair takes 175.7 µs at 6 MHz (F-31).
+    /// A pair of conversions, of rate and temperature, takes 175.7 µs at 6 MHz (F-31).
     #[test]
     fn a_slow_host_reads_temperature_less_often_and_only_then_the_rate() {
         let cases = [

@@ -31,7 +31,7 @@ pub struct RecordOptions {
 /// The duration or the number of samples of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// Duration in the part's time, ns.
+    /// Duration by the time stamps of the samples, ns.
     Time(u64),
     /// Number of samples.
     Samples(u64),
@@ -40,9 +40,9 @@ pub enum Length {
 /// The progress of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordProgress {
-    /// Seconds of the part's time, or samples, as in [`Length`].
+    /// Seconds between the time stamps of the first and the latest sample, or the number of samples, as in [`Length`].
     pub done: f64,
-    /// The samples so far.
+    /// Number of samples so far.
     pub samples: u64,
 }
 
@@ -86,17 +86,18 @@ pub struct RecordReport {
     pub rate_hz: f64,
     /// Data-ready edges per second.
     pub rdy_hz: f64,
-    /// From the first sample to the last, s.
+    /// Time from the first sample to the last, s.
     pub duration_s: f64,
     /// True if the recording was stopped before its requested length.
     pub interrupted: bool,
     /// Number of readings that the part cannot produce: bit errors.
     pub impossible_readings: u64,
-    /// Number of temperatures that the part cannot measure.
+    /// Number of temperatures that differ too much from those before them.
     pub impossible_temps: u64,
     /// Number of readings out of range.
     pub out_of_range: u64,
-    /// Number of readings that are too far apart in time to be checked.
+    /// Number of readings that were not checked: their neighbours are too far away in time, or the part's limits are
+    /// unknown.
     pub unjudged: u64,
     /// True if the readings were frozen at the end: the part had stopped measuring.
     pub frozen: bool,

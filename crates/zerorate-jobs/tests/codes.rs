@@ -51,7 +51,7 @@ fn refusals() -> BTreeSet<String> {
     of_enums.chain(made_with(&["CodedRefusal::new(", "LogError::Refused("], &["moving", "times-uneven"])).collect()
 }
 
-/// Most characters of a warning, with its code.
+/// A warning with its code has at most this many characters.
 const MOST_CHARS: usize = 100;
 
 /// Codes of warnings that quote an error or a line of a log, and may be longer.
@@ -94,7 +94,7 @@ fn lines() -> Vec<String> {
         .collect()
 }
 
-/// The options of the command line.
+/// The command-line option for a setting.
 fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Earth => "--earth-dps",
@@ -212,7 +212,8 @@ fn of_exports() -> Vec<ExportWarning> {
     vec![unstated, short(None), short(Some("gyro_z".to_owned()))]
 }
 
-/// Without [`SessionWarning::OfCalibration`], which names a calibration before the warning of its file.
+/// All kinds of session warnings except [`SessionWarning::OfCalibration`], which names a calibration before the
+/// warning of its file.
 fn of_sessions() -> Vec<SessionWarning> {
     let cal = || "calibration 1f2e3d4c".to_owned();
     let full = || "No space left on device (os error 28)".to_owned();
@@ -390,7 +391,8 @@ fn no_text_begins_with_a_code() {
 /// A code that is also the name of a term of a noise model.
 const TERM: &str = "warm-up";
 
-/// The codes in the source that follow one of `makers`. Fails unless the `known` codes are among them.
+/// Returns the codes that stand in the source right after one of the texts `makers`. Fails unless the `known` codes
+/// are among them.
 fn made_with(makers: &[&str], known: &[&str]) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for (path, text) in sources() {

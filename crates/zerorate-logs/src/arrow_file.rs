@@ -1,7 +1,7 @@
 //! Arrow files, also called Feather: a stream between two marks. The index behind the stream is not needed.
 //!
-//! The reader uses the framing of captures, because the library's file reader trusts the lengths and offsets in a
-//! file.
+//! The messages are split by [`Messages`], as in a capture, because the library's own file reader trusts the lengths
+//! and offsets in a file.
 
 use arrow_array::RecordBatch;
 use arrow_ipc::reader::StreamDecoder;
@@ -13,13 +13,13 @@ use zerorate_input::messages::{Message, Messages};
 use zerorate_input::table::{BatchSource, Stated};
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// The mark at the start is padded with zeros to a multiple of this.
+/// The mark at the start of the file is padded with zeros to a multiple of this, bytes.
 const ALIGNMENT: usize = 8;
 
 /// Largest padding that is searched, in bytes; Rust's writer pads to 64.
 const MAX_PADDING: u64 = 1024;
 
-/// Bytes at the end of the file: the length of the index, and the mark.
+/// Size of the end of the file, bytes: the length of the index, and the mark.
 const END: u64 = 4 + MARK.len() as u64;
 
 const MARK: &[u8] = b"ARROW1";

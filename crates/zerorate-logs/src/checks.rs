@@ -1,5 +1,5 @@
-//! Logs by other people's writers that carry checksums (`fixtures/make_checked.py`): a flipped bit must never pass
-//! unnoticed.
+//! Tests with logs that carry checksums, written by common libraries (`fixtures/make_checked.py`): a flipped bit must
+//! never pass unnoticed.
 
 use super::tests::{numbers, options};
 use super::*;
@@ -83,7 +83,8 @@ fn flips_in_hdf5_are_noticed() {
     never_silent(&[fixture!("fletcher.h5"), fixture!("gzip.h5"), fixture!("lzf.h5")], "--time-column t_ns");
 }
 
-/// An unpacked file has checksums only in its description and its index; the index of `x` has two pages.
+/// An HDF5 file without compression has checksums only in its object headers and its indices. The index of data set
+/// `x` has two pages.
 #[test]
 fn flips_in_indices_of_hdf5_are_noticed() {
     let (_, file) = fixture!("paged.h5");
@@ -111,7 +112,7 @@ fn flips_in_bags_of_ros_1_are_noticed() {
     never_silent(&[fixture!("bz2.bag"), fixture!("lz4.bag")], "");
 }
 
-/// Each compression holds the same samples, and all columns are there.
+/// Fixtures of several forms and compressions hold the same samples in three columns.
 #[test]
 fn every_fixture_is_read() {
     let of =
@@ -144,7 +145,7 @@ fn a_damaged_variable_does_not_vanish() {
     assert!(said.contains("variable 2 of a MATLAB file: it cannot be unpacked"), "{said}");
 }
 
-/// The index of a bag without other checksums counts more messages than the bag has.
+/// A bag packed with LZ4 may lose a chunk. Then its index counts more messages than it holds.
 #[test]
 fn a_bag_that_lost_a_chunk_gets_a_warning() {
     let (_, bag) = fixture!("lz4.bag");

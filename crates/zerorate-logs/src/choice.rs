@@ -11,7 +11,7 @@ use zerorate_input::{Quantity, Unit, is_celsius};
 /// Largest number of columns that a message lists.
 const LISTED: usize = 100;
 
-/// Fewest columns behind a time that may be those of a sensor with a time of its own.
+/// If at least this many columns of numbers follow a time column, they may be those of a sensor with its own time.
 const BLOCK: usize = 3;
 
 /// The wanted columns of a log, each by its name or its number counted from 0.
@@ -21,7 +21,8 @@ pub enum ColumnSelection<'a> {
     One(Option<&'a str>),
     /// These columns, in this order.
     Listed(&'a [String]),
-    /// These columns, in this order, and then the others of `All`. Logs of PX4, ArduPilot and ROS give only these.
+    /// These columns, in this order, and then the others of `All`. Logs of PX4, ArduPilot and ROS give only the
+    /// columns that are named here.
     First(&'a [String]),
     /// The rates of a capture, the six quantities of a bag's IMU, or otherwise all numeric columns except the time.
     All,
@@ -77,7 +78,8 @@ pub struct Columns<'a> {
 /// The columns that were chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The columns with the numbers, in the requested order.
+    /// The columns with the numbers, in the requested order. If a column holds the fractions of a second that `time`
+    /// lacks, it comes last.
     pub values: Vec<usize>,
     /// The column with the time.
     pub time: Option<usize>,
@@ -172,7 +174,7 @@ impl Columns<'_> {
         self.stated_time(values).or_else(|| only().filter(|_| has_others)).or_else(|| self.time_of_block(values))
     }
 
-    /// The time in front of the wanted columns, if several sensors stand beside each other, each behind its time.
+    /// The time column in front of the wanted columns, if the file has several sensors, each behind a time of its own.
     fn time_of_block(&self, values: &[usize]) -> Option<usize> {
         let first = values.first()?;
         let of = |(time, block): &(usize, Vec<usize>)| block.contains(first).then_some(*time);
@@ -181,8 +183,8 @@ impl Columns<'_> {
         (blocks.len() > 1 && values.iter().all(|at| block.contains(at))).then_some(*time)
     }
 
-    /// The columns of numbers behind each time that at least three follow, as in `t_gyro,gx,gy,gz,t_accel,ax,ay,az`.
-    /// There are none if the first column of numbers is not a time.
+    /// Each time column that at least three columns of numbers follow, with these columns, as in
+    /// `t_gyro,gx,gy,gz,t_accel,ax,ay,az`. Empty if the first column of numbers is not a time.
     fn blocks(&self) -> Vec<(usize, Vec<usize>)> {
         let is_time = |at: usize| states_time(self.names[at]) || is_like_time(self.names[at]);
         let mut blocks: Vec<(usize, Vec<usize>)> = Vec::new();
@@ -197,7 +199,8 @@ impl Columns<'_> {
         blocks
     }
 
-    /// Checks that all columns have one time. `given` is the time that the user gave.
+    /// Refuses a choice of all columns if several sensors have times of their own. `given` is the time column that the
+    /// user gave.
     fn check_blocks(&self, given: Option<usize>) -> Result<()> {
         let blocks = self.blocks();
         let is_alone = given.is_none_or(|given| blocks.iter().all(|(time, _)| *time != given));
@@ -215,7 +218,7 @@ impl Columns<'_> {
     }
 
     /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns. A
-    /// column that is called by its unit alone may be a part of another time.
+    /// column whose name is a unit alone, such as `ms`, counts only if no other column is called a time.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];
@@ -246,7 +249,7 @@ impl Columns<'_> {
         (!self.names.iter().enumerate().any(is_other)).then_some(only)
     }
 
-    /// True if a column holds what the times in another lack: the parts of a second.
+    /// True if column `at` holds the fractions of a second that the times in column `time` lack.
     fn is_fraction(&self, at: usize, time: usize) -> bool {
         let is_clock = self.clocks.get(time) == Some(&true);
         fraction_s(self.names[at], self.names[time]).is_some()
@@ -333,7 +336,8 @@ impl Columns<'_> {
         }
     }
 
-    /// The column whose name has the same letters and digits, apart from more or fewer at one end.
+    /// The column whose name begins or ends with `wanted`, or `wanted` with the name. Only letters and digits count.
+    /// Of several, the one of the nearest length.
     fn nearest(&self, wanted: &str) -> Option<&str> {
         let plain = |name: &str| name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
         let wanted = plain(wanted);

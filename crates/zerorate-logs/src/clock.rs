@@ -8,22 +8,23 @@ use zerorate_input::TimeUnit;
 /// Jitter of timestamps from which a warning is given: RMS deviation from an even clock, in sampling intervals.
 const SAID_JITTER: f64 = 0.1;
 
-/// Largest jitter at which a row by itself tells whether samples are missing before it. A clock that counts in steps
-/// of 0.69 intervals has this jitter from rounding alone.
+/// Largest jitter, in intervals, at which the time of a row alone shows whether samples are missing before it. A clock
+/// that counts in steps of 0.69 intervals has this jitter from rounding alone.
 const CLEAR_JITTER: f64 = 0.2;
 
-/// Largest jitter at which the surrounding rows tell this. At a normal jitter of this size, a third of the rows are
-/// nearer to the place of another row than to their own.
+/// Largest jitter, in intervals, at which the rows around a place show whether samples are missing there. With
+/// Gaussian jitter of this size, a third of the rows are nearer to the place of another row than to their own.
 const MAX_JITTER: f64 = 0.5;
 
 /// A row behind a missing sample may come this fraction of an interval early; the sample still counts as missing.
 const EARLY: f64 = 0.35;
 
-/// Rows that arrive in bursts look like gaps. So gaps count as gaps only below this share of the rows, or if fewer
-/// samples are missing than are there.
+/// Rows that arrive in bursts look like gaps. So a log is refused if it has more gaps than this share of its rows, and
+/// more missing samples than rows.
 const MAX_GAPS: f64 = 0.05;
 
-/// A single gap of more than this many times the rows is not a gap: the clock was set, or another log follows.
+/// A log is refused if a single gap is longer than this many times its rows: the clock was set, or another log
+/// follows.
 const MAX_LEAP: u64 = 100;
 
 /// Share of each deviation by which the even clock follows the timestamps. It forgets an offset in some ten samples.
@@ -35,7 +36,8 @@ const LONGEST_STEP: f64 = 2.5;
 /// A span of rows has no gap if it differs from the usual span by no more than this, in intervals.
 const NEAR: f64 = 1.75;
 
-/// Rows on each side of a place whose median shows missing samples there. The median has a fifth of the jitter.
+/// Number of rows on each side of a place. The medians of their delays differ if samples are missing at the place. A
+/// median has a fifth of the jitter.
 const AROUND: usize = 32;
 
 /// Limits that tell a clock that counts in steps from a sensor that loses single samples: the fewest blocks of rows,
@@ -44,7 +46,7 @@ const FEWEST_BLOCKS: usize = 8;
 const IN_A_BLOCK: usize = 8;
 const EVEN_BLOCKS: f64 = 0.9;
 
-/// Delay of a row, in intervals, below which there is no gap before the row.
+/// There is no gap between two rows if the second is later than expected by less than this, in intervals.
 const LEAP: f64 = 0.25;
 
 /// Times of rows, relative to the first, in the unit of the file.
@@ -121,7 +123,7 @@ impl Times {
         &self.since_first
     }
 
-    /// Replaces the times with others, which begin at zero.
+    /// Replaces the times since the first row. The first of them must be 0.
     pub fn replace(&mut self, since_first: Vec<f64>) {
         self.since_first = since_first;
     }
@@ -145,7 +147,7 @@ impl Times {
         }
     }
 
-    /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the
+    /// Time of each row in ns, since the origin of the file's clock or, where that does not fit a `u64`, since the
     /// first row.
     pub fn nanoseconds(&self, unit: TimeUnit) -> Vec<u64> {
         let ns_per_unit = 1e9 / unit.per_s();
@@ -266,7 +268,7 @@ impl Times {
             }
             let (before, after) = around(row);
             let missing = (after - before).round();
-            // the rows around a gap see the leap as well; the gap is where the leap is widest
+            // near a gap, the medians differ as well; the gap is where the leap is widest
             let is_new = gaps.last().is_none_or(|last| row > last.at + AROUND / 2);
             if missing >= 1.0 && (is_new || leap > widest) {
                 if !is_new {
@@ -334,13 +336,13 @@ fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count)
 }
 
-/// The median, the upper one of two, or 0 without numbers.
+/// The median: the upper one, if two numbers are in the middle. 0 without numbers.
 pub fn median(numbers: &mut [f64]) -> f64 {
     let middle = numbers.len() / 2;
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// Mean of the steps near the median, without a first step since power-on and gaps. `None` unless it is positive.
+/// Mean of the steps from half to twice the median, which leaves out gaps. `None` unless the median is positive.
 pub fn usual_step(mut steps: Vec<f64>) -> Option<f64> {
     let middle = Some(median(&mut steps)).filter(|median| *median > 0.0)?;
     Some(mean(steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / middle)))))
@@ -359,7 +361,7 @@ pub struct TimeBase {
     pub as_losses: Option<f64>,
 }
 
-/// A negligible relative error of a deviation.
+/// Relative error of an Allan deviation that is negligible.
 const NO_ERROR: f64 = 0.01;
 
 impl TimeBase {
@@ -401,7 +403,7 @@ impl Tracking {
         if time - self.even < 0.5 * self.interval
             && let Some(gap) = near
         {
-            // the rows before were late, and none was missing
+            // the rows since the gap were late, so the gap has one sample less
             gap.missing -= 1;
             self.even -= self.interval;
             self.steps = self.steps.saturating_sub(1);
@@ -433,7 +435,7 @@ mod tests {
         all.time_base(TimeUnit::S, Names::default())
     }
 
-    /// Nearly normal numbers, each a sum of twelve.
+    /// Nearly Gaussian numbers of standard deviation 1, each a sum of twelve uniform numbers.
     fn normal(count: usize) -> impl Iterator<Item = f64> {
         let mut state = 1u64;
         let mut uniform = move || {
@@ -467,7 +469,7 @@ mod tests {
         assert!((found.rate_hz - 100.0).abs() < 1e-9);
     }
 
-    /// 400 Hz in whole milliseconds, and 640 Hz.
+    /// Samples at 400 Hz and at 640 Hz, with stamps in whole milliseconds.
     #[test]
     fn a_clock_that_rounds_has_no_gaps() {
         for rate in [400.0, 640.0] {
@@ -477,8 +479,8 @@ mod tests {
         }
     }
 
-    /// Sampling rates of gyroscopes, with stamps in whole milliseconds and half a second missing once: below one step
-    /// per sample, and between one step and one and a half.
+    /// Sampling rates of gyroscopes, with stamps in whole milliseconds and 500 samples missing once. The interval is
+    /// below 1 ms, or between 1 ms and 1.5 ms.
     #[test]
     fn coarse_stamps_are_no_losses() {
         for rate in [667.0, 833.0, 952.0, 990.0, 1666.0] {
@@ -489,14 +491,14 @@ mod tests {
         }
         let text = time_base((0..60_000).map(|i| (f64::from(i) * 1.2).floor())).unwrap().jitter_text().unwrap();
         assert!(text.contains("count in steps (or even losses at 1 Hz)"), "{text}");
-        // as many losses at random
+        // about as many samples are lost at random
         let mut late = normal(60_000);
         let there = (0..60_000).filter(|_| late.next().is_some_and(|z| z < 1.0));
         let found = time_base(there.map(|i| f64::from(i) * 1e-3)).unwrap();
         assert!((found.rate_hz - 1000.0).abs() < 1e-3 && found.as_losses.is_none(), "{}", found.rate_hz);
     }
 
-    /// The clock follows a crystal that drifts by 200 ppm.
+    /// The interval grows by 400 ppm in the course of the log.
     #[test]
     fn a_clock_that_drifts_has_no_gaps() {
         let found = time_base((0..100_000).map(|i| f64::from(i) * 0.01 * (1.0 + 2e-9 * f64::from(i)))).unwrap();

@@ -55,7 +55,7 @@ impl Column {
         }
     }
 
-    /// The number of missing samples.
+    /// The number of missing samples: in gaps among codes, or as NaN among numbers.
     pub fn missing(&self) -> u64 {
         match &self.series {
             Series::Codes(_) => missing_in(&self.gaps),
@@ -63,12 +63,12 @@ impl Column {
         }
     }
 
-    /// The samples as a rate, for deviations and models.
+    /// The samples and the gaps, as the analysis takes them.
     pub fn input(&self) -> Input<'_> {
         self.series.input(&self.gaps)
     }
 
-    /// The warning where the column stops changing.
+    /// The warning if the column stops changing.
     ///
     /// # Errors
     /// Returns `LogError::Refused` if the column never changes, as [`crate::stopped`] does.
@@ -76,7 +76,7 @@ impl Column {
         self.facts().changes.stopped(&self.gaps, self.rate_hz, path, &self.name)
     }
 
-    /// The results of the checks of the samples, which are read again only if they were changed.
+    /// The results of the checks of the samples. The samples are read again only if they were changed.
     pub fn facts(&self) -> ColumnFacts {
         self.facts.unwrap_or_else(|| ColumnFacts::of(&self.input()))
     }
@@ -117,7 +117,7 @@ impl Column {
             Series::Codes(codes) => {
                 let mut missing = 0;
                 let before = self.gaps.iter().take_while(|gap| {
-                    // the gap ends where this code is in the record
+                    // true if the gap ends within the skipped samples
                     let inside = gap.at as u64 + missing + gap.missing <= samples;
                     missing += if inside { gap.missing } else { 0 };
                     inside

@@ -19,10 +19,10 @@ const DATES_S: std::ops::Range<f64> = 1e8..4e9;
 const LATE: f64 = 64.0;
 const MOST_LOGS: usize = 16;
 
-/// Times that differ by less are the same, s.
+/// Times that differ by less than this count as equal, s.
 const SAME_S: f64 = 1e-6;
 
-/// The first and the last time of a log.
+/// The start and the length of a log.
 struct Span {
     /// The first time, where the log states dates or times of the day, s.
     first_s: Option<f64>,
@@ -59,8 +59,8 @@ impl fmt::Display for Span {
 }
 
 impl Times {
-    /// If the file holds several logs, which few large steps back in time show: the time of the last row of the
-    /// first log, since the first row, in the unit of the file.
+    /// The time of the last row of the first log, since the first row, in the unit of the file. `None` if the file
+    /// holds one log. Several logs in a file show as a few large steps back in time.
     pub fn end_of_first(&self) -> Option<f64> {
         let least = LATE * self.interval()?;
         let mut falls = self.since_first().windows(2).filter(|pair| pair[0] - pair[1] > least);
@@ -68,7 +68,8 @@ impl Times {
         (falls.count() < MOST_LOGS).then_some(first)
     }
 
-    /// The number of rows before the first one at this time or later.
+    /// The number of rows before the first one at this time or later. `None` if there is no such row or no row before
+    /// it, and for clock times.
     pub fn rows_until(&self, until: CutTime, unit: TimeUnit) -> Option<usize> {
         let CutTime::SinceStart(until_s) = until else { return None };
         self.since_first().iter().position(|time| time / unit.per_s() >= until_s).filter(|rows| *rows > 0)
@@ -155,7 +156,7 @@ mod tests {
     use crate::choice::ColumnSelection;
     use crate::read_all;
 
-    /// The samples of a log of ten rows a second that holds the number of each row.
+    /// The samples that are read from a log of 100 rows, which holds the number of each row. Row 40 is missing.
     fn rows(stamp: impl Fn(u32) -> String, from: Option<&str>, until: Option<&str>) -> Result<Vec<f64>> {
         let text = (0..100).filter(|row| *row != 40).map(|row| format!("{},{row}\n", stamp(row))).collect::<String>();
         let [from, until] = [from, until].map(|time| time.map(|time| time.parse().unwrap()));

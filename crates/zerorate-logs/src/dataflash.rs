@@ -18,9 +18,9 @@ use zerorate_input::{Input, InputError, Quantity, TimeUnit, Unit};
 
 /// The type number of an FMT message.
 const FMT: u8 = 128;
-/// Bytes of a message before its fields.
+/// Size of the head of a message in bytes: two marks, and the type number.
 const HEAD: usize = 3;
-/// Bytes of the fields of FMT.
+/// Size of the fields of an FMT message in bytes.
 const FMT_BODY: usize = 86;
 /// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
@@ -72,7 +72,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns::new(columns, Some(time), LogWarning::torn(lost)))
 }
 
-/// The quantity of a field. Its unit is rad/s or m/s² in all versions of ArduPilot.
+/// The quantity of a field, and the size of its unit in the unit of results. Rates are in rad/s and accelerations in
+/// m/s² in all versions of ArduPilot.
 fn stated(field: &str) -> Option<(Quantity, f64)> {
     let unit = match field {
         "GyrX" | "GyrY" | "GyrZ" => Unit::RadPerS,

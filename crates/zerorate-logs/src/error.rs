@@ -13,7 +13,7 @@ pub enum LogError {
     /// The file lacks a fact or a requested column. The text asks for it.
     #[error("{0}")]
     Ask(String),
-    /// The file has several candidates.
+    /// The file has several candidates for what was asked, such as topics.
     #[error("{question}\n{table}", table = .table.join("\n"))]
     Choose {
         /// The question to the user, with the options that answer it.
@@ -78,7 +78,7 @@ pub fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
     )
 }
 
-/// An error in a column of the file at `path`.
+/// The error for wrong content at `place` of the file at `path`.
 pub fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> InputError {
     InputError::damaged(path, place.to_string(), what)
 }

@@ -1,4 +1,5 @@
-//! Logs by other people's writers: 20 samples at 200 Hz, the thirteenth missing, z = 0.25·n (`fixtures/make.py`).
+//! Tests with logs that common libraries wrote or read back (`fixtures/make.py`): 20 samples at 200 Hz, of which the
+//! thirteenth is missing. Sample n, counted from 0, has z = 0.25·n.
 
 use super::tests::{
     DATAFLASH, Folder, HDF5, HDF5_LATEST, HDF5_UNITS, MAT, MAT_73, MAT_FS, MAT_PACKED, NPZ, NPZ_FS, NPZ_PACKED,
@@ -16,7 +17,7 @@ fn is_z(column: &Column, name: &str) {
     assert!((column.rate_hz - 200.0).abs() < 1e-9, "{}", column.rate_hz);
 }
 
-/// Asserts that a file that is cut anywhere never makes the reader panic.
+/// Cuts a file at every 97th byte. The reader may fail, but must not panic.
 fn cut(bytes: &[u8], options: &str) {
     let folder = Folder::new();
     (0..bytes.len()).step_by(97).for_each(|at| drop(folder.read(&bytes[..at], options)));
@@ -166,7 +167,7 @@ fn a_sample_rate_beside_the_columns_is_taken_and_said() {
         let said = &folder.read(file, "--column gz --unit dps --rate 100").unwrap().warnings;
         assert!(said[0].coded().contains("rate-contradicts"), "{said:?}");
     }
-    // the other HDF5 file has two columns of times
+    // two names in `HDF5` state a unit of time, and one in `MAT` and `MAT_73`
     for (file, name, said) in [(MAT, "imu.gx", 0), (MAT_73, "imu.gx", 0), (HDF5, "imu/gz", 1)] {
         let read = |options: &str| folder.read(file, &format!("--column {name} --unit dps {options}")).unwrap();
         assert_eq!((read("").warnings.len(), read("").rate_hz.round()), (said, 200.0));

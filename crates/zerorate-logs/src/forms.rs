@@ -23,7 +23,7 @@ pub struct Form {
 /// The kind of content of a form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// Arrays or messages.
+    /// Arrays or messages, of which rows cannot be chosen by the values of columns.
     Messages,
     /// A table with named columns.
     Table,

@@ -5,14 +5,14 @@ use crate::setting::Names;
 use crate::warning::LogWarning;
 use std::path::Path;
 
-/// Relative difference between a given rate and the rate of the stamps from which a warning is given. A clock and a
-/// sensor differ by less.
+/// Relative difference between a given rate and the rate of the stamps above which a warning is given. The clocks of a
+/// sensor and of a computer differ by less.
 const RATE_OFF: f64 = 0.02;
 
 /// Relative difference for a warning if several rows share a stamp, so that the stamps give the rate less precisely.
 const COARSE_RATE_OFF: f64 = 0.1;
 
-/// Least number of steps of a coarse clock from which its rate is computed.
+/// A rate is computed from a coarse clock only if the clock makes more steps than this in the first rows.
 const FEWEST_STEPS: usize = 20;
 
 /// The warning about a given rate that differs from the rate of the stamps by more than the fraction `within`.
@@ -22,8 +22,8 @@ pub fn doubt(path: &Path, given_hz: f64, (stamps_hz, within): (f64, f64)) -> Opt
     differs.then_some(LogWarning::RateContradicts { path, given_hz, stamps_hz })
 }
 
-/// The rate of the stamps in Hz, and its relative tolerance. All stamps count if they were read, or else the first
-/// rows in the only column whose type or name states a unit of time.
+/// The rate of the stamps in Hz, and its relative tolerance. `all_hz` is the rate of all rows, if it is known. If not,
+/// the first rows of the only column whose type or name states a unit of time tell the rate.
 pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> {
     if let Some(rate_hz) = all_hz {
         return Some((rate_hz, RATE_OFF));

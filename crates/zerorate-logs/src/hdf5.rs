@@ -27,7 +27,7 @@ use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning, TimeUnit, Unit};
 
-/// The number of h5py's own compression filter in the list of the HDF Group.
+/// The number of LZF, a compression of h5py, in the HDF Group's list of filters.
 const LZF: u16 = 32000;
 
 /// Largest number of columns of a data set; one with more is probably an image.
@@ -238,7 +238,7 @@ fn collect(group: &Group, name: &str, cut: char, depth: usize, found: &mut Conte
     }
     for group in groups {
         let own = group.name().rsplit('/').next().unwrap_or_default().to_owned();
-        // MATLAB's internal data
+        // a group such as `#refs#` holds MATLAB's internal data
         if !own.starts_with('#') {
             collect(&group, &below(&own), cut, depth, found)?;
         }

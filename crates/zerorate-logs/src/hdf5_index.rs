@@ -1,5 +1,6 @@
 //! Verifies the checksums in the index of a chunked data set, where the index is an array (HDF5 1.10 and later,
-//! `libver="latest"`). The library skips them: a changed bit there leaves out a filter, and the values come out wrong.
+//! `libver="latest"`). The library does not verify them. A changed bit there may leave out a filter, so that values
+//! are wrong.
 //!
 //! The HDF Group, HDF5 File Format Specification 3.0, VII.D (fixed array) and VII.E (extensible array). The
 //! blocks of data of an extensible array are not checked.
@@ -16,8 +17,8 @@ const FIXED_HEAD: usize = 28;
 /// Bytes of a fixed array's data block before its entries or, if it has pages, before the bitmap of its pages.
 const BLOCK_HEAD: usize = 14;
 
-/// Verifies the checksum of `bytes`, if they are the header of such an index or a block that ends with a checksum.
-/// `read` gives bytes at another offset.
+/// Verifies the checksum of `bytes`, if they are the header of an array index, or a block of it that ends with a
+/// checksum. `read` reads bytes at another offset.
 pub fn check(bytes: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) -> Result<(), Error> {
     match bytes.first_chunk() {
         Some(b"FAHD") if bytes.len() == FIXED_HEAD => {

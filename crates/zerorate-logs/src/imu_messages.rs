@@ -1,5 +1,5 @@
-//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes, and `sensor_msgs/Temperature`: decoded from their
-//! bytes, and collected into columns.
+//! Decodes `sensor_msgs/Imu`, the message of ROS for gyroscopes, and `sensor_msgs/Temperature`, and collects them into
+//! columns.
 
 use super::clock::Times;
 use super::message::{Body, Encoding, is_imu, is_temperature};
@@ -21,7 +21,7 @@ use zerorate_input::NotBuiltIn;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{InputError, InputWarning, Quantity, TimeUnit, Unit};
 
-/// The quantities of a message by their names in ROS, and their places after the header: orientation and its
+/// The quantities of a message: the name in ROS, and the index among the numbers after the header. Orientation and its
 /// covariance are 13 numbers, and a covariance of 9 follows each vector.
 const QUANTITIES: [(&str, usize); 6] = [
     ("angular_velocity.x", 13),
@@ -32,10 +32,10 @@ const QUANTITIES: [(&str, usize); 6] = [
     ("linear_acceleration.z", 27),
 ];
 
-/// The quantity of a temperature message and its place after the header. Its variance follows.
+/// The quantity of a temperature message, and its index among the numbers after the header. Its variance follows.
 const TEMPERATURE: [(&str, usize); 1] = [("temperature", 0)];
 
-/// Numbers after the header of an IMU and of a temperature.
+/// How many numbers follow the header of an IMU message and of a temperature message.
 const NUMBERS_OF_IMU: usize = 37;
 const NUMBERS_OF_TEMPERATURE: usize = 2;
 
@@ -104,8 +104,8 @@ impl Sources {
         self.imus().next().is_some()
     }
 
-    /// The temperature named `wanted`, with or without its quantity. Plain `temperature` is the only or the nearest
-    /// one.
+    /// The temperature topic `wanted`, with or without `.temperature` behind it. Plain `temperature` means the only
+    /// one, or the only one in the folder of the chosen topic.
     fn temperature(&self, path: &Path, wanted: &str, asked: &ColumnQuery<'_>) -> Result<Option<Quantities>> {
         let [(quantity, _)] = TEMPERATURE;
         let all = || self.0.iter().filter(|(_, source)| source.is_temperature);
@@ -140,7 +140,7 @@ fn folder(topic: &str) -> &str {
     topic.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
-/// The wanted quantities of an IMU.
+/// The wanted quantities of an IMU, or a temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantities {
     name: String,
@@ -242,7 +242,7 @@ fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogE
 }
 
 impl Survey {
-    /// Adds a topic, with messages or without.
+    /// Adds a topic, which may have no messages.
     pub fn topic(&mut self, name: &str, kind: &str) {
         self.0.entry(name.to_owned()).or_insert_with(|| Topic { kind: kind.to_owned(), ..Topic::default() });
     }
@@ -339,7 +339,7 @@ impl<'a> Collector<'a> {
         let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| RawColumn {
             name: format!("{}.{quantity}", wanted.name),
             values,
-            // REP-103 of ROS
+            // the units are those of REP-103 of ROS
             stated: Some(match quantity.split('_').next() {
                 Some("angular") => (Quantity::AngularRate, Unit::RadPerS.in_results()),
                 Some("linear") => (Quantity::Acceleration, Unit::MPerS2.in_results()),

@@ -1,5 +1,5 @@
-//! Files of every form joined end to end, as `cat` does it. The second part is read, or a warning says how much of it
-//! is not.
+//! Tests with files joined end to end, as `cat` does it. Either the second file is read, or a warning states its size,
+//! or an error says that there are two.
 
 use super::tests::{DATAFLASH, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ULOG};
 use super::tests::{Folder, npy, tables, there};
@@ -81,8 +81,8 @@ fn bytes_behind_the_end_are_counted() {
     }
 }
 
-/// The index of these files is at the end. It counts from the start of the last file, and would read the first's
-/// pages.
+/// These forms have their index at the end. Its offsets count from the start of its own file, so the index of the last
+/// file would lead to data of the first.
 #[test]
 fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
     let parquet =
@@ -97,7 +97,8 @@ fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
     }
 }
 
-/// Forms whose reader continues behind a joint: repeated rows are there, or their times are refused.
+/// The readers of these forms continue behind the joint. The repeated rows are read, or are refused because their
+/// times go back.
 #[test]
 fn joined_texts_are_read_and_joined_logs_are_named() {
     let twice = Folder::new().fails([DATAFLASH, DATAFLASH].concat(), "--column IMU[0].GyrZ");

@@ -4,8 +4,8 @@
 //! Nothing is guessed: facts that a file does not state must be given as options, or are reported as unknown. A format
 //! is recognised by its content, not by its name, and nothing here opens a file ([`Input`]).
 //!
-//! Text, raw numbers, Arrow, PX4's logs and captures are always read. Cargo features add the other formats. The error
-//! for a format that is not built in names its feature ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).
+//! Text, raw numbers, Arrow, captures, and logs of PX4 and ArduPilot are always read. Cargo features add the others.
+//! The error for a format that is not built in names its feature ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).
 
 mod arrow_file;
 #[cfg(all(test, feature = "full"))]

@@ -1,4 +1,4 @@
-//! Stamps that a spreadsheet or float32 has cut to their first digits.
+//! Detects stamps of which a spreadsheet or float32 kept only the first digits.
 
 use crate::clock::Times;
 use zerorate_input::TimeUnit;

@@ -93,7 +93,7 @@ fn variables(
         };
         bytes = bytes.saturating_add(data.len() as u64);
         room.check(bytes).map_err(|why| InputError::over_budget(path, why))?;
-        // a packed element has its tag inside
+        // a compressed element contains a whole element with its tag
         let data = match (kind, (Parts { bytes: &data, big_endian }).next()) {
             (MATRIX, _) => data,
             (_, Some((MATRIX, part))) => part.to_vec(),
@@ -104,7 +104,7 @@ fn variables(
     Ok((all, None))
 }
 
-/// The error for a variable, by its number counted from 1.
+/// The error for a variable. `before` is the number of variables before it in the file.
 fn damaged(path: &Path, before: usize, what: &str) -> InputError {
     InputError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
 }
@@ -121,7 +121,7 @@ fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_input::Input>) -> Re
     }
 }
 
-/// An element as it stands in the file.
+/// An element of the file, which may be compressed.
 struct Packed {
     kind: u32,
     /// Number of data bytes that the element states.
@@ -178,7 +178,7 @@ impl<'a> Iterator for Parts<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let first = number(self.bytes.get(..4)?, self.big_endian);
-        // up to four bytes stand in the tag itself
+        // a part of up to four bytes stands in its tag
         if first >> 16 != 0 {
             let (part, rest) = self.bytes.split_at_checked(8)?;
             self.bytes = rest;
@@ -216,7 +216,7 @@ impl Element {
         let mut parts = Parts { bytes: &self.data, big_endian: self.big_endian };
         let is_object = number(parts.next()?.1, self.big_endian).to_le_bytes()[0] == OBJECT;
         let mut text = || Some(String::from_utf8_lossy(parts.next()?.1).into_owned());
-        // the name of the system of types, MCOS, stands between them
+        // between them stands the name of the type system, MCOS
         let (name, _, class) = (text()?, text()?, text()?);
         is_object.then_some((name, class))
     }
@@ -227,7 +227,7 @@ struct Variable<'a> {
     name: String,
     kind: u32,
     bytes: &'a [u8],
-    /// Offset of the first number of the column, and the distance to the next.
+    /// Index of the first number of the column in `bytes`, and the distance to the next, counted in numbers.
     first: usize,
     step: usize,
     len: usize,
@@ -239,8 +239,8 @@ const OBJECT: u8 = 17;
 const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 
-/// Finds the columns of a matrix, which is called `name` if it has no name. Only structures of one element and
-/// matrices of real numbers have columns.
+/// Finds the columns of a matrix. It is called `name` or, if `name` is empty, by its own name. Only structures of one
+/// element and matrices of real numbers have columns.
 fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
     let big_endian = parts.big_endian;
     let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
@@ -285,7 +285,7 @@ fn collect_fields<'a>(
         let end = field.iter().position(|byte| *byte == 0).unwrap_or(field.len());
         let (kind, bytes) = parts.part("fields")?;
         let name = format!("{name}.{}", String::from_utf8_lossy(&field[..end]));
-        // an empty one has no parts
+        // an empty matrix has no parts
         if kind == MATRIX && !bytes.is_empty() {
             collect(Parts { bytes, big_endian }, &name, depth, found)?;
         }

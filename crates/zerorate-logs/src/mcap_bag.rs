@@ -81,7 +81,7 @@ fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources,
     Ok((all, others))
 }
 
-/// The IMUs in the undamaged part of the file.
+/// Counts the messages of each IMU in the undamaged part of the file.
 fn survey(file: &mut Input, room: MemoryBudget, sources: &Sources) -> Survey {
     let mut survey = Survey::default();
     if file.rewind().is_err() {

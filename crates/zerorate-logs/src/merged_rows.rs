@@ -13,7 +13,8 @@ const FEWEST: usize = 8;
 const ALONE: f64 = 0.9;
 
 impl RawColumns {
-    /// Drops rows of other sensors, in which the columns that were read are empty. Stamps show the missing samples.
+    /// Drops rows of other sensors, in which the columns that were read are empty. The stamps of the rows that are
+    /// kept still show where samples are missing.
     ///
     /// # Errors
     /// Returns [`LogError::Merged`] if the columns that were read are of several sensors.
@@ -77,7 +78,8 @@ impl Presence {
         self.alternates(other) || self.is_thinner(other) || other.is_thinner(self)
     }
 
-    /// True if this column has a cell in every second row of `other`, or in every third and so on.
+    /// True if the cells of this column are evenly spaced by two rows or more, and `other` has at least 1.5 times as
+    /// many.
     fn is_thinner(&self, other: &Self) -> bool {
         let there = |of: &Self| (0..of.rows.len()).filter(|row| of.rows[*row]).collect::<Vec<usize>>();
         let (own, others) = (there(self), there(other));

@@ -1,4 +1,4 @@
-//! The bytes of a ROS message that contains a `sensor_msgs/Imu`.
+//! The bytes of a ROS message that contains a `sensor_msgs/Imu` or a `sensor_msgs/Temperature`.
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
@@ -34,7 +34,7 @@ pub struct Body<'a> {
     bytes: &'a [u8],
     encoding: Encoding,
     big_endian: bool,
-    /// The first byte of the IMU's stamp.
+    /// Offset of the header's stamp in `bytes`.
     start: usize,
 }
 
@@ -80,7 +80,7 @@ impl<'a> Body<'a> {
         Some(if self.big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
     }
 
-    /// IMU stamp, ns since the epoch.
+    /// The stamp of the header, ns since 1970.
     pub fn stamp_ns(&self) -> Option<i64> {
         let (sec, nanosec) = (self.u32_at(self.start)? as i32, self.u32_at(self.start + 4)?);
         Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))

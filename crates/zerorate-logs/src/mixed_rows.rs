@@ -26,13 +26,13 @@ const MOST: usize = 16;
 const FEWEST: usize = 8;
 const SHARE: f64 = 0.02;
 
-/// Share of the rows that may have values that do not count.
+/// Largest share of rows whose values are too rare to count.
 const OTHERS: f64 = 0.05;
 
 /// Largest number of uneven steps of a value per interruption of its rows. A flag has one for each interruption.
 const UNEVEN: f64 = 0.25;
 
-/// Share of rows with an earlier time than the row above, from which on the times of several sensors overlap.
+/// If more than this share of the rows have an earlier time than the row above, times of several sensors overlap.
 const OVERLAP: f64 = 0.05;
 
 /// Number of rows of a value from which its level and its noise are compared.
@@ -44,11 +44,11 @@ const LEVELS: f64 = 0.5;
 /// Least ratio between the noise of two sensors.
 const NOISES: f64 = 1.4;
 
-/// Least significance of these differences, in standard deviations of chance for the number of samples.
+/// A difference of level or noise counts only above this many of its own standard deviations.
 const SURE: f64 = 6.0;
 
-/// Standard deviation of a median, and relative standard deviation of [`PER_MEDIAN`] times the median absolute
-/// deviation, for one normal sample. Both fall as the root of the number of samples.
+/// For n Gaussian samples, a median scatters by this many standard deviations of a sample over √n, and the noise
+/// scatters by this fraction of itself over √n. The noise is [`PER_MEDIAN`] times the median absolute deviation.
 const OF_MEDIAN: f64 = 1.253;
 const OF_NOISE: f64 = 1.167;
 
@@ -63,7 +63,7 @@ const IDS: [&str; 42] = [
     "position", "stream",
 ];
 
-/// The words among these that suffice even if the rows of a sensor come in no order, or are not interrupted.
+/// The words of [`IDS`] that suffice even if the rows of a sensor come in no order, or are not interrupted.
 const SENSORS: [&str; 25] = [
     "id", "sensor", "device", "dev", "instance", "inst", "imu", "unit", "node", "source", "src", "addr", "address",
     "serial", "sn", "mac", "topic", "tag", "label", "module", "board", "chip", "port", "probe", "bus",
@@ -138,7 +138,8 @@ struct Mixed {
     columns: Vec<String>,
     /// The values of these columns for each sensor, in the order of the file.
     values: Vec<Vec<String>>,
-    /// The usual time between two rows of each sensor, where its rows come in turn.
+    /// The usual time between two rows of each sensor, in the unit of the file; empty if all rows of one sensor stand
+    /// above those of the next.
     steps: Vec<f64>,
 }
 
@@ -213,7 +214,6 @@ fn in_blocks(found: &RawColumns, sample: &[Sampled]) -> Option<Mixed> {
     Some(Mixed { columns: vec![name.clone()], values, steps: Vec::new() })
 }
 
-/// A value as text.
 fn worded(cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => number.to_string(),
@@ -249,7 +249,7 @@ struct Labels<'a> {
 }
 
 impl<'a> Labels<'a> {
-    /// `None` if the column has too many values, or only one.
+    /// `None` if the column has a value that is not whole, too many values, or fewer than two that count.
     fn of(cells: &'a [Cell]) -> Option<Self> {
         let (mut all, mut rows): (Vec<(&Cell, usize)>, Vec<usize>) = (Vec::new(), Vec::new());
         for cell in cells {

@@ -149,7 +149,7 @@ fn split_array(kind: &str) -> Option<(&str, Many)> {
     }
 }
 
-/// A built-in type of the message language.
+/// The field of a built-in type of the message language; `None` for other types.
 fn plain(kind: &str) -> Option<Field> {
     let size = match kind {
         "bool" | "byte" | "char" | "int8" | "uint8" => 1,
@@ -197,7 +197,7 @@ fn repeat(element: &[Field], count: usize, body: &Body<'_>, mut at: usize) -> Op
     }
     for _ in 0..count {
         let next = skip(element, body, at)?;
-        // an element of no bytes would be repeated for ever
+        // elements of no bytes could be repeated billions of times
         (next > at).then_some(())?;
         at = next;
     }

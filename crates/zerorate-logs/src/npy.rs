@@ -84,8 +84,8 @@ impl Array {
     }
 }
 
-/// Reads columns of arrays. `open` gives the file of an array, by its number. It is called once for each array, with
-/// whether a column of the array is wanted.
+/// Reads columns of arrays. `open` takes the number of an array and whether its data are wanted, and gives its file.
+/// It is called once for each array.
 pub fn read_arrays(
     path: &Path,
     room: MemoryBudget,
@@ -196,7 +196,7 @@ const START: usize = 8;
 /// Largest size of a header in bytes. NumPy itself reads 10 000 unless told otherwise.
 const MAX_HEADER: u32 = 1 << 14;
 
-/// Largest depth of brackets: a dictionary, with a list of fields, each in brackets, with its shape in brackets.
+/// Largest depth of brackets. A usual header has at most 4: the dictionary, the list of fields, a field, its shape.
 const MAX_DEPTH: usize = 6;
 
 /// The depth of nested brackets; `None` if a backslash leaves open where a string ends.
@@ -307,11 +307,11 @@ fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, InputError> {
 /// Largest number of columns of a two-dimensional array. One with more is probably an image.
 const MAX_COLUMNS: u64 = 4096;
 
-/// Number of columns above which an array with fewer rows has its samples beside each other, not below each other.
+/// In an array with more columns than this, and more columns than rows, each column is a sample.
 const FEW_COLUMNS: u64 = 64;
 
 impl Header {
-    /// The same array, with its samples below each other.
+    /// The same array, with a sample in each row.
     fn upright(self) -> Self {
         match self.shape[..] {
             [rows, columns] if columns > FEW_COLUMNS.max(rows) => {
@@ -339,7 +339,7 @@ enum Cell {
     Number(f64),
 }
 
-/// Cells of a column in some rows, one behind the other.
+/// The cells of a column in consecutive rows.
 struct Cells<'a> {
     /// The bytes from the first cell on.
     bytes: &'a [u8],

@@ -43,7 +43,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
             let unpacked = again.unpacked(|out| archive.unpack(name, out));
             return unpacked.map(Some).map_err(|why| why.in_file(path, &place(name)));
         }
-        // a damaged array might have been a column
+        // unpacked only to verify its checksum: a damaged array might have been a column
         archive.unpack(name, &mut io::sink()).map(|()| None).map_err(|why| why.in_file(path, &place(name)))
     })
 }

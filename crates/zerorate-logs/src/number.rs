@@ -1,4 +1,5 @@
-//! Numbers as people write them: with a decimal point or a decimal comma, or not there at all.
+//! Parses numbers as people write them: with a decimal point or a decimal comma. A cell may also be empty, or hold a
+//! word for a missing value.
 
 use zerorate_allan::SettingName;
 
@@ -44,7 +45,7 @@ impl Number {
 #[derive(Clone, Debug)]
 pub struct Numerals {
     decimal: Option<Decimal>,
-    /// The line and the text of a cell that fits both marks, as long as no other cell decides.
+    /// The line and the text of the first cell whose comma may be decimal or may separate thousands.
     doubtful: Option<(u64, String)>,
 }
 
@@ -86,7 +87,8 @@ impl Numerals {
         Ok(Number::Decimal(number))
     }
 
-    /// Adds the evidence of other lines, which begin `lines` lines behind the start; false if they show another mark.
+    /// Adds what other lines showed, which begin `lines` lines behind the first. Returns false if they have another
+    /// decimal mark.
     pub fn join(&mut self, other: Self, lines: u64) -> bool {
         if self.doubtful.is_none() {
             self.doubtful = other.doubtful.map(|(line, cell)| (line + lines, cell));
@@ -153,7 +155,7 @@ const TENS: [f64; 23] = [
 const DIGITS: usize = 18;
 
 /// Reads a number of only a sign, digits and a point, as nearly all are. An integer over a power of ten, both exact,
-/// is rounded once, with the same result as the slow way (W. D. Clinger, How to read floating point numbers
+/// is rounded once, so the result is that of `str::parse` (W. D. Clinger, How to read floating point numbers
 /// accurately, PLDI 1990).
 fn plain(cell: &[u8]) -> Option<Number> {
     let (negative, digits) = match cell {
@@ -183,7 +185,8 @@ fn plain(cell: &[u8]) -> Option<Number> {
     }
 }
 
-/// A number such as 1,234.5 or 1.234,5, which can be read in one way only, and its decimal mark.
+/// Parses a number with a thousands separator and a decimal mark, such as 1,234.5 or 1.234,5. Returns the mark and the
+/// number.
 fn in_thousands(cell: &str) -> Option<(Decimal, f64)> {
     let (mark, thousand) =
         if cell.rfind('.') > cell.rfind(',') { (Decimal::Point, ',') } else { (Decimal::Comma, '.') };

@@ -44,7 +44,7 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     }
 }
 
-/// Opens a file and reads its first bytes.
+/// Reads the first bytes of an input, without unpacking it.
 pub fn looked_at(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     let (input, start) = marked(input).map_err(|error| InputError::io("read", path, error))?;
     Ok(Log { path, input, room: MemoryBudget::of(0), start })
@@ -251,7 +251,7 @@ impl From<io::Error> for Unpacking {
     }
 }
 
-/// Largest window of a compressor: 128 MiB, twice the window of `xz -9`, and the largest of `zstd` without `--ultra`.
+/// Largest window of a compressor, KiB: twice the window of `xz -9`, and the default limit of the `zstd` decoder.
 #[cfg(feature = "packed")]
 const MAX_WINDOW_KB: u32 = 128 << 10;
 

@@ -58,7 +58,7 @@ pub struct ColumnOptions {
     /// The type of the numbers and of their records, if the file is nothing but numbers.
     pub raw: Option<RawType>,
 
-    /// Share of broken lines of a text file that are skipped and counted; `None` means [`MAX_BAD`].
+    /// Largest share of broken lines in a text file; `None` means [`MAX_BAD`]. Broken lines are skipped and counted.
     pub max_bad: Option<f64>,
 
     /// Opens tables that describe themselves, such as captures; `None` reads them like any other table.
@@ -68,8 +68,8 @@ pub struct ColumnOptions {
     pub names: Names,
 }
 
-/// Broken lines of a text file that are skipped by default, as a share of all. A bad cable breaks fewer lines; more
-/// broken lines mean that the file has another form.
+/// Default of the largest share of broken lines in a text file. A bad cable breaks fewer lines; more broken lines mean
+/// that the file has another form.
 pub const MAX_BAD: f64 = 0.01;
 
 impl ColumnOptions {

@@ -258,7 +258,7 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
     dropped.into_iter().chain(wrong).collect()
 }
 
-/// Largest share of the rows that do not fit evenly spaced times under a coarse clock.
+/// Largest share of the rows whose stamps may disagree with evenly spaced times under a coarse clock.
 const UNEVEN: f64 = 0.002;
 
 /// Gives rows under a coarse clock even times, if its stamps agree with them. Returns the text about it.
@@ -270,8 +270,8 @@ fn spread_evenly(rows: &mut [TimedRow], fine: f64) -> Option<Vec<String>> {
     Some(said_of(&[], &wrong, true))
 }
 
-/// Times of rows that are evenly spaced, where a coarse clock agrees: each stamp is the last step of the clock before
-/// the row. `None` if samples are lost, or come unevenly.
+/// Evenly spaced times that agree with the stamps of a coarse clock. A stamp is the time of the last step of the clock
+/// before the row. `None` if too many stamps disagree, because samples are lost or come unevenly.
 fn even_times(rows: &[TimedRow], fine: f64) -> Option<Vec<f64>> {
     let step = clock_step(rows);
     let slack = fine / 2.0;
@@ -344,7 +344,7 @@ mod tests {
         assert!(is_even(&times, 100) && values[99] == 49.5 && said.is_empty());
     }
 
-    /// 100 Hz under the clock of Windows.
+    /// Samples at 100 Hz, stamped by the clock of Windows, which steps by 15.625 ms.
     #[test]
     fn rows_under_a_clock_of_15_6_ms_are_even() {
         let rows: Vec<(f64, f64)> = (0..6000)

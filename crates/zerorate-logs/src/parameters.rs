@@ -28,8 +28,9 @@ pub fn parameters(path: &Path, input: Input) -> Result<BTreeMap<String, f64>> {
     Ok(found)
 }
 
-/// The first parameter of those that `is_wanted` names to change its value in a log of ArduPilot, and the time of the
-/// change since the first parameter, s.
+/// Finds the first change of a parameter in a log of ArduPilot. Only parameters whose name `is_wanted` accepts count.
+/// Returns the name, and the time of the change in s since the first of these parameters was logged. `None` without a
+/// change, and for any other log.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.

@@ -25,7 +25,7 @@ use zerorate_input::limits::MemoryBudget;
 use zerorate_input::parquet::{guarded, refuse_joined};
 use zerorate_input::{Input, InputError};
 
-/// Rows per piece.
+/// Number of rows of a piece, the part of a column that is decoded at once.
 const PIECE: usize = 1 << 16;
 
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
@@ -65,7 +65,7 @@ struct Groups<'a> {
     /// Bytes of a row of all wanted columns.
     row_bytes: u64,
     room: MemoryBudget,
-    /// Rows of all groups that were decoded so far: a page of a few bytes may state any number of them.
+    /// Rows that were decoded so far, counted in each column. A page of a few bytes may state any number of rows.
     rows_read: AtomicU64,
 }
 
@@ -168,7 +168,7 @@ impl Groups<'_> {
 /// Most rows to reserve at once: more than the longest record of one sensor, less than a machine's memory.
 const MAX_RESERVED: usize = 1 << 26;
 
-/// A piece of a file, addressed by offsets in the whole file.
+/// A range of bytes of a file, addressed by offsets in the whole file.
 struct Chunk {
     start: u64,
     bytes: Bytes,

@@ -76,7 +76,7 @@ pub fn read_with_temperature(
     wanted: ColumnSelection<'_>,
     args: &ColumnOptions,
 ) -> Result<(Vec<Column>, Option<Column>)> {
-    // a unit and a scale apply to the wanted columns
+    // a given unit or scale would be applied to the temperature, too
     let with_temperature = args.unit.is_none() && args.scale.is_none();
     let found = found(path, parts.into(), &ColumnQuery { wanted, args, with_temperature })?;
     let is_there = found.columns.last().is_some_and(|column| column.is_beside);

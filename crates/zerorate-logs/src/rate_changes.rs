@@ -4,11 +4,12 @@ use super::clock::median;
 use zerorate_allan::Gap;
 use zerorate_input::TimeUnit;
 
-/// Rows of a span. Its length gives the interval to one percent, even where the clock counts in steps as long as the
-/// interval.
+/// Number of intervals in a span of rows. The duration of a span gives the interval to one percent, even if the clock
+/// counts in steps as long as the interval.
 const SPAN: usize = 128;
 
-/// Least number of rows of a part of the log. The median of its spans is then not a span with a gap.
+/// Least number of rows of a part of the log. In such a part, at most a third of the spans contain the same gap, so
+/// the median does not.
 const PART: usize = 4 * SPAN;
 
 /// Number of parts that are compared.
@@ -17,7 +18,8 @@ const PARTS: usize = 8;
 /// An interval of more than this many usual intervals is a gap.
 const LONG: f64 = 1.5;
 
-/// Relative difference between rates that is reported. A good clock changes less, and deviations hardly show less.
+/// Relative difference between rates above which a warning is given. A good clock changes less, and a smaller change
+/// hardly shows in Allan deviations.
 const SAID: f64 = 0.02;
 
 /// The text of the warning if rows come faster in one part of the log than in another. Lost samples do not count.

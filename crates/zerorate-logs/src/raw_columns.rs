@@ -37,9 +37,9 @@ impl RawColumns {
 pub struct RawColumn {
     pub name: String,
     pub values: SeriesBuilder,
-    /// The quantity, and the size of a step in the unit of its results, where the form defines them.
+    /// The quantity, and the size of a step of 1 in the unit of its results, if the form of the file defines them.
     pub stated: Option<(Quantity, f64)>,
-    /// The size of a step of 1 in the unit of the log, as the log states it.
+    /// The size of a step of 1 in the unit of the log, if the log states it; otherwise 1.
     pub step: f64,
     pub warnings: Vec<LogWarning>,
     /// True if this is an unrequested temperature beside requested columns.
@@ -58,7 +58,7 @@ impl RawColumn {
     }
 }
 
-/// The information of a file about time.
+/// What a file states about the times of its rows.
 pub enum Clock {
     /// The file states nothing.
     Silent,

@@ -10,7 +10,7 @@ const MAX_CHANNELS: usize = 256;
 /// The records of a file of plain numbers: `i16`, or `6xi16be` for six big-endian integers in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawType {
-    /// The numbers in a record, all of one type.
+    /// How many numbers a record has.
     pub channels: usize,
     /// The type that all numbers in the file have.
     pub number: RawNumber,
@@ -77,7 +77,7 @@ impl RawType {
         self.channels * self.number.bytes()
     }
 
-    /// The name of a column: its number, unless there is only one.
+    /// The name of a column: its number counted from 0, or `raw` if it is the only one.
     pub fn name(self, channel: usize) -> String {
         if self.channels == 1 { "raw".to_owned() } else { channel.to_string() }
     }

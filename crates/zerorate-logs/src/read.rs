@@ -65,7 +65,7 @@ fn arrow_stream(table: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
     writer.into_inner()
 }
 
-/// The columns as they stand in the file.
+/// Reads the wanted columns, before units and times are applied.
 pub fn find(path: &Path, input: Input, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let log = open::open(path, input)?;
     match asked.args.raw {

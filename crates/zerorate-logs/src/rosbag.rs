@@ -91,7 +91,7 @@ fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Resul
 /// Topics by the number of their connection, and types by the name of their topic.
 type Topics = (BTreeMap<u32, Topic>, BTreeMap<String, String>);
 
-/// The topics with an IMU in the undamaged part of the file.
+/// Counts the messages of each IMU in the undamaged part of the file.
 fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, Topic>) -> Survey {
     let mut survey = Survey::default();
     topics.values().for_each(|topic| topic.sources.imus().for_each(|(name, _)| survey.topic(name, &topic.kind)));
@@ -138,7 +138,7 @@ impl Record {
         self.data.as_chunks::<4>().0.as_chunks::<2>().0.iter().map(move |[conn, count]| (number(conn), number(count)))
     }
 
-    /// Number and topic of a connection.
+    /// The number and the topic of a connection; `None` for any other record.
     fn connection(&self) -> Option<(u32, Topic)> {
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let conn = self.number(b"conn").filter(|_| self.op() == Some(CONNECTION))?;
@@ -259,7 +259,7 @@ impl Records<'_> {
         Ok(true)
     }
 
-    /// The stop, if another bag starts `here`.
+    /// The early end of this bag, if another bag starts at offset `here`.
     fn another_bag(&self, here: u64, length: u64) -> Option<Stop> {
         let start = self.file.get_ref().bytes_at(here, ROS_BAG.len()).ok()?;
         (&start[..] == ROS_BAG).then_some(Stop::Early(EarlyEnd::AnotherBag(length - here)))
@@ -292,7 +292,7 @@ impl Records<'_> {
         self.room.check_on_disk(self.bytes).map_err(no_room)?;
         let packed = chunk.data.as_slice();
         let mut bytes = Vec::new();
-        // one byte more, so that the check behind the last one is read
+        // one byte more than stated, so that the checksum behind the last byte is read
         let mut unpack = |from: &mut dyn Read| from.take(u64::from(size) + 1).read_to_end(&mut bytes);
         let done = match field(&chunk.head, b"compression") {
             Some(b"none") => return Ok(chunk.data.clone()),

@@ -1,4 +1,5 @@
-//! The first rows of a table in all columns. Even a column that was not requested may show what its rows are.
+//! The first rows of a table in all columns. A column that was not requested may show, for example, that the rows are
+//! of several sensors.
 
 use crate::clock::Times;
 use crate::time_names::ticks;
@@ -97,7 +98,7 @@ impl Sampled {
     }
 }
 
-/// The cells of a piece of a table.
+/// The cells of a column of an Arrow batch.
 pub fn cells(column: &ArrayRef) -> Vec<Cell> {
     let words = |row: usize| match column.data_type() {
         DataType::Utf8 => Some(column.as_string::<i32>().value(row).to_owned()),
@@ -119,7 +120,7 @@ pub fn cells(column: &ArrayRef) -> Vec<Cell> {
     (0..column.len()).map(|row| word(row).unwrap_or(Cell::Missing)).collect()
 }
 
-/// True if a type is that of moments, and not of durations.
+/// True if values of a type are points in time, not durations.
 pub fn is_time(data_type: &DataType) -> bool {
     matches!(data_type, DataType::Timestamp(..))
 }

@@ -11,7 +11,7 @@ const MAX_FILLED: u64 = 10_000_000;
 /// A number with a time needs twice as much, which only the memory limit of the process bounds.
 pub const ROW_BYTES: u64 = 16;
 
-/// A series of numbers, as exact as in the file.
+/// A series of numbers: 32-bit integer codes, or floating-point numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Series {
     /// Integer codes. Gaps beside them mark missing samples.
@@ -34,7 +34,7 @@ impl Series {
         self.len() == 0
     }
 
-    /// The samples as a rate. `gaps` are those among codes; other numbers have NaN where samples are missing.
+    /// The samples as the analysis takes them. `gaps` are the gaps among codes; other numbers hold NaN instead.
     pub fn input<'a>(&'a self, gaps: &'a [Gap]) -> Input<'a> {
         match self {
             Self::Codes(codes) => Input::Codes { codes, gaps },
@@ -43,7 +43,7 @@ impl Series {
     }
 }
 
-/// A series that grows. It holds integers until another number is added.
+/// A series that grows. It holds codes until a number that is not a 32-bit integer is added.
 pub struct SeriesBuilder {
     series: Series,
     /// The gaps among codes. Other numbers hold NaN instead.
@@ -164,8 +164,9 @@ impl SeriesBuilder {
         }
     }
 
-    /// The series, including samples missing between rows: before row `at`, counting empty rows, `missing` were lost.
-    /// `Err` is the number of missing samples, if they are too many to be filled in.
+    /// Returns the series and the gaps among codes. `between_rows` are the samples that were lost between rows:
+    /// `missing` samples before row `at`, where empty rows count. `Err` is the number of missing samples, if they are
+    /// too many to be filled in.
     pub fn finish(mut self, between_rows: &[Gap]) -> Result<(Series, Vec<Gap>), u64> {
         let row_bytes = self.row_bytes();
         let gaps = match &mut self.series {

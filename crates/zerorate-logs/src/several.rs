@@ -1,4 +1,4 @@
-//! Several columns in one pass are the same as each by itself.
+//! Tests that columns that are read in one pass are the same as each column read by itself.
 
 use super::tests::{imu, mcap_packed, npy, options, sqlite_bag, tables};
 use super::*;
@@ -52,7 +52,7 @@ fn a_table_in_memory_is_a_log() {
     assert!(error.to_string().contains("the table holds no numbers in `label`"), "{error}");
 }
 
-/// Rows 3 and 4 of x are missing in the log, row 5 of y is empty.
+/// Rows 3 and 4 are missing in the log, and y is empty in row 5.
 fn log() -> Vec<(&'static str, ArrayRef)> {
     let rows = || (0..12).filter(|row| !(3..5).contains(row));
     vec![
@@ -75,7 +75,7 @@ fn columns_of_tables() {
     }
 }
 
-/// Rows of two sensors, by a number and by a name: asked about, and read one by one.
+/// A column of numbers and a column of names tell the rows of two sensors apart. Without a choice, the log is refused.
 #[test]
 fn rows_of_two_sensors_in_tables() {
     let rows = || 0..400;
@@ -129,7 +129,8 @@ fn rows_of_sensors_that_two_columns_tell() {
     }
 }
 
-/// All rows of one sensor above those of the next: by number beyond the first rows, and by name.
+/// All rows of one sensor stand above those of the next. Numbers tell the sensors apart in a log in which the first
+/// rows are of one sensor only, and names in a short log.
 #[test]
 fn rows_of_sensors_in_blocks() {
     let log = |names: [&str; 2], rows: usize| {
@@ -145,7 +146,8 @@ fn rows_of_sensors_in_blocks() {
     assert_eq!(all(same.as_bytes(), ColumnSelection::All, "").unwrap().len(), 2);
 }
 
-/// Rows of two sensors in no order, without a time: the name of the column and another noise tell.
+/// Rows of two sensors in no order and without a time. The name of the column and the different noise show the
+/// sensors.
 #[test]
 fn rows_of_sensors_in_no_order() {
     let log = |name: &str| {
@@ -182,7 +184,7 @@ fn columns_of_text() {
     assert_eq!(columns[0].gaps, [Gap { at: 1, missing: 2 }]);
     assert_eq!((&columns[1].series, columns[1].missing()), (&Series::Codes(vec![1, 2, 3, 4]), 1));
     assert_eq!(all(text.as_bytes(), ColumnSelection::All, "--time-column t_ms").unwrap().len(), 3);
-    // nothing of a line that is cut short is kept
+    // a last line with an empty cell is kept; a last line with too few cells is dropped
     let cut = all("x,y\n1,2\n3,4\n5,".as_bytes(), ColumnSelection::All, "--rate 1").unwrap();
     assert_eq!(cut.iter().map(|column| column.series.len()).collect::<Vec<_>>(), [3, 2]);
     let cut = all("x,y\n1,2\n3,4\n5".as_bytes(), ColumnSelection::All, "--rate 1").unwrap();

@@ -112,7 +112,7 @@ fn definition(bag: &Connection, kind: &str) -> String {
     bag.query_row(query, [kind], |row| row.get(0)).unwrap_or_default()
 }
 
-/// The topics with an IMU, as far as they can be read.
+/// Counts the messages of each IMU, as far as they can be read.
 fn survey(bag: &Connection, topics: &[Topic]) -> Survey {
     let mut survey = Survey::default();
     for Topic { id, kind, format, sources, .. } in topics {

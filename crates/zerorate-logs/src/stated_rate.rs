@@ -7,7 +7,7 @@ pub struct StatedRate {
     pub rate_hz: f64,
 }
 
-/// Words for a sample rate, without anything but letters.
+/// Words for a sample rate, in lower case and with letters only.
 const WORDS: [&str; 9] = [
     "fs",
     "samplerate",
@@ -20,7 +20,8 @@ const WORDS: [&str; 9] = [
     "odr",
 ];
 
-/// True if a name is that of a sample rate, apart from the structure or the group that holds it.
+/// True if a name is that of a sample rate, with or without `hz` at its end. The name of the structure or group in
+/// front of it does not count.
 pub fn is_rate(name: &str) -> bool {
     let own = name.rsplit(['.', '/', '@']).next().unwrap_or_default().to_lowercase();
     let word: String = own.chars().filter(|c| c.is_alphanumeric()).collect();

@@ -138,7 +138,7 @@ impl<'a> TableColumns<'a> {
         }
     }
 
-    /// Adds rows of the whole table.
+    /// Adds the rows of a batch, which has all columns of the table.
     pub fn take(&mut self, batch: &RecordBatch) -> Result<(), InputError> {
         let columns: Vec<ArrayRef> = self.columns.iter().map(|index| batch.column(*index).clone()).collect();
         self.sample(batch)?;
@@ -174,7 +174,7 @@ impl<'a> TableColumns<'a> {
             .map_err(|error| wrong(self.path, format_args!("raw columns"), error.to_string()))
     }
 
-    /// Adds a piece of the columns.
+    /// Adds rows, given as the arrays of `self.columns` in their order.
     pub fn append(&mut self, columns: &[ArrayRef]) -> Result<(), InputError> {
         let columns = &self.wanted_rows(columns.to_vec())?[..];
         let Some(first) = self.values.first() else { return Ok(()) };

@@ -26,7 +26,7 @@ pub fn temperature(
     }
 }
 
-/// True if a file mentions a temperature near its beginning or its end, so that a second look is worth it.
+/// True if `temp` occurs near the beginning or the end of a file. Only then is the file read for a temperature.
 fn speaks_of_temperature(mut input: Input) -> bool {
     let mut ends = || -> std::io::Result<Vec<u8>> {
         let (mut bytes, len) = (Vec::new(), input.length()?);

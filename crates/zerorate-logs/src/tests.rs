@@ -1,4 +1,4 @@
-//! Logs whose content is known beforehand.
+//! Tests with logs that are made here, so that their content is known.
 
 #[cfg(feature = "full")]
 mod forms;
@@ -18,7 +18,7 @@ use tempfile::TempDir;
 use zerorate_allan::Gap;
 use zerorate_allan::SettingName;
 
-/// Options as a user types them.
+/// Parses options as a user types them: each name is followed by a value.
 pub fn options(text: &str) -> ColumnOptions {
     let mut options = ColumnOptions { names: Names(flag), ..ColumnOptions::default() };
     let mut words = text.split_whitespace();
@@ -429,7 +429,7 @@ fn a_slow_time_whose_name_alone_states_the_unit_is_asked_for() {
     assert!(folder.read(stepping("t_s", 10.0), "--column gz_dps").is_ok());
 }
 
-/// Logs whose columns have no names.
+/// A log whose columns have no names, and a log whose times lack the hour.
 #[test]
 fn the_question_for_the_rate_proposes_the_column_that_rises_evenly() {
     let row = |at: u64| format!("{at},1600,{},0.{}\n", 252_207_918_580_802 + at * 50_000_000, at % 7);
@@ -446,7 +446,7 @@ fn the_question_for_the_rate_names_days_and_several_clocks() {
     let days = |at: u32| format!("{:.9},0.{}\n", 45_218.5 + f64::from(at) * 0.01 / 86_400.0, at % 7);
     let why = Folder::new().fails((0..300).map(days).collect::<String>(), "--column 1");
     assert!(why.contains("which is 100.0") && why.contains("if `0` counts days, as Excel"), "{why}");
-    // 100 ns since 1601 is neither µs nor ns
+    // a count of 100 ns since 1601 is a count of neither µs nor ns
     let text: String =
         (0..40u64).map(|row| format!("{},{}\n", 133_500_000_000_000_000 + row * 100_000, row % 3)).collect();
     let why = Folder::new().fails(&text, "--column 1");

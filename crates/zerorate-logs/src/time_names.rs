@@ -59,8 +59,8 @@ fn is_in_time_unit(name: &str) -> bool {
         || name.eq_ignore_ascii_case(SAMPLE_TIME_FINE)
 }
 
-/// The unit of a time and the size of its step in that unit, if the name states a step other than one unit: 0.1 ms
-/// of `time [0.1 ms]` and `ticks_100us`, 60 s of `Time (min)`, 1/32768 s of `ticks_32768Hz`.
+/// If the name of a time states a step other than one unit, returns the unit and the size of the step in it: 0.1 ms
+/// for `time [0.1 ms]`, 100 µs for `ticks_100us`, 60 s for `Time (min)`, 1/32768 s for `ticks_32768Hz`.
 pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     let name = name.to_lowercase();
     let is_short =
@@ -73,7 +73,7 @@ pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     if let Some((_, step)) = longer.into_iter().find(|(word, _)| is_time && ends(word)) {
         return Some((TimeUnit::S, step));
     }
-    // the last letter of a unit is that of a longer one as well, so seconds come last
+    // `ms` also ends with `s`, so seconds come last
     let units =
         [(TimeUnit::Ms, "ms"), (TimeUnit::Us, "us"), (TimeUnit::Us, "µs"), (TimeUnit::Ns, "ns"), (TimeUnit::S, "s")];
     let rates = [("khz", 1e3), ("mhz", 1e6), ("hz", 1.0)];
@@ -97,8 +97,9 @@ pub fn is_step(name: &str) -> bool {
     matches!(stem, "dt" | "deltat" | "Δt" | "δt") || name.starts_with("delta_t") || name.starts_with("time_step")
 }
 
-/// The number of seconds in one unit of a column that holds the rest of stamps whose seconds stand in another:
-/// 1e-9 of `stamp.nsecs` beside `stamp.secs`, 1e-3 of `millisecond` beside `second`.
+/// A stamp may be split: its whole seconds stand in column `seconds`, and the rest in column `name`. Returns the
+/// number of seconds in one unit of the rest: 1e-9 for `stamp.nsecs` beside `stamp.secs`, 1e-3 for `millisecond`
+/// beside `second`. `None` if the columns are not such a pair.
 pub fn fraction_s(name: &str, seconds: &str) -> Option<f64> {
     let parted = |name: &str| {
         let name = name.to_lowercase();
@@ -111,12 +112,13 @@ pub fn fraction_s(name: &str, seconds: &str) -> Option<f64> {
     unit_s.or((stem.is_empty() && word == "ms").then_some(1e-3)).filter(|_| are_seconds)
 }
 
-/// The number of milliseconds, or the like, beside times of day that lack them: 1e-3 of `ms` beside `time`.
+/// A time of day in whole seconds may have the rest in column `name`. Returns the number of seconds in one unit of the
+/// rest: 1e-3 for `ms` beside `time`.
 pub fn fraction_of_clock_s(name: &str) -> Option<f64> {
     fraction_s(name, "seconds").filter(|unit_s| *unit_s < 1.0)
 }
 
-/// Words for the rest of a stamp behind its whole seconds, with the number of seconds in one.
+/// Words for the rest of a stamp behind its whole seconds: the number of seconds in one unit, and the words.
 const FRACTIONS: [(f64, &[&str]); 4] = [
     (1e-9, &["nsec", "nsecs", "nanosec", "nanosecs", "nanosecond", "nanoseconds"]),
     (1e-6, &["usec", "usecs", "microsec", "microsecond", "microseconds"]),

@@ -16,13 +16,13 @@ const SLOW_HZ: f64 = 0.5;
 /// Rates of IMUs, Hz. If several units give such a rate, the user is asked for one.
 const RATES_OF_IMUS_HZ: std::ops::RangeInclusive<f64> = 2.0..=33_000.0;
 
-/// A usual rate, Hz.
+/// The most usual of several units is the one whose rate is nearest to this, Hz.
 const USUAL_HZ: f64 = 100.0;
 
 /// The start of the years 2000 and 2100, in seconds since 1970.
 const EPOCH_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 
-/// Times after this, the year 2286 in seconds since 1970, are in a finer unit.
+/// Largest time in seconds since 1970, in the year 2286. Larger times are in a finer unit.
 const TOO_LATE_S: f64 = 1e10;
 
 const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];
@@ -55,13 +55,13 @@ pub fn other(per_unit: f64, unit: TimeUnit) -> Option<TimeUnit> {
     nearest(per_unit, ALL.into_iter().filter(fits))
 }
 
-/// The one of these units whose rate is nearest to a usual one.
+/// The one of these units that gives the rate nearest to [`USUAL_HZ`].
 fn nearest(per_unit: f64, units: impl Iterator<Item = TimeUnit>) -> Option<TimeUnit> {
     let off = |unit: &TimeUnit| (per_unit * unit.per_s() / USUAL_HZ).ln().abs();
     units.min_by(|one, other| off(one).total_cmp(&off(other)))
 }
 
-/// Least interval at which `SampleTimeFine` counts microseconds.
+/// Least interval, in counts, at which `SampleTimeFine` counts microseconds.
 const FINE: f64 = 5000.0;
 
 /// The unit of Xsens's `SampleTimeFine`: 0.1 ms in an MTi, whose interval is below half a second, and µs in a

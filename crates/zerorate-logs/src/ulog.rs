@@ -32,7 +32,7 @@ const MAX_DEPTH: usize = 8;
 /// Largest number of fields of a topic; the longest topics of PX4 have some hundreds.
 const MAX_FIELDS: usize = 4096;
 
-/// Topics with the readings of an IMU, and the units of their fields: topics of the drivers, and the filtered one.
+/// Topics with the readings of an IMU: the name of the topic, the start of the names of its axes, and their unit.
 const IMUS: [(&str, &str, Unit); 6] = [
     ("sensor_gyro", "", Unit::RadPerS),
     ("sensor_accel", "", Unit::MPerS2),
@@ -100,7 +100,7 @@ fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     (topic.starts_with("sensor_") && field == "temperature").then_some((Quantity::Temperature, 1.0))
 }
 
-/// The field of an axis or the temperature. If its name is not exact, it is a field of the only gyroscope.
+/// The name of the field that a description means. A name that is not exact is that of a field of `sensor_gyro`.
 fn of_driver(column: &ColumnSpec) -> String {
     match (column.is_exact, column.name.as_str()) {
         (true, name) => name.to_owned(),

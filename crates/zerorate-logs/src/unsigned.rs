@@ -11,10 +11,10 @@ const WIDTHS: [i32; 7] = [12, 14, 16, 18, 20, 24, 32];
 /// The share of the range at each end in which codes that wrapped around lie: a sensor at rest is near zero.
 const END: f64 = 0.125;
 
-/// The share of the samples that may lie between the two ends.
+/// Largest share of the samples between the two ends of the range.
 const BETWEEN: f64 = 0.001;
 
-/// Largest hole around zero, as a share of the spread of the samples, and in codes; noise has no hole.
+/// Largest hole around zero: this share of the spread of the samples, and this many codes more. Noise has no hole.
 const HOLE: f64 = 0.25;
 const HOLE_CODES: f64 = 2.0;
 

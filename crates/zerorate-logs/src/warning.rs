@@ -24,7 +24,7 @@ pub enum LogWarning {
     OffCodes { path: String, column: String, by: f64, unit: &'static str, codes: f64 },
     /// The last samples of a column are equal.
     Stopped { path: String, column: String, same: usize, len: usize },
-    /// Samples of a column are equal from a moment on.
+    /// Samples of a column are equal from `from_s` seconds on, and change again later.
     Hung { path: String, column: String, same: usize, len: usize, from_s: f64 },
     /// Rows were put in order, as the text says.
     TimesRepaired { path: String, column: String, how: String },
@@ -172,7 +172,7 @@ impl LogWarning {
         Self::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
     }
 
-    /// The warning about a file whose end is missing; empty if the end is there.
+    /// The warning with this text about damage to the file; empty without a text.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }

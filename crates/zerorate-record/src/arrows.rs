@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 use zerorate_input::messages::with_note;
 use zerorate_input::table::{BATCH_CHECK, END};
 
-/// Size of the write buffer, bytes. A batch of any capture fits, so that it is written in one piece.
+/// Size of the write buffer, bytes. A batch of raw columns fits, so that it reaches the operating system in one
+/// write.
 const WRITE_BUFFER: usize = 1 << 20;
 
-/// Writes an Arrow IPC stream.
 pub struct StreamSink {
     path: PathBuf,
     schema: SchemaRef,
@@ -34,7 +34,7 @@ impl StreamSink {
 }
 
 impl StreamSink {
-    /// Writes a batch in one piece, with a metadata entry.
+    /// Writes a batch whose message carries the metadata entry `key` = `note`, and flushes it.
     fn write_noted(&mut self, batch: &RecordBatch, key: &str, note: &str) -> Result<(), CaptureError> {
         let options = IpcWriteOptions::default();
         let mut no_dictionaries = DictionaryTracker::new(true);

@@ -7,7 +7,7 @@ use std::fs;
 use tempfile::TempDir;
 use zerorate::{Axis, Part, Reading, Scan};
 
-/// An ADIS16405 as docs/formats/part.md describes it, with a status of 16 bits.
+/// The description of a capture of an ADIS16405, with a status of 16 bits.
 fn imu() -> CaptureInfo {
     let layout = Layout::of_part(&part()).unwrap().with_status_bits(16).unwrap();
     CaptureInfo { device: "replay:log.csv".to_owned(), ..CaptureInfo::new(layout) }
@@ -24,7 +24,7 @@ fn rows(n: u32) -> Vec<Row> {
     (0..n).map(row).collect()
 }
 
-/// A capture of `count` rows.
+/// The bytes of a capture with `count` rows.
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");
@@ -82,7 +82,7 @@ fn recognised(path: &Path) -> Box<dyn BatchSource> {
     }
 }
 
-/// The example of the format document, hashed by another implementation (Python's hashlib over struct.pack).
+/// The example in docs/formats/capture.md. Python's hashlib over struct.pack gave its hash.
 #[test]
 fn the_hash_is_that_of_the_document() {
     let first = Row::new(10_000_000, 0, &[-3, 32_767, -32_768]).unwrap();
@@ -177,7 +177,7 @@ fn metadata_of_axes_are_checked() {
     assert!(error("zerorate.part", Some("ADIS16130")).contains("`zerorate.width_bits` is missing"));
 }
 
-/// A fact that the capture does not state is unknown; the value of the ADIS16130 never stands in.
+/// A property that the capture does not state is unknown. It is not taken from the ADIS16130.
 #[test]
 fn of_another_part_only_what_the_capture_states_is_known() {
     let info = CaptureInfo { bandwidth_hz: Some(50.0), ..imu() };

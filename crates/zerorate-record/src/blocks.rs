@@ -12,7 +12,8 @@ pub type Out = Box<dyn Write + Send>;
 
 /// Writes blocks of rows in one of the formats.
 pub trait BlockSink {
-    /// Writes rows, and passes them to the operating system if the format allows it. With `check`, they end a block.
+    /// Writes rows, and passes them to the operating system if the format allows it. If `check` is given, a block
+    /// ends after these rows, and `check` is its check.
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError>;
 
     /// Ends the open block if `check` is given, and writes the end of the file.

@@ -17,7 +17,7 @@ pub const HEAD: &str = "zerorate.check.head";
 const PREFIX: &[u8] = b"zerorate.capture.v2\n";
 const END_MARK: &[u8] = b"end\n";
 
-/// Number of hexadecimal digits of a check. It misses one change in 2⁶⁴.
+/// Number of hexadecimal digits of a check. It misses a random change with a probability of 2⁻⁶⁴.
 const DIGITS: usize = 16;
 
 /// The statement at the end of a file.
@@ -32,12 +32,12 @@ pub struct End {
 }
 
 impl End {
-    /// The text in the file. It has a constant length.
+    /// Formats the statement as it stands in the file. The text always has the same length.
     pub fn to_text(&self) -> String {
         format!("{:020} {} {}", self.rows, self.samples_sha256, self.check)
     }
 
-    /// Parses the text in a file; `None` if it is malformed.
+    /// Parses the text of [`End::to_text`]; `None` if it is malformed.
     pub fn parse(text: &str) -> Option<Self> {
         let mut words = text.split(' ');
         let end = Self {
@@ -60,7 +60,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// Starts without rows. The chain begins with the hash of the description.
+    /// Makes a chain without rows. It begins with the hash of the description.
     pub fn new(schema: &Schema, layout: &Layout) -> Self {
         let raw = layout.raw_fields().iter().map(|field| field.name().clone()).collect();
         let (link, samples) = (head_digest(schema), SampleHash::new(layout));
@@ -118,7 +118,7 @@ pub fn checked_schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
     Arc::new(schema.with_metadata(metadata))
 }
 
-/// True if a metadata entry is part of the description.
+/// True if the metadata entry `key` belongs to the description of the capture, over which [`head`] is the check.
 pub fn describes(key: &str) -> bool {
     key.starts_with(DESCRIPTION) && !key.starts_with(CHECKS)
 }

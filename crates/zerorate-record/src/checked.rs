@@ -82,12 +82,12 @@ impl Checked {
         &self.info
     }
 
-    /// The columns and the metadata.
+    /// The Arrow schema of the file: its columns, and all its metadata.
     pub fn schema(&self) -> SchemaRef {
         self.source.stated().schema.clone()
     }
 
-    /// The metadata of the file, without its checks.
+    /// The metadata entries that describe the capture. Checks, and entries of other software, are left out.
     pub fn description(&self) -> Metadata {
         let schema = self.schema();
         let entries = schema.metadata().iter().filter(|(key, _)| chain::describes(key));
@@ -129,7 +129,7 @@ impl Checked {
         of_file.into_iter().chain(unchecked).chain(edges).collect()
     }
 
-    /// Reads the next rows. Returns them with their record batch.
+    /// Reads and checks the next record batch. Returns it with its raw rows; `None` after the last batch.
     pub fn next_rows(&mut self) -> Result<Option<(RecordBatch, Rows)>, CaptureError> {
         if self.ended {
             return Ok(None);

@@ -17,7 +17,8 @@ use zerorate_input::cells::integers;
 /// Largest number of rows in a batch, which bounds the memory.
 pub const MAX_ROWS: usize = 8192;
 
-/// Longest time span of a batch, ns. It is the most that is lost if the process is killed.
+/// Longest time span of a batch, ns. If the process is killed, an Arrow stream or a CSV file lacks at most the open
+/// batch.
 const MAX_SPAN_NS: u64 = 1_000_000_000;
 
 /// The rows that were collected for the next batch.
@@ -44,7 +45,6 @@ impl OpenBatch {
         }
     }
 
-    /// True if the batch has no row.
     pub fn is_empty(&self) -> bool {
         self.t_ns.is_empty()
     }
@@ -140,7 +140,7 @@ impl Codes {
         }
     }
 
-    /// The value in a column without nulls.
+    /// The code in a row. The column must not have a null there.
     #[inline]
     fn value(&self, row: usize) -> i64 {
         match self {
@@ -174,7 +174,7 @@ impl Codes {
     }
 }
 
-/// The raw rows of a batch, checked and converted.
+/// The raw columns of a batch. Their values are checked and have the types of the format.
 pub struct Rows {
     t_ns: ScalarBuffer<u64>,
     edge_seq: ScalarBuffer<u32>,
@@ -248,7 +248,7 @@ impl Rows {
         column.map(readings).into_iter().flatten()
     }
 
-    /// The raw columns as they were read.
+    /// The raw columns, in the order and with the types of the format.
     pub fn columns(&self) -> Result<Vec<ArrayRef>, ArrowError> {
         let status: ArrayRef = Arc::new(self.status.clone());
         let before: [ArrayRef; 2] = [

@@ -25,7 +25,6 @@ pub const PREAMBLE: &str = "# zerorate.";
 /// Size of the write buffer, bytes. It holds a few batches.
 const WRITE_BUFFER: usize = 1 << 20;
 
-/// Writes a CSV capture.
 pub struct CsvSink {
     path: PathBuf,
     out: BufWriter<Out>,
@@ -92,8 +91,9 @@ pub struct CsvReader {
     columns: Vec<NamedColumn>,
     /// True if the rows have checks, as in version 2 of the format.
     is_checked: bool,
-    /// Length of the file, and of its part up to the end statement once that was read, bytes.
+    /// Length of the file, bytes.
     length: u64,
+    /// Position behind the end statement, bytes; 0 before the statement was read.
     end: u64,
     stated: Stated,
 }
@@ -287,7 +287,7 @@ fn written(column: &ArrayRef) -> Result<WriteCell<'_>, ArrowError> {
     }
 }
 
-/// Writes the shortest decimal that reads back as the same number, always with a decimal point.
+/// Writes the shortest decimal that reads back as the same number, with a decimal point if it is finite.
 fn push_float(value: f64, line: &mut String) {
     let plain = value == 0.0 || (1e-5..1e9).contains(&value.abs());
     let text = if plain || !value.is_finite() { value.to_string() } else { format!("{value:e}") };

@@ -1,5 +1,5 @@
-//! After any damage, a file is refused, or the rows that are read are the rows that were written. These tests damage
-//! files at random, with fixed seeds.
+//! Tests with damaged files. A reader must refuse the file, return all its rows, or warn and return only the first
+//! rows.
 
 #[cfg(feature = "parquet")]
 mod of_parquet;
@@ -9,7 +9,7 @@ use super::*;
 use std::fs;
 use tempfile::TempDir;
 
-/// Rows every 50 ms: a block of the stream holds 20.
+/// Makes `n` rows, 50 ms apart, so that a block of a stream or of a CSV file holds 20.
 fn slow(n: u32) -> Vec<Row> {
     let row = |i: u32| {
         Row::new(1_000 + u64::from(i) * 50_000_000, i, &[(8_388_608 + i.wrapping_mul(2_654_435_761) % 9_999).into()])
@@ -25,7 +25,7 @@ fn slow(n: u32) -> Vec<Row> {
 enum Outcome {
     Refused,
     Same,
-    /// Number of rows from the start, with a warning.
+    /// The reader warned and returned only this many rows, from the start.
     Prefix(usize),
     Wrong(String),
 }
@@ -66,7 +66,7 @@ impl Victim {
         outcome(&path, &self.truth)
     }
 
-    /// A change inside the file is never taken for a missing end, and never unnoticed.
+    /// Checks that the file is refused or that all its rows are read. The first rows alone are not accepted here.
     #[track_caller]
     fn stays_true(&self, bytes: &[u8], what: &str) {
         let outcome = self.with(bytes);
@@ -100,7 +100,7 @@ fn no_flipped_bit_is_believed() {
     }
 }
 
-/// Bytes are overwritten, removed, inserted or moved, several at once.
+/// Each round overwrites, removes or inserts bytes at one to three places.
 #[test]
 fn no_other_mutation_is_believed() {
     for &format in FORMATS {
@@ -145,7 +145,7 @@ fn a_cut_at_any_byte_leaves_a_prefix() {
     }
 }
 
-/// Head, blocks and end of a stream.
+/// Splits a stream into its head, its blocks and its end.
 fn pieces_of_stream(bytes: &[u8]) -> Vec<Vec<u8>> {
     let mut from = 0;
     let mut pieces: Vec<Vec<u8>> =
@@ -167,7 +167,7 @@ fn pieces_of_csv(bytes: &[u8]) -> Vec<Vec<u8>> {
     pieces
 }
 
-/// Ways to lose or move blocks: each lists the blocks that are kept, in their order.
+/// Orders in which blocks are missing, swapped or repeated. Each order lists the numbers of the blocks to write.
 fn rearranged(blocks: usize) -> Vec<Vec<usize>> {
     let all: Vec<usize> = (0..blocks).collect();
     let without = |left_out: usize| all.iter().copied().filter(|block| *block != left_out).collect();
@@ -205,7 +205,7 @@ fn blocks_that_are_removed_repeated_or_moved_are_noticed() {
     }
 }
 
-/// Version 1, which has no checks: rows as CSV.
+/// A CSV capture in version 1 of the format, which has no checks.
 fn version_1(rows: &[Row]) -> String {
     let mut text = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n\
         # zerorate.temp_conversion = 5\nt_ns,edge_seq,rate_code,status,temp_code,lost\n"
@@ -254,7 +254,7 @@ fn version_2_is_not_taken_for_version_1() {
     assert_eq!(victim.with(old.as_bytes()), Outcome::Refused);
 }
 
-/// Computes the checks by the rules of docs/formats/capture.md, with SHA-256 alone.
+/// Computes the checks by the rules of docs/formats/capture.md, without the code that writes them.
 #[test]
 fn the_checks_are_those_of_the_document() {
     use sha2::{Digest, Sha256};

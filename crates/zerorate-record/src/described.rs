@@ -88,18 +88,19 @@ fn coded(warning: &CaptureWarning) -> (&'static str, String) {
 /// A callback that receives checked rows.
 type TakeRows<'a> = &'a mut (dyn FnMut(&RecordBatch, &Rows) -> Result<(), InputError> + Send);
 
-/// Largest number of batches that are queued for the other thread.
+/// Largest number of checked batches that wait for the thread that takes them.
 #[cfg(not(target_family = "wasm"))]
 const AHEAD: usize = 4;
 
-/// Passes the rows of a capture to `take` on another thread, while this one checks the next. Both take about as long.
+/// Passes the rows of a capture to `take` on another thread, while this thread checks the next rows. The two tasks
+/// take about the same time.
 #[cfg(not(target_family = "wasm"))]
 fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputError> {
     std::thread::scope(|scope| {
         let (checked, to_take) = std::sync::mpsc::sync_channel(AHEAD);
         let taking = scope.spawn(move || to_take.into_iter().try_for_each(|(batch, rows)| take(&batch, &rows)));
         while let Some(next) = capture.next_rows()? {
-            // the other thread's result tells the error
+            // `take` failed, and the join below returns its error
             if checked.send(next).is_err() {
                 break;
             }
@@ -136,7 +137,7 @@ impl<'a> Validation<'a> {
         Self { path, columns, axes, count: validates.then(RowCount::default) }
     }
 
-    /// Adds rows. Returns the values of each column that are validated so far.
+    /// Adds rows. Returns the newly validated values of each column.
     fn take(&mut self, batch: &RecordBatch, rows: &Rows) -> Result<Vec<ArrayRef>, InputError> {
         if let Some(count) = &mut self.count {
             count.take(rows);
@@ -175,7 +176,7 @@ impl<'a> Validation<'a> {
     }
 }
 
-/// Validates the readings of an axis, once for all columns with its readings.
+/// Validates the readings of an axis. All columns with its readings share the result.
 struct AxisValidation {
     axis: usize,
     layout: Layout,
@@ -184,7 +185,7 @@ struct AxisValidation {
     start_ns: Option<u64>,
 }
 
-/// The validity of some readings, one by one.
+/// The validity of consecutive readings of an axis, one value per reading.
 #[derive(Default)]
 struct Valid {
     rates: Vec<bool>,
@@ -198,7 +199,8 @@ impl AxisValidation {
         Some(Self { axis, layout: info.layout.clone(), health, tally: Tally::default(), start_ns: None })
     }
 
-    /// Adds rows. Returns the readings that are validated so far: all except the last two.
+    /// Adds rows. Returns the validity of each reading that can be judged now. The last two readings wait for the
+    /// readings after them.
     fn take(&mut self, rows: &Rows) -> Valid {
         let mut valid = Valid::with_capacity(rows.len());
         self.tally.samples += rows.len() as u64;
@@ -208,7 +210,7 @@ impl AxisValidation {
         valid
     }
 
-    /// Returns the remaining readings, which are validated only at the end.
+    /// Returns the validity of the remaining readings, which is known only at the end.
     fn rest(&mut self) -> Valid {
         let mut valid = Valid::default();
         while let Some(judged) = self.health.finish() {
@@ -223,7 +225,7 @@ impl AxisValidation {
         found.iter().map(coded).collect()
     }
 
-    /// The refusal if the readings were frozen at the end; `None` if they were not.
+    /// The code and the text of the refusal if the readings were frozen at the end; `None` if they were not.
     fn refusal(&self, path: &Path) -> Option<(&'static str, String)> {
         let why = valid::frozen_text(&self.health.frozen_at_end()?, self.start_ns.unwrap_or_default());
         Some(("frozen", format!("{}: {why}; or cut the recording before that", path.display())))
@@ -318,7 +320,7 @@ fn failed(path: &Path, error: &ArrowError) -> InputError {
     InputError::damaged(path, "raw columns", error.to_string())
 }
 
-/// The time span and number of rows, and the losses between them.
+/// The time span of the rows, their number, and the losses: each with the index of the row that reported it.
 #[derive(Default)]
 struct RowCount {
     span_ns: Option<(u64, u64)>,

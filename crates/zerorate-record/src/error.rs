@@ -1,4 +1,4 @@
-//! Errors of captures. Each message names the file and says what to do.
+//! Errors of captures. Each message names the file.
 
 use arrow_schema::ArrowError;
 #[cfg(feature = "parquet")]

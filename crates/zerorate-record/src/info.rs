@@ -46,11 +46,11 @@ pub struct CaptureInfo {
     pub serial: Option<String>,
     /// Converter settings of an ADIS16130; `None` for another part.
     pub converter: Option<Converter>,
-    /// N, if the temperature was read with every N-th rate sample (F-55).
+    /// The temperature was read with every N-th rate sample, where N is this number (F-55).
     pub every_temp: u16,
-    /// N, if the part was read on every N-th data-ready edge that the host saw (F-56).
+    /// The part was read on every N-th data-ready edge that the host saw, where N is this number (F-56).
     pub divider: u16,
-    /// N, if a counter passed only every N-th data-ready edge to the host (F-56).
+    /// A counter passed every N-th data-ready edge to the host, where N is this number; 1 without a counter (F-56).
     pub divided: u16,
     /// −3 dB bandwidth of the rate, Hz, if it differs from the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
@@ -58,7 +58,7 @@ pub struct CaptureInfo {
     pub earth_dps: Option<f64>,
     /// The software that wrote the capture.
     pub software: String,
-    /// Time of creation, RFC 3339. Empty for a simulated device, whose files depend on the seed only.
+    /// Time of creation, RFC 3339. Empty for a simulated device, so that its files do not depend on the time.
     pub created: String,
     /// Circumstances of the measurement, as the user described them.
     pub notes: Notes,
@@ -116,7 +116,7 @@ impl CaptureInfo {
         self.divider.max(1).saturating_mul(self.divided.max(1))
     }
 
-    /// True if the samples come from the twin, the simulated sensor, by the name of the device.
+    /// True if the name of the device is that of the simulated sensor, `twin` or `twin:…`.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         is_twin(&self.device)
@@ -155,7 +155,7 @@ impl CaptureInfo {
         }
     }
 
-    /// The metadata entries of this description.
+    /// Converts the description to metadata entries. In texts, line breaks become spaces.
     pub fn to_metadata(&self) -> Metadata {
         let converter = self.converter.as_ref();
         let known = [

@@ -32,7 +32,7 @@ pub struct Layout {
     dropped_bits: u8,
 }
 
-/// A recorded axis.
+/// An axis of the recorded part, with the scale of its codes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CodedAxis {
     /// Name of the axis. The names of its columns begin with it.
@@ -50,7 +50,7 @@ pub enum LayoutError {
     /// The number of axes is out of range.
     #[error("{0} axes; a capture has 1 to {MAX_AXES}")]
     Axes(usize),
-    /// A name is invalid.
+    /// The name of the part or of an axis is invalid.
     #[error("{0:?} is not a name; use up to {LONGEST_NAME} letters, digits, -, _ and .")]
     Name(String),
     /// Two columns have the same name.
@@ -87,7 +87,7 @@ impl Layout {
         }
     }
 
-    /// The layout of any other part, with the scales of the part. The status has 8 bits.
+    /// The layout of a part other than the ADIS16130, with the scales of the part. The status has 8 bits.
     ///
     /// # Errors
     /// Returns [`LayoutError`] if a capture cannot hold the part.
@@ -143,7 +143,7 @@ impl Layout {
         if matches!(self.status_bits, 8 | 16 | 32) { Ok(()) } else { Err(LayoutError::Status(self.status_bits)) }
     }
 
-    /// The type name of the part.
+    /// The type name of the part, such as `ADIS16130`.
     #[must_use]
     pub fn part_name(&self) -> &str {
         &self.part
@@ -215,7 +215,7 @@ impl Layout {
         let axes = rates.iter_mut().zip(&self.axes).zip(row.codes());
         axes.for_each(|((rate, axis), code)| *rate = self.core_code(&axis.scale, *code));
         let scan = Scan::new(row.t_ns, row.edge_seq, &rates[..self.axes.len().min(row.codes().len())]);
-        // never taken: a scan holds as many axes as a row
+        // cannot fail: a scan holds as many axes as a row
         let scan = scan.unwrap_or_else(|| Scan::from(&NO_READING)).with_lost(row.lost);
         let axes = self.axes.iter().zip(row.codes()).enumerate();
         let outside = axes.filter(|(_, (axis, code))| self.is_out_of_range(axis, **code, row.status));
@@ -231,7 +231,7 @@ impl Layout {
         Some(self.reading_of(axis, code, row.temp_code, row.status, row.mark()))
     }
 
-    /// The reading that these cells of a row make.
+    /// Makes the reading of an axis from the cells of one row.
     #[inline]
     pub(super) fn reading_of(
         &self,
@@ -285,7 +285,7 @@ impl Layout {
         format!("{row:?} is not a row of an {part}, for it has {found:?} in place of {axes} codes of its width")
     }
 
-    /// The raw columns.
+    /// The raw columns, in their order in the file.
     #[must_use]
     pub fn raw_fields(&self) -> Vec<Field> {
         let codes = self.axes.iter().map(|axis| Field::new(axis.code_column(), code_type(&axis.scale), false));

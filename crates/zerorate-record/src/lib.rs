@@ -90,7 +90,7 @@ impl CaptureWriter {
         })
     }
 
-    /// Writes a row. Each full batch is passed to the operating system at once.
+    /// Adds a row to the open batch. A full batch is passed to the operating system at once, except in Parquet.
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         let misfit = |what| CaptureError::damaged(&self.path, "row to be written", what);
         self.layout.check_row(row).map_err(misfit)?;
@@ -125,7 +125,7 @@ impl CaptureWriter {
 
 impl Drop for CaptureWriter {
     fn drop(&mut self) {
-        // the error that led here is reported instead
+        // errors are not reported here; `finish` reports them
         let _ = self.close();
     }
 }
@@ -166,17 +166,18 @@ impl CaptureReader {
         self.table.info()
     }
 
-    /// The id of the applied calibration, if the capture is corrected. The raw columns are unchanged even then.
+    /// The id of the applied calibration, if the capture is corrected; `unknown` if the capture does not state it.
+    /// The raw columns are unchanged even then.
     pub fn calibration_id(&self) -> Option<&str> {
         self.calibration_id.as_deref()
     }
 
-    /// The warnings: a missing end, a file without checks. Complete once all samples were read.
+    /// The warnings, such as those about a missing end or a file without checks. Complete once all samples were read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         self.table.warnings()
     }
 
-    /// The next batch of rows.
+    /// Reads and checks the next batch of rows; `None` after the last one.
     pub fn next_rows(&mut self) -> Result<Option<Rows>, CaptureError> {
         Ok(self.table.next_rows()?.map(|(_, rows)| rows))
     }

@@ -22,7 +22,6 @@ pub fn sink(path: &Path, out: Out, schema: &SchemaRef) -> Result<Box<dyn BlockSi
     Ok(Box::new(ParquetSink::create(path, out, schema)?))
 }
 
-/// Writes a Parquet file.
 pub struct ParquetSink {
     path: PathBuf,
     writer: ArrowWriter<Out>,
@@ -67,7 +66,8 @@ fn properties(schema: &SchemaRef) -> WriterProperties {
         .build()
 }
 
-/// Chooses a column's encoding. Timestamps and codes differ little from row to row; f64 values hardly ever repeat.
+/// Chooses a column's encoding. Timestamps and codes differ little from row to row, so their differences are stored.
+/// A dictionary does not help with f64 values, which hardly ever repeat.
 fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataType) -> WriterPropertiesBuilder {
     let column = ColumnPath::from(name);
     match data_type {

@@ -4,8 +4,8 @@ use super::succession::Mark;
 use adis16130::Sample;
 use zerorate::MAX_AXES;
 
-/// A row of raw codes. The [`Layout`](super::Layout) of the capture gives their meaning. Its array has a fixed size
-/// of [`MAX_AXES`] axes, so that it needs no allocation.
+/// A row of raw codes. The [`Layout`](super::Layout) of the capture gives their meaning. The codes are stored in an
+/// array of [`MAX_AXES`] elements, so that a row needs no allocation.
 ///
 /// ```
 /// use zerorate_record::Row;
@@ -54,7 +54,7 @@ impl Row {
         Self { status, ..self }
     }
 
-    /// Sets the temperature code.
+    /// Sets the temperature code; `None` if it was not read.
     #[must_use]
     #[inline]
     pub fn with_temp_code(self, temp_code: Option<i64>) -> Self {

@@ -1,7 +1,7 @@
 //! Checks that `t_ns`, `edge_seq` and `lost` of successive rows agree (docs/formats/capture.md, "What must agree").
 //!
-//! From all three columns, the number of samples between two rows can be computed. If the numbers contradict each
-//! other, a rate or a gap computed from one of them would be wrong.
+//! Each of the three columns gives a number of samples between two rows. If the numbers contradict each other, a rate
+//! or a gap computed from one of them would be wrong.
 
 use std::fmt;
 
@@ -11,18 +11,21 @@ const LEARNED: usize = 64;
 /// Number of intervals that are needed before a new row is checked.
 const NEEDED: usize = 16;
 
-/// Number of samples by which time and losses may differ if the edges agree with neither: 11 ms at the full rate.
-/// Late edges on a busy host, or a loss that is reported a few samples late, cause far smaller differences.
+/// Largest allowed difference between the elapsed time and the count of `lost`, in samples, if the edges do not
+/// confirm the time. It is 11 ms at the full rate. Late edges on a busy host, or a loss that is reported a few
+/// samples late, cause far smaller differences.
 const UNSURE: f64 = 64.0;
 
-/// Number of samples by which time and losses may differ if the edges agree with the time.
+/// Largest allowed difference between the elapsed time and the count of `lost`, in samples, if the edges confirm the
+/// time.
 const SURE: f64 = 8.0;
 
-/// Additional allowed difference of time and losses, as a share of the gap. Errors of the clock and of the learned
-/// period are smaller.
+/// Additional allowed difference between the elapsed time and the count of `lost`, as a fraction of 1 + `lost`.
+/// Errors of the clock and of the learned period are smaller.
 const OF_GAP: f64 = 0.125;
 
-/// Edges per sample above which `edge_seq` cannot be a count of edges. A bouncing line causes only a few.
+/// Number of extra edges per sample above which `edge_seq` cannot be a count of edges. A bouncing line causes only a
+/// few.
 const EDGES_PER_SAMPLE: f64 = 64.0;
 
 /// The time, edge number and losses of a row.
@@ -42,9 +45,9 @@ pub struct Mark {
 pub enum Break {
     /// The time does not increase.
     NotLater { from_ns: u64, to_ns: u64 },
-    /// Time and edges advanced, but `lost` does not count it: rows were removed.
+    /// `t_ns` and `edge_seq` advanced by more samples than `lost` counts: rows were removed.
     RowsMissing { missing: u64, after_ns: u64 },
-    /// The time jumped, and neither edges nor `lost` count it.
+    /// `t_ns` advanced by more samples than `edge_seq` and `lost` count.
     ClockJump { missing: u64, after_ns: u64 },
     /// `lost` counts more samples than the time allows.
     LostTooMany { lost: u32, after_ns: u64 },
@@ -97,7 +100,7 @@ pub struct Continuity {
     learned: Option<Pace>,
 }
 
-/// The period and the number of edges of a sample: medians over the first intervals.
+/// The period of a sample, ns, and its number of edges. Both are medians over the first intervals.
 #[derive(Clone, Copy, Debug)]
 struct Pace {
     period_ns: f64,
@@ -250,7 +253,7 @@ mod tests {
         assert!(matches!(first_break(&rows), Some((300, Break::EdgesJump { .. }))));
     }
 
-    /// Extra edges of a stuttering line, a wrap of the count, late edges: none of these is a contradiction.
+    /// Extra edges of a bouncing line, a wrap of the count, and late edges are not contradictions.
     #[test]
     fn late_rows_are_not_a_contradiction() {
         let mut rows = rows(1000);

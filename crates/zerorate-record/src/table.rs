@@ -67,7 +67,7 @@ pub struct CheckedSink {
     layout: Layout,
 }
 
-/// The way in which blocks end.
+/// The rule by which blocks end.
 enum Blocks {
     /// A block ends with each batch, which has at most `rows` rows.
     Batches { rows: usize },
@@ -121,7 +121,7 @@ impl CheckedSink {
         self.form.write(piece, check.as_deref())
     }
 
-    /// Ends the file.
+    /// Ends the open block and the file.
     pub fn finish(mut self) -> Result<(), CaptureError> {
         let is_open = matches!(self.blocks, Blocks::Rows { open, .. } if open > 0);
         let check = is_open.then(|| self.chain.seal());
@@ -129,7 +129,7 @@ impl CheckedSink {
     }
 }
 
-/// Recognises the format of a file by its content; `path` names it in messages.
+/// Recognises the format of a file by its content, and opens it; `path` names it in messages.
 pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
     if input.is_directory().map_err(failed)? {

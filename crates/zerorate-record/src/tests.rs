@@ -50,7 +50,7 @@ pub(super) fn start(path: &Path, format: Format, info: &CaptureInfo) -> CaptureW
     CaptureWriter::create(path, Box::new(File::create(path).unwrap()), format, info).unwrap()
 }
 
-/// A capture of `count` samples.
+/// The bytes of a capture with `count` samples.
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");
@@ -120,7 +120,7 @@ fn the_bytes_depend_on_the_samples_alone() {
     }
 }
 
-/// The two rows of the format document, hashed by another implementation (Python's hashlib over struct.pack).
+/// The two rows in docs/formats/capture.md. Python's hashlib over struct.pack gave their hash.
 #[test]
 fn the_hash_is_that_of_the_document() {
     let row = |t_ns, seq, code| Row::new(t_ns, seq, &[code]).unwrap().with_status(Some(8));
@@ -157,7 +157,7 @@ fn a_torn_stream_keeps_its_whole_batches() {
     }
 }
 
-/// Ends of the messages of a stream, by the rules of the Arrow format: marker, length, metadata, body.
+/// Offsets in a stream at which the schema and each batch end, bytes.
 pub(super) fn batch_ends(bytes: &[u8]) -> Vec<usize> {
     let mut reader = std::io::Cursor::new(bytes);
     let mut stream = arrow_ipc::reader::StreamReader::try_new(&mut reader, None).unwrap();
@@ -169,7 +169,7 @@ pub(super) fn batch_ends(bytes: &[u8]) -> Vec<usize> {
     ends
 }
 
-/// A file system may allocate the tail of a file and never fill it.
+/// After a power cut, the end of a file may consist of zeros, because the file system never filled it.
 #[test]
 fn a_tail_of_zeros_is_dropped() {
     let dir = TempDir::new().unwrap();

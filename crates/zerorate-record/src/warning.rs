@@ -22,7 +22,7 @@ pub enum CaptureWarning {
     Unjudged { can_judge: bool },
     /// In some of the gaps there was no data-ready edge.
     DataReadyStutters { silent_gaps: u64, gaps: u64 },
-    /// Samples were not later than the previous one. The number counts them.
+    /// Some samples were not later than the sample before them. The number counts them.
     ClockStands(u64),
     /// The time of the device jumped. The number is the sum of all jumps, in samples.
     ClockJump(u64),
@@ -32,7 +32,7 @@ pub enum CaptureWarning {
     Unchecked { path: String },
     /// Other software has rewritten the file without its checks.
     Rewritten { path: String },
-    /// The count of edges contradicts the time. `rows` counts such rows.
+    /// `edge_seq` contradicts the time in this number of rows.
     EdgesMisplaced { path: String, rows: u64 },
 }
 

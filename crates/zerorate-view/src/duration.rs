@@ -52,7 +52,7 @@ impl fmt::Display for Seconds {
     }
 }
 
-/// The longest duration: ten years, far beyond any measurement and far below an overflow of 64-bit nanoseconds.
+/// The longest duration, s: ten years. That is far beyond any measurement, and 64-bit nanoseconds do not overflow.
 const MAX_S: f64 = 10.0 * 365.25 * 86_400.0;
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub enum SessionWarning {
     UnknownSerial { cal: String, calibrated: String, name: String, advice: &'static str },
     /// The calibration does not state the serial number of its part.
     NoSerial { cal: String },
-    /// Samples did not reach the page. The number counts them.
+    /// Samples did not reach the live page. The number counts them.
     Missed(u64),
     /// The device was opened again, and the calibration does not belong to it.
     NotApplied(String),
@@ -42,7 +42,7 @@ pub enum SessionWarning {
     LibiioUncorrected(String),
     /// The server for libiio clients failed.
     LibiioEnded(String),
-    /// The program was built without its page.
+    /// The program was built without its live page.
     NoPage,
 }
 

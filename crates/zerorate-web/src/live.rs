@@ -79,7 +79,8 @@ impl Live {
         }
     }
 
-    /// Continues after a [`FirstLook`](crate::first::FirstLook) at the same unit, `shown_s` after its first reading.
+    /// Reads up to the time that a preview of the same unit has reached, `shown_s` after its first reading
+    /// ([`FirstLook`](crate::first::FirstLook)).
     pub fn catch_up(&mut self, shown_s: f64, clock: &mut dyn FnMut() -> f64) {
         self.pace.begun_s = shown_s;
         self.turn(clock, f64::INFINITY);
@@ -148,9 +149,10 @@ pub struct Pace {
     is_simulated: bool,
     /// Multiple of real time; 0 means as fast as possible.
     factor: f64,
-    /// Simulated time that counts as passed at the start, s.
+    /// Simulated time that a preview has already shown, s; 0 without a preview.
     begun_s: f64,
-    /// A simulated time, ns, and the page's time at which it was reached, ms; `None` before the first reading.
+    /// A simulated time, ns, and the page's time at which it was reached, ms. `None` before the first reading, and
+    /// after the page was too slow.
     since: Option<(u64, f64)>,
 }
 

@@ -67,7 +67,7 @@ pub enum Command {
     ZeroAngle,
     /// Set the speed of a simulated part, as a multiple of real time; 0: as fast as possible.
     Speed {
-        /// 0 to 1000.
+        /// The speed, 0 to 1000.
         factor: f64,
     },
     /// Open the device again, to read its registers anew or after it was disconnected.
@@ -170,7 +170,7 @@ pub struct Frame {
     pub seq: u32,
     /// True if the frame replaces everything that was shown before: the session is new, or the page was just opened.
     pub snapshot: bool,
-    /// Completed bins. Their numbers are in the payload.
+    /// The completed bins of the plots over time. Their values are in the payload.
     pub strips: Vec<Strip>,
     /// The device that is being read.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -211,7 +211,8 @@ pub struct Strip {
     pub axis: u32,
     /// The level, from 0. Higher levels have longer bins.
     pub level: u32,
-    /// Number of the first bin. It starts at `first` · `bin_s` after the first sample, with the level's `bin_s`.
+    /// Number of the first bin. It starts `first` bin lengths after the first sample. `bins_s` of the device has the
+    /// bin length of the level.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub first: u64,
     /// The number of bins.
@@ -399,7 +400,7 @@ pub enum RestVerdict {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct SampleCounts {
-    /// Number of samples that arrived here.
+    /// Number of samples that reached the session.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
     /// Number of samples that were lost before they were read, as counted by the samples themselves.

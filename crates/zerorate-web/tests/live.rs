@@ -57,7 +57,7 @@ fn simulated_time_goes_with_the_clock_or_as_fast_as_asked() {
     assert_eq!(seen(&mut live)["device"]["registers"].as_array().map(Vec::len), Some(13));
 }
 
-/// The rates of the level with bins of 64 ms, from the first bin on.
+/// The smallest rate in each bin of 64 ms, as the bits of an f32, from the first bin on.
 fn rates(bytes: &[u8]) -> Vec<u32> {
     let told = header(bytes);
     let is_it = |strip: &&Value| strip["level"] == 2;
@@ -128,10 +128,11 @@ struct Page {
     now_ms: f64,
     until_ms: f64,
     to_bridge: VecDeque<u8>,
-    /// Number of messages of the bridge that are lost first.
+    /// Number of messages of the bridge that will still be lost.
     to_lose: u32,
-    /// The time from which the window with the port passes nothing on, ms, and the bytes that wait there.
+    /// The time during which the window with the port passes no bytes on, ms.
     blocked_ms: Range<f64>,
+    /// The bytes that wait in the blocked window.
     held: Vec<u8>,
 }
 

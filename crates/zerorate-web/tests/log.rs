@@ -9,7 +9,7 @@ use zerorate_input::Input;
 use zerorate_web::log::LogReader;
 use zerorate_web::log::message::{LogBias, LogInspection, LogSetting, LogSettings, NoiseFileCommand};
 
-/// White noise of six axes, of standard deviation 0.1.
+/// A log with the header `head`: white noise of six axes at 100 Hz, with standard deviation 0.1.
 fn table(head: &str, rows: usize) -> String {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
     // the sum of twelve uniform numbers has variance 1
@@ -25,7 +25,7 @@ fn table(head: &str, rows: usize) -> String {
     text
 }
 
-/// Half an hour at 10 Hz that warms by `span_c`: a bias of 0.002 °/s/°C.
+/// A log of half an hour at 10 Hz. The temperature rises by `span_c`, and the bias by 0.002 °/s/°C.
 fn warming(span_c: f64) -> String {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
     let mut noise = || (0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0;

@@ -17,7 +17,7 @@ struct Device {
     sampler: Sampler,
 }
 
-/// Every 50th edge: 223 readings a second.
+/// The part is read on every 50th edge, 223 times a second.
 const DIVIDER: u16 = 50;
 
 impl Device {
@@ -85,12 +85,12 @@ fn calibrating(request: Value) -> Session {
     session
 }
 
-/// What the next frame tells of the calibration.
+/// The state of the calibration in the next frame.
 fn calibration(session: &mut Session) -> Value {
     read(&session.frame().unwrap()).0["calibration"].clone()
 }
 
-/// The curve of the only axis is the twin's, within so many standard uncertainties.
+/// Checks that the curve of the only axis is that of the twin, within `u` standard uncertainties.
 #[track_caller]
 fn curve_holds(done: &Value, u: f64) {
     for point in done["axes"][0]["curve"].as_array().unwrap() {
@@ -151,7 +151,7 @@ fn a_minute_of_the_twin_fills_the_frames() {
     assert!(all["snapshot"] == true && all["device"]["part"] == "ADIS16130" && all["calibration"]["is"] == "idle");
 }
 
-/// The forecast at 10 minutes, while the part still warms, is the uncertainty that finishing then gives.
+/// The forecast at 10 minutes agrees with the uncertainties of a calibration that is finished then.
 #[test]
 fn the_forecast_agrees_with_the_result() {
     let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "warmup" }));

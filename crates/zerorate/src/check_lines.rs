@@ -32,7 +32,7 @@ impl fmt::Display for Damage {
     }
 }
 
-/// The text about a file that has no check lines and needs them.
+/// The error text for a file that must have check lines and has none.
 pub(crate) const UNCHECKED: &str = "it has no check lines, so nothing shows whether it is whole";
 
 /// Writes a file: its header, the check lines, and the fields.

@@ -7,7 +7,7 @@ use zerorate_allan::FLOOR_PER_B;
 /// Lowest frequency of the flicker noise, Hz (M-04).
 pub const FLICKER_CUTOFF_HZ: f64 = 1e-4;
 
-/// Highest frequency of modelled flicker, Hz. At 0.012 Hz already it equals the white noise of F-02.
+/// Highest frequency of modelled flicker, Hz. Above 0.012 Hz, the flicker is below the white noise of F-02.
 const FLICKER_TOP_HZ: f64 = 10.0;
 /// Number of first-order processes that make up the 1/f spectrum: two per octave.
 const CELLS: usize = 34;
@@ -214,8 +214,8 @@ mod tests {
         assert!((model.covariance(&sum, &sum) / (1e-8 * 50.0) - 1.0).abs() < 1e-4);
     }
 
-    /// The formulas of IEEE Std 952 against the windows' covariance. The flicker is 1/f between two corners only, so
-    /// its Allan deviation is flat only between them.
+    /// Compares the covariance of windows with the formulas of IEEE Std 952. The flicker is 1/f between two corners
+    /// only, so its Allan deviation is flat only between them.
     #[test]
     fn windows_agree_with_the_allan_variance() {
         for model in [only(0.0125, 0.0, 0.0), only(0.0, 0.0, 1e-4), only(0.0, 0.0024, 0.0)] {
@@ -226,7 +226,7 @@ mod tests {
         }
     }
 
-    /// The variance of a mean over T against the integral of S(f) sinc²(πfT) from the cutoff up, done numerically.
+    /// Compares the variance of a mean over T with the numerical integral of S(f) sinc²(πfT) from the cutoff up.
     #[test]
     fn flicker_of_a_mean_against_the_spectrum() {
         let (b, t) = (0.0024, 150.0);

@@ -18,7 +18,7 @@ pub use file::PartError;
 pub(crate) use file::is_word;
 pub use reading::{Reading, Scan};
 
-/// Largest number of axes of a part. Each of its readings takes memory for this many axes.
+/// Largest number of axes of a part. A [`Scan`] takes memory for this many axes, however many the part has.
 pub const MAX_AXES: usize = 8;
 
 /// Allowed distance of a temperature from the span of a calibration if its noise is not known, °C. For the ADIS16130
@@ -38,14 +38,14 @@ pub struct Part {
     pub operating_c: Option<(f64, f64)>,
 }
 
-/// An axis of a [`Part`].
+/// An axis of a [`Part`], with its names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedAxis {
     /// Name in captures and calibrations.
     pub name: Cow<'static, str>,
     /// Column in logs, if it differs from the name.
     pub column: Option<Cow<'static, str>>,
-    /// The properties of the axis.
+    /// Scales, noise, bias and other properties of the axis.
     pub axis: Axis,
     /// Sources of the axis's typical noise.
     pub sources: NoiseSources,
@@ -98,7 +98,7 @@ pub struct Axis {
     pub bias: TypicalBias,
     /// Self-heating of a typical unit after it is switched on.
     pub self_heating: Option<SelfHeating>,
-    /// A mechanical resonance that sampling may fold to zero.
+    /// A mechanical resonance that sampling may fold to a frequency near zero.
     pub resonance: Option<Tone>,
     /// Whether one converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of
     /// its conversions.
@@ -288,7 +288,7 @@ impl TypicalBias {
 pub struct Tone {
     /// Frequency of the tone, Hz.
     pub hz: f64,
-    /// Tolerance of the frequency, Hz: half a unit of the last printed digit.
+    /// Tolerance of the frequency, Hz. For the ADIS16130 it is half a unit of the last printed digit.
     pub tolerance_hz: f64,
     /// Rms of the tone before sampling, °/s.
     pub rms_dps: f64,
@@ -325,7 +325,7 @@ impl Tone {
 }
 
 impl Axis {
-    /// The ADIS16130 in 24 bits, without an external capacitor. A 16-bit code counts as 256 of these (F-43).
+    /// The ADIS16130 in 24 bits, without an external capacitor. A 16-bit code is taken times 256 (F-43).
     pub const ADIS16130: Self = Self {
         rate: Scale { lsb_per_unit: 23_488.0, zero_value: 0.0, ..Scale::OFFSET_24 }, // F-40
         temp: Scale { lsb_per_unit: 14_093.0, zero_value: 25.0, ..Scale::OFFSET_24 }, // F-41

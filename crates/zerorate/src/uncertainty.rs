@@ -32,6 +32,6 @@ pub struct Uncertainty {
 impl Uncertainty {
     /// Probability that the interval `value ± FACTOR · u` covers the truth.
     pub const COVERAGE: f64 = 0.95;
-    /// Factor of that interval, of the normal distribution.
+    /// Half width of the 95 % interval of a normal distribution, in standard deviations.
     pub const FACTOR: f64 = 1.959_963_984_540_054;
 }

@@ -65,7 +65,7 @@ fn every_changed_digit_is_found_and_its_line_named() {
         edited[index].replace_range(at..=at, digit);
         match error(&edited.join("\n")) {
             FileError::Edited { line } if line == index + 1 => {}
-            // a changed digit of the line checks accuses the line that it belongs to
+            // a changed check of a line is reported as an edit of the line that it protects
             FileError::Edited { .. } if line.starts_with("line_checks") => {}
             FileError::Newer { line, .. } if line == index + 1 => {}
             other => panic!("line {}: {line}: {other:?}", index + 1),
@@ -148,7 +148,8 @@ fn a_curve_is_schema_3() {
     }
 }
 
-/// Each line of a measured file is replaced by an invalid one. A whole number is valid where a number is.
+/// Replaces lines of a measured file, one at a time, by a line with an impossible value. Some values are whole
+/// numbers, which are read like decimal numbers.
 #[test]
 fn an_impossible_value_is_refused_with_its_line() {
     let unmarked = |line: &&str| !line.starts_with("checksum") && !line.starts_with("line_checks");
@@ -178,7 +179,7 @@ fn an_impossible_value_is_refused_with_its_line() {
         let mut edited = text.clone();
         edited[at] = wrong.to_owned();
         let said = error(&edited.join("\n")).to_string();
-        // three numbers make the covariance, and the first of them is named
+        // the error names the first of the lines from which the covariance is made
         let is_named = said.starts_with(&format!("line {}", at + 1)) || key == "cov_pbc_t3_dps_c";
         assert!(is_named && said.contains(key.split("_t3_").next().unwrap()), "{wrong}: {said}");
     }
@@ -217,7 +218,7 @@ fn the_uncertainty_of_a_correction_is_propagated() {
     assert_eq!(CalibratedAxis { uncertainty: None, ..axis }.u_correction_dps(25.0), None);
 }
 
-/// Normal numbers by the central limit, from a multiplicative generator.
+/// Nearly normal numbers: each is a sum of 12 uniform numbers from a linear congruential generator, minus 6.
 struct Normal(u64);
 
 impl Normal {
@@ -230,8 +231,8 @@ impl Normal {
     }
 }
 
-/// The measurement itself, many times: a line over temperature, a mean rate with an error, a T3 with an equally large
-/// error, and a BTC whose error is correlated with the rate's.
+/// Simulates many measurements of a bias that is a line over temperature. Mean rate, T3 and BTC have random errors.
+/// The error of BTC is correlated with that of the mean rate.
 #[test]
 fn the_uncertainty_of_a_correction_is_the_scatter_of_many_measurements() {
     const DRAWS: u32 = 40_000;
@@ -304,7 +305,7 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
         ("play_c = 0.0", "play_c = -1", "play_c"),
         ("steps = []", "steps = [[-5, 0.1]]", "steps"),
         ("coverage_factor = 1.96", "coverage_factor = 0", "coverage_factor"),
-        ("steps = []", &sources(0.0012, 0.0017, 0.02), "u_models_pbc_dps"), // 0.0020 is stated
+        ("steps = []", &sources(0.0012, 0.0017, 0.02), "u_models_pbc_dps"), // √(0.0012² + 0.0017²) > 0.0020
         ("steps = []", &sources(0.001, -0.001, 0.02), "u_sway_pbc_dps"),
         ("steps = []", &sources(0.001, 0.001, 2.0), "sway_probability"),
     ] {

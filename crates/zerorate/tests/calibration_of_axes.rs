@@ -52,7 +52,7 @@ fn three_axes_come_back_bit_for_bit() {
 #[test]
 fn a_warning_of_all_axes_stands_once() {
     let calibration = measured();
-    // a file names no setting of one front end
+    // the text is without the name of a setting, which differs between front ends
     let warning = "earth-included: Earth rotation (up to 0.00418 °/s) is part of PBC; give its component";
     assert_eq!(calibration.warnings, [warning]);
     let own = calibration.axes.iter().map(|axis| axis.warnings.as_slice());
@@ -136,10 +136,10 @@ fn every_mistake_is_named_with_its_line_and_axis() {
         ("name = \"y\"", "serial = 5", 12, Some("2"), "serial"),
         ("lsb_per_dps = 20", "lsb_per_dps = -20", 13, Some("y"), "not a scale"),
         ("width_bits = 16", "width_bits = 0", 13, Some("y"), "width_bits is 0"),
-        // 65 535 codes of 1/20 °/s
+        // the range of the scale: 65 535 codes of 1/20 °/s are 3276.75 °/s
         ("pbc_dps = 0.75", "pbc_dps = 3277", 18, Some("y"), "pbc_dps must be a number within ±3277 °/s"),
         ("btc_dps_per_c = 0.02", "btc_dps_per_c = -inf", 19, Some("y"), "btc_dps_per_c must be a number"),
-        // 2047 codes of 1/7.14 °C are 287 °C
+        // the scale reaches 25 + 2047/7.14 = 312 °C, so the general limit of 200 °C holds
         ("t3_c = 31.25", "t3_c = 200.5", 20, Some("y"), "t3_c must be a temperature within -100 … 200 °C"),
         ("t3_c = 31.25", "t3_c = 31.25\nt3_c = 3", 21, None, "duplicate key"),
         ("temp_min_c = 25", "temp_min_c = 34", 22, None, "must not lie above"),

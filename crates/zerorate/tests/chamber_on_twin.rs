@@ -1,4 +1,5 @@
-//! The measurement in a chamber, on a unit that is seen through means of 0.1 s and stands in a chamber of this test.
+//! Tests the measurement in a chamber. The unit is a twin that gives means of 0.1 s, and this file simulates the
+//! chamber.
 
 mod golden;
 
@@ -10,7 +11,7 @@ use zerorate::{Axis, Part, Scan, Warning};
 
 const PART: Part = Part::ADIS16130;
 
-/// A unit that warms itself within seconds, in air that does not wander.
+/// A unit that warms itself with a time constant of 30 s, in air whose temperature does not wander.
 fn quick(seed: u64) -> Spec {
     Spec { warmup_s: 30.0, ambient_wander_c: 0.0, ..Spec::from_seed(seed) }
 }
@@ -31,11 +32,11 @@ fn plan(steps: &[Step]) -> ChamberPlan {
     }
 }
 
-/// A unit in a chamber whose air follows the set point with 30 s.
+/// A unit in a chamber. The air follows the set point with a time constant of 30 s.
 struct Bench {
     unit: Means,
     air_c: f64,
-    /// The time during which its door is open, from and to, s.
+    /// Start and end of the time during which the door of the chamber is open, s.
     door_s: (f64, f64),
     now_s: f64,
     readings: u32,
@@ -194,7 +195,8 @@ fn heated(first_step: bool) -> ChamberProcedure {
     procedure
 }
 
-/// F-08: −40 to +85 °C, and 3 °C for the control of a chamber. The first reading does not widen these limits.
+/// The part may be used from −40 to +85 °C (F-08), and a chamber may overshoot these limits by 3 °C. A first reading
+/// beyond them does not widen them.
 #[test]
 fn air_that_harms_the_part_ends_the_measurement_from_the_first_reading_on() {
     for air_c in [500.0, 120.0, 88.1, -43.1] {
@@ -206,7 +208,7 @@ fn air_that_harms_the_part_ends_the_measurement_from_the_first_reading_on() {
     }
 }
 
-/// The air may come from 80 °C. It may not go back there, nor be there when the second step begins.
+/// The air may come from 80 °C. Once it has been below the limit of the plan, 65 °C, it may not exceed it again.
 #[test]
 fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
     let mut procedure = heated(true);
@@ -232,7 +234,7 @@ fn air_that_comes_from_outside_may_overshoot_there_too() {
     }
 }
 
-/// A unit whose slow noise is small, so that a loop of 0.002 °/s (M-02) shows in two cycles.
+/// The slow noise of the unit is small, so that a hysteresis of ±0.002 °/s (M-02) shows in two cycles.
 #[test]
 fn curve_and_loop_of_a_unit_are_found_within_their_uncertainty() {
     let spec = Spec { rrw_dps_per_rt_s: 1e-6, flicker_floor_dps: 1e-4, sensitivity_error: 0.0, ..quick(11) };
@@ -262,7 +264,7 @@ fn a_chamber_that_does_nothing_gives_no_curve() {
     assert!(matches!(refusal, ChamberRefusal::Span { .. }), "{refusal}");
 }
 
-/// F-57 in short: ramps to cold and hot and back.
+/// Measures a short form of F-57: ramps of 10 °C/min to −10 °C, to 60 °C and back to 25 °C.
 fn short_profile(spec: &Spec) -> Record {
     let ramp = |to_c| Step { to_c, c_per_min: Some(10.0), end: StepEnd::Hold(300.0) };
     measured(&mut Bench::new(spec), &[ramp(25.0), ramp(-10.0), ramp(60.0), ramp(25.0)]).expect("a good unit")

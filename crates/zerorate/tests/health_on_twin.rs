@@ -1,4 +1,4 @@
-//! The validity of readings of the twin, compared with its own conversions.
+//! Compares the readings that are judged faulty with what a twin without faults reads.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig, Width};
@@ -34,8 +34,8 @@ fn judged(samples: &[Reading]) -> (Vec<Judged>, Health) {
     (all, health)
 }
 
-/// Rate and temperature in the registers at an edge, from a clean run, whose edges come with the temperature. An edge
-/// half a period earlier comes with the rate.
+/// Rate and temperature in the registers at `t_ns`, from a run without faults, whose edges come when the temperature
+/// is new. An edge half a period earlier has the new rate and the old temperature.
 fn truth(clean: &[Reading], t_ns: u64) -> Option<(i32, i32)> {
     let next = clean.partition_point(|sample| sample.t_ns < t_ns);
     let newest = clean.partition_point(|sample| sample.t_ns <= t_ns).checked_sub(1)?;
@@ -47,8 +47,8 @@ fn with_bit_errors(spec: &Spec, rate: f64) -> Spec {
     Spec { fault: Fault::BitErrors, bit_error_rate: rate, fault_at_s: Some(0.5), ..spec.clone() }
 }
 
-/// With 1e-5 on the line, every rate that is wrong by more than 2 °/s is marked, and every temperature that is wrong
-/// by more than 1.5 °C. Nothing else is marked.
+/// With a bit error rate of 1e-5, every rate that is wrong by more than 2 °/s is marked (6 °/s with a divider of 3),
+/// and every temperature that is wrong by more than 1.5 °C. No correct reading is marked.
 #[test]
 fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
     let motions = [
@@ -102,7 +102,7 @@ fn a_frozen_part_is_known_within_a_fifth_of_a_second() {
     assert!(judged.iter().rev().take(1000).all(|judged| !judged.flags.rate_is_good()));
 }
 
-/// F-35: at 360 °/s with CLAMP = 0 the code wraps to −354 °/s, and the status tells.
+/// At 360 °/s with CLAMP = 0, the code wraps to −354 °/s, and the status marks it as out of range (F-35).
 #[test]
 fn a_wrapped_code_is_out_of_range() {
     let spec = Spec { rotation_dps: 360.0, sensitivity_error: 0.0, ..Spec::from_seed(4) };

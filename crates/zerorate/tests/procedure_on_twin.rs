@@ -11,7 +11,8 @@ use zerorate::{
     Remedy, State, Warning, WindowWarnings,
 };
 
-/// A unit whose self-heating takes seconds, without curvature and hysteresis, which two temperatures cannot show.
+/// A unit that warms itself with a time constant of 30 s. It has no curvature and no hysteresis, because measurements
+/// at two temperatures cannot show them.
 fn quick(seed: u64) -> Spec {
     Spec { warmup_s: 30.0, curvature_dps_per_c2: 0.0, hysteresis_dps: 0.0, ..Spec::from_seed(seed) }
 }
@@ -138,8 +139,8 @@ fn curvature_is_in_the_uncertainty_unless_the_unit_is_said_to_be_linear() {
     assert!(matches!(refused(quick(4), wanted), Refusal::Curvature { .. }));
 }
 
-/// On the wrong edge of a line of pulses (F-32) a host counts two edges to a sample, and finds no temperature. Half a
-/// minute shows that.
+/// On the wrong edge of a pulsing data-ready line (F-32), a host counts two edges per sample and reads no temperature.
+/// The procedure refuses after 30 to 31 s.
 #[test]
 fn the_wrong_edge_is_refused_within_half_a_minute() {
     for method in [Method::Warmup, Method::Cycle, Method::An1042] {
@@ -201,10 +202,11 @@ fn stepped(mv: f64, at_s: f64) -> Spec {
     Spec { supply_step_mv: mv, fault_at_s: Some(at_s), ..quick(8) }
 }
 
-/// A BTC of any uncertainty is accepted, so that there is a result to look at.
+/// Accepts a BTC with an uncertainty of up to 1 °/s/°C, so that disturbed units give a result too.
 const LENIENT: Plan = Plan { max_u_btc_dps_per_c: 1.0, ..SHORT };
 
-/// Steps at both ends of the hour and of its averages are found at their places, and the uncertainty allows for them.
+/// Supply steps inside the averages and between them are found within 3 s of their time, and the uncertainty allows
+/// for them.
 #[test]
 fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
     let steps = [(250.0, 100.0), (400.0, 3.0), (-400.0, 62.5), (200.0, 135.0), (-300.0, 141.5)];
@@ -223,7 +225,8 @@ fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
     }
 }
 
-/// This was once refused as "the temperature hardly changed", because the step looked like flicker and spoilt BTC.
+/// The procedure once refused this unit, because "the temperature hardly changed": the step looked like flicker and
+/// spoilt BTC.
 #[test]
 fn a_step_inside_step_8_is_not_taken_for_a_lack_of_temperature() {
     let outcome = measure(stepped(300.0, 134.0), SHORT).unwrap().outcome;
@@ -259,7 +262,7 @@ fn curvature_lag_and_hysteresis_show_in_the_warm_up() {
     assert!(codes(&stuck).contains(&"flat-bias"), "{:?}", stuck.warnings);
 }
 
-/// With a period of half the procedure, each average looks like rest, but the measurement as a whole does not.
+/// The sway has a period of half the procedure. Each average looks like rest, but the measurement as a whole does not.
 #[test]
 fn slow_sway_shows_between_the_averages() {
     let swaying = |sway_dps| Spec { motion: Motion::Sway, sway_dps, sway_hz: 0.014, ..quick(14) };
@@ -271,7 +274,8 @@ fn slow_sway_shows_between_the_averages() {
     assert!(matches!(far, Refusal::BaseMotion { .. } | Refusal::Moving { .. }), "{far}");
 }
 
-/// AN-1042 leaves the effect of the drift in PBC, with a known sign. The stated u includes it.
+/// In AN-1042, the temperature drifts during step 8, so PBC is wrong by the effect of the drift up to T3. The sign of
+/// this error is known, and the stated u includes it.
 #[test]
 fn the_drift_from_step_8_to_t3_is_reported_with_its_sign() {
     let drifting = Spec { noise: false, warmup_s: 400.0, tempco_dps_per_c: 0.04, ..quick(15) };
@@ -302,7 +306,7 @@ fn a_divider_below_twice_the_bandwidth_warns() {
 
 type FixedOutcome = Outcome<WindowWarnings>;
 
-/// Both procedures over the same samples.
+/// The results of [`Procedure`] and of [`FixedProcedure`] over the same samples.
 fn both(spec: Spec, plan: Plan) -> (Result<Outcome, Refusal>, Result<FixedOutcome, Refusal>) {
     let mut unit = Unit::of(spec);
     let mut full = started(&Axis::ADIS16130, plan, &unit);
@@ -384,7 +388,7 @@ fn a_constant_rotation_far_above_the_typical_bias_is_warned_of() {
     }
 }
 
-/// This is the only case in which [`FixedProcedure`] and [`Procedure`] differ on purpose.
+/// [`Procedure`] recognises such a step and gives a warning. [`FixedProcedure`] looks for no steps on purpose.
 #[test]
 fn a_small_step_inside_an_average_is_motion_for_the_fixed_procedure() {
     let during_offset = Spec { supply_step_mv: 400.0, fault_at_s: Some(134.0), ..quick(8) };
@@ -415,7 +419,7 @@ fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
     assert!((0.5..4.0).contains(&ratio), "the noise of the record stands in for the typical one: {ratio}");
 }
 
-/// A part with half as many codes per °/s turns twice as fast by the same codes.
+/// With half as many codes per °/s, the same codes mean twice the rate. So PBC and BTC double, and T3 stays.
 #[test]
 fn the_part_gives_the_scale() {
     let plan = Plan { warmup_s: 60.0, settle_s: 120.0, offset_s: 20.0, max_u_btc_dps_per_c: 0.4, ..Plan::default() };

@@ -1,4 +1,4 @@
-//! Slow motion of a platform or a supply during a recording is inside the stated uncertainty, or refused.
+//! The stated uncertainty covers slow motion of the platform or a step of the supply, or the recording is refused.
 
 mod hours;
 
@@ -32,8 +32,8 @@ fn step(seed: u64, supply_step_mv: f64, at_s: f64) -> Spec {
     Spec { supply_step_mv, fault_at_s: Some(at_s), ..Spec::from_seed(seed) }
 }
 
-/// A third of a sway's period, in which the rate rises as the temperature does. One warm-up cannot tell it from the
-/// bias, but a cycle can. (Seed, °/s, Hz.)
+/// A sway by seed, amplitude, °/s, and frequency, Hz. A warm-up lasts a third of its period, in which the rate rises
+/// as the temperature does. A warm-up cannot tell it from a change of the bias, but a cycle can.
 const LIKE_A_WARMUP: (u64, f64, f64) = (4, 0.036, 0.000_103);
 
 #[test]
@@ -58,8 +58,8 @@ fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
     }
 }
 
-/// The errors of all units at rest have one size. When models with a base motion always formed peaks of their own,
-/// the first four units had a u of 0.0075 to 0.0123 °/s.
+/// Every unit at rest states a u of PBC from 0.0018 to 0.0037 °/s. An earlier version always treated the models with a
+/// base motion as separate peaks, and stated 0.0075 to 0.0123 °/s for the first four units.
 #[test]
 fn a_platform_at_rest_has_one_uncertainty() {
     let (mut mean_square, seeds) = (0.0, [91040, 91044, 91076, 91100, 91041, 91043]);
@@ -74,7 +74,8 @@ fn a_platform_at_rest_has_one_uncertainty() {
     assert!((0.3..2.0).contains(&mean_square), "{mean_square}");
 }
 
-/// 384 mV in the last third and 352 mV while the part warms: below the largest step of a supply, so not motion.
+/// Steps of 384 mV in the last third of the hour and of −352 mV while the part warms are smaller than the largest step
+/// of a supply. So they are not taken for motion.
 #[test]
 fn a_supply_step_is_not_motion() {
     for (seed, mv, at_s) in [(6, 384.0, 2492.0), (10, -352.0, 225.0)] {
@@ -85,7 +86,8 @@ fn a_supply_step_is_not_motion() {
     }
 }
 
-/// A wide play between two values of the search is neither taken for a lag nor an error beyond the interval.
+/// A wide hysteresis that lies between two values of the search is not taken for a lag, and the true bias stays inside
+/// the interval.
 #[test]
 fn a_wide_play_is_not_a_lag() {
     for (seed, hysteresis_dps) in [(1, 0.109), (6, 0.122), (7, 0.057), (10, 0.096)] {
@@ -96,7 +98,7 @@ fn a_wide_play_is_not_a_lag() {
     }
 }
 
-/// The code of a warning or refusal, the method that gives it, and units with its cause.
+/// The code of a warning, the method that gives it, and the spec of a unit with its cause for a seed.
 type Claim = (&'static str, Method, fn(u64) -> Spec);
 
 /// Checks each text that says that the uncertainty includes an effect, on units with this effect. The truth is inside

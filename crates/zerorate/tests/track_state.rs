@@ -6,7 +6,7 @@ use zerorate::track::{Counts, TrackFile};
 const UNIT: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"SN17\"\n\
                     [correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 33.0\n";
 
-/// The program before schema 2 wrote this after ten minutes of `stream --track` with the calibration above.
+/// The program before schema 2 wrote this after ten minutes of `stream --track` with the calibration `UNIT`.
 const STATE: &str = include_str!("track/schema-1.state");
 
 #[test]

@@ -44,7 +44,7 @@ def _stylesheet(schematron: Path) -> str:
 
 
 def _templates(pattern: Any, mode: str) -> list[Any]:
-    """A template for each rule: the first rule that matches a node is the only one, so earlier ones have priority."""
+    """A template for each rule. Only the first rule that matches a node applies, so earlier rules have priority."""
     rules = pattern.findall(f"{SCH}rule")
     shared = [_let(let) for let in pattern.findall(f"{SCH}let")]
     walk = X("apply-templates", select="@*|node()", mode=mode)

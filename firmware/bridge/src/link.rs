@@ -12,7 +12,7 @@ use embassy_time::{Duration, with_timeout};
 
 use crate::state::State;
 
-/// Longest time between two signs of life of the sampling side while nothing happens.
+/// Longest time between two calls that feed the watchdog, while nothing happens.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
 /// Size of the queue to the host, bytes: 0.17 s at the full rate with a temperature in every sample.
@@ -21,11 +21,11 @@ const TO_HOST: usize = 32 * 1024;
 /// Size of the queue to the sampling side, bytes. A host waits for each answer, so it sends less than this.
 const FROM_HOST: usize = 256;
 
-/// The data that pass between the port and the sampling side.
+/// Queues and signals between the port and the sampling side, and the state that the LED shows.
 pub struct Link {
     /// The last edge of RDY that was not handled yet. Its number counts all edges before it.
     pub(crate) edge: Signal<CriticalSectionRawMutex, Edge>,
-    /// The kind of edge that counts as "new data" from now on.
+    /// A kind of edge that the host has chosen as "new data", until `watch` uses it.
     pub(crate) heard: Signal<CriticalSectionRawMutex, RdyEdge>,
     pub(crate) gone: Signal<CriticalSectionRawMutex, ()>,
     pub(crate) from_host: Pipe<CriticalSectionRawMutex, FROM_HOST>,
@@ -52,7 +52,7 @@ impl Link {
         }
     }
 
-    /// The state of the bridge.
+    /// The current state, which the LED shows.
     pub fn state(&self) -> State {
         self.state.lock(Cell::get)
     }
@@ -83,13 +83,14 @@ impl Link {
         }
     }
 
-    /// Tells the sampling side that the host is gone, and makes room if it waits for that.
+    /// Tells the sampling side that the host is gone. Empties the queue to the host, in case a message waits for
+    /// space.
     pub(crate) fn hang_up(&self) {
         self.gone.signal(());
         self.to_host.clear();
     }
 
-    /// Drops the queue. The next host finds the end of the frame in which the port stopped.
+    /// Empties both queues. The zero for the next host ends the frame that the port may have cut off.
     pub(crate) async fn clear(&self) {
         self.from_host.clear();
         self.to_host.clear();

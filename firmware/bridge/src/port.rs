@@ -9,10 +9,10 @@ use static_cell::StaticCell;
 
 use crate::Link;
 
-/// For tests only, from <https://pid.codes/1209/0001/>. A product needs its own.
+/// USB vendor and product ID, for tests only, from <https://pid.codes/1209/0001/>. A product needs its own.
 const TEST_ID: (u16, u16) = (0x1209, 0x0001);
 
-/// Largest packet of a bulk endpoint at full speed.
+/// Largest packet of a bulk endpoint at full speed, bytes.
 const PACKET: usize = 64;
 
 struct Buffers {
@@ -65,7 +65,7 @@ async fn until_open(control: &ControlChanged<'_>, open: bool) {
     }
 }
 
-/// Runs until the device is disconnected.
+/// Sends the queued bytes to the host, until the device is disconnected.
 async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) {
     // never a full packet, because a host waits for more after one
     let mut packet = [0; PACKET - 1];
@@ -77,7 +77,7 @@ async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) 
     }
 }
 
-/// Runs until the device is disconnected.
+/// Queues the bytes that the host sends, until the device is disconnected.
 async fn receive<D: Driver<'static>>(receiver: &mut Receiver<'static, D>, link: &Link) {
     let mut packet = [0; PACKET];
     while let Ok(len) = receiver.read_packet(&mut packet).await {

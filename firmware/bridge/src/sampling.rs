@@ -1,4 +1,4 @@
-//! The sampling side: two tasks at the same priority, above everything else that takes time.
+//! The sampling side: two tasks at the same priority, which is above that of USB.
 
 use core::convert::Infallible;
 
@@ -12,11 +12,12 @@ use crate::Link;
 use crate::link::SIGN_OF_LIFE;
 use crate::state::State;
 
-/// The SPI clock until a host asks for another: half of what the part takes (F-21), for wires and level shifters.
+/// The SPI clock until a host asks for another, Hz. It is half of the part's maximum (F-21), which leaves room for
+/// long wires and level shifters.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
 
-/// Time without a sign of life after which the watchdog resets the chip: a transfer that never ends, an executor that
-/// stands still.
+/// The watchdog resets the chip if nothing feeds it for this time: if a transfer never ends, or the executor stands
+/// still.
 pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
 /// Numbers every edge of RDY that means "new data", and notes its time, also while the part is being read. This is the

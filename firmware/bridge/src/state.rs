@@ -1,6 +1,6 @@
 //! The state of the bridge, and how the LED shows it.
 
-/// The state of the bridge.
+/// What the bridge is doing. Each state has its own pattern of the LED.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// No host has asked for anything: a flash every second.

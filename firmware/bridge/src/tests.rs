@@ -212,7 +212,7 @@ impl Bench {
         Self { twin, link, signs, serve }
     }
 
-    /// 2000 samples have been taken, and the host has read none.
+    /// A bench that has taken 2000 samples, of which the host has read none.
     fn full() -> Self {
         let mut bench = Self::new();
         bench.ask(START);

@@ -15,7 +15,7 @@ pub struct BackOff {
 }
 
 impl BackOff {
-    /// The pauses before any attempt has failed.
+    /// Starts with the shortest pause.
     #[must_use]
     pub const fn new() -> Self {
         Self { doublings: 0 }
@@ -28,7 +28,7 @@ impl BackOff {
         pause_ms
     }
 
-    /// Starts anew once the part gives readings again.
+    /// Returns to the shortest pause, once the part gives readings again.
     pub fn done(&mut self) {
         self.doublings = 0;
     }

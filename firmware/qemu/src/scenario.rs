@@ -11,42 +11,42 @@ use zerorate::{Axis, CodeTable, Correction, CorrectionF32, IntegerCorrection, In
 /// Number of readings in a run.
 pub const READINGS: usize = 2_000;
 
-/// Step and span of the table, °C.
+/// Step of the table, and its span on either side of T3, °C.
 pub const TABLE_C: (f64, f64) = (0.02, 2.0);
 
-/// Rows of that table.
+/// Number of rows of the table.
 pub const ROWS: usize = 201;
 
 /// Quadratic and cubic term of the curve, °/s/°C² and °/s/°C³: the spread of curvature (M-02), and a cubic term that
 /// is as large at 250 °C from T3.
 const CURVE: (f64, f64) = (0.0005, -2e-6);
 
-/// A part that gives no edge for this long is dead.
+/// Time without an edge after which the part counts as failed, ns.
 const NO_EDGE_NS: u64 = 100_000_000;
 
 /// A reading and its corrected forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// The rate, as the part gave it.
+    /// The rate code as the part gave it.
     pub rate_code: u32,
-    /// The temperature taken with it.
+    /// The temperature code of the same sample.
     pub temp_code: u32,
-    /// The corrected rate, in integers.
+    /// The corrected rate code, in integer arithmetic.
     pub corrected_code: u32,
-    /// The corrected rate by a curve of order 3, in integers.
+    /// The rate code corrected by a curve of order 3, in integer arithmetic.
     pub curved_code: u32,
-    /// The row of the table, µ°/s.
+    /// The value of the table at this temperature, µ°/s.
     pub table_udps: i32,
-    /// The corrected rate in single precision, °/s, bit by bit.
+    /// The bits of the corrected rate in single precision, °/s.
     pub corrected_f32_bits: u32,
 }
 
 /// The correction in the forms that a controller uses.
 #[derive(Clone, Debug)]
 pub struct Corrections {
-    /// The correction on codes.
+    /// The linear correction of codes, in integer arithmetic.
     pub integer: IntegerCorrection,
-    /// The correction on codes, with a quadratic and a cubic term.
+    /// The correction of codes by a curve of order 3, in integer arithmetic.
     pub curve: IntegerCurve,
     /// The correction in single precision.
     pub single: CorrectionF32,
@@ -72,13 +72,13 @@ impl Corrections {
         })
     }
 
-    /// The table row, by look-up.
+    /// The table of the correction, in which a row is looked up by the temperature code.
     pub fn table(&self) -> CodeTable<'_> {
         CodeTable::new(&self.rows_udps, TABLE_C.0, self.t3_c, &Axis::ADIS16130.temp)
     }
 }
 
-/// From codes to a corrected rate, °/s, in single precision.
+/// Converts codes to a corrected rate, °/s, in single precision.
 #[inline]
 pub fn corrected_dps(single: &CorrectionF32, rate: RateCode, temp: TempCode) -> f32 {
     single.apply(rate.to_dps(), temp.to_celsius())

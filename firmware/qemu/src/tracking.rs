@@ -8,7 +8,7 @@ use zerorate::{Axis, Correction};
 
 const CORRECTION: Correction = Correction::line(-0.25, -0.04, 26.0);
 
-/// The part's bias beyond that correction, °/s.
+/// The part's bias beyond `CORRECTION`, °/s.
 const CHANGE_DPS: f64 = 0.004;
 
 /// White noise of a mean of 0.1 s, °/s (1 σ): 0.0125 °/s/√Hz (F-02) times √5.
@@ -25,9 +25,9 @@ const OFF_S: f64 = 86_400.0;
 /// The tracker's knowledge after a mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrackerState {
-    /// The bias beyond the correction, °/s, bit by bit.
+    /// The bits of the bias beyond the correction, an f64 in °/s.
     pub change_bits: u64,
-    /// Its standard uncertainty, °/s, bit by bit.
+    /// The bits of its standard uncertainty, an f64 in °/s.
     pub u_bits: u64,
     /// The phase of the part's motion.
     pub phase: u8,
@@ -42,7 +42,7 @@ pub struct Mean {
     pub temp_c: f64,
 }
 
-/// The series of a seed.
+/// The means of the series. The seed determines their noise.
 pub fn means(seed: u64) -> impl Iterator<Item = Mean> {
     let turns = STRETCHES.into_iter().flat_map(|(count, turn_dps)| (0..count).map(move |_| turn_dps));
     let mut state = seed;

@@ -7,7 +7,7 @@ const BLUE: &str = "#0072b2";
 const RED: &str = "#c23b00";
 const GREY: &str = "#666";
 
-/// The rows of the facts' tables whose first cell is `id`, cell by cell.
+/// The rows of the tables in `facts` whose first cell is `id`. Each row is split into its cells.
 fn rows<'a>(facts: &'a str, id: &'a str) -> impl Iterator<Item = Vec<&'a str>> {
     let cells = |line: &'a str| line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>();
     facts.lines().filter(|line| line.starts_with("| ")).map(cells).filter(move |cells| cells.first() == Some(&id))
@@ -20,7 +20,7 @@ fn numbers(text: &str) -> Vec<f64> {
         .collect()
 }
 
-/// The numbers in the value of the fact `id` whose description contains `word`.
+/// The numbers in the value of fact `id`, from that row whose description contains `word`.
 fn value(facts: &str, id: &str, word: &str) -> Result<Vec<f64>> {
     let row = rows(facts, id).find(|cells| cells.get(1).is_some_and(|words| words.contains(word)));
     let row = row.with_context(|| format!("{id} says nothing of {word}"))?;
@@ -36,7 +36,7 @@ fn svg(width: u32, height: u32, title: &str, body: &str) -> String {
     )
 }
 
-/// Text at a place; `anchor` is start, middle or end.
+/// An SVG text element. `anchor` is its `text-anchor`: start, middle or end.
 fn text(at: (f64, f64), anchor: &str, colour: &str, content: &str) -> String {
     let (x, y) = at;
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" fill=\"{colour}\">{content}</text>\n")
@@ -72,7 +72,7 @@ impl Plot {
         Self::Y.1 - part * (Self::Y.1 - Self::Y.0)
     }
 
-    /// Draws a curve, as far as it is inside the plot.
+    /// Draws that part of a curve that is inside the plot.
     fn curve(density: impl Fn(f64) -> f64, colour: &str) -> String {
         let hz = (0..=200).map(|step| Self::HZ.0 * (Self::HZ.1 / Self::HZ.0).powf(f64::from(step) / 200.0));
         let inside = hz.map(|hz| (hz, density(hz))).filter(|(_, density)| *density >= Self::DENSITY.0);
@@ -136,7 +136,8 @@ mod tests {
     use super::*;
     use std::fs::read_to_string;
 
-    /// The numbers of a pin of F-11 and its names: one for each, or one for all.
+    /// The pin numbers and pin names in each row of F-11. A row has one name per number, or one name for all its
+    /// numbers.
     fn pins(facts: &str) -> Vec<(Vec<f64>, Vec<String>)> {
         let names = |cell: &str| cell.split(", ").map(|name| name.split(" (").next().unwrap().to_owned()).collect();
         let stated = rows(facts, "F-11").map(|cells| (numbers(cells[1]), names(cells[2])));

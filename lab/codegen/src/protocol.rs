@@ -1,4 +1,4 @@
-//! Generates TypeScript types from the messages of the page.
+//! Generates the TypeScript types of the messages that the web page sends and receives.
 
 use anyhow::Result;
 use std::fs;
@@ -33,7 +33,7 @@ pub fn text() -> Result<String> {
     Ok(HEAD.to_owned() + &types.join("\n") + &forms()?)
 }
 
-/// The formats of a download, from which the page makes its buttons.
+/// The TypeScript constant with the formats of a download, from which the page makes its buttons.
 fn forms() -> Result<String> {
     let exports = ExportForm::ALL.into_iter().filter(|form| !form.is_autopilot());
     let exports = exports.map(|form| (form.row().name, form.row().label));

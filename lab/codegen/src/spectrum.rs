@@ -1,4 +1,4 @@
-//! Plots spectra of the twin at rest, sampled in three ways: effects of bandwidth, capacitor and divider.
+//! Plots spectra of the twin at rest. Three ways of sampling show the effects of bandwidth, capacitor and divider.
 
 use crate::bandwidth::fold;
 use adis16130::blocking::Adis16130;
@@ -15,11 +15,13 @@ use zerorate_view::plot::{Spectrum, Tone, spectra};
 const UNIT: &str = "seed=4,warmup_c=0";
 /// Length of the segments of Welch's estimate at the full rate, in samples: a resolution of 0.35 Hz.
 const SAMPLES: usize = 1 << 17;
-/// Length of the segments for a record at less than a twentieth of the rate, where the full length would take minutes.
+/// Length of the segments, in samples, for a record at less than a twentieth of the full rate. The full length would
+/// take minutes.
 const SAMPLES_DIVIDED: usize = 1 << 14;
 /// Time without an edge after which the part counts as failed, ns.
 const NO_EDGE_NS: u64 = 100_000_000;
-/// Number of multiples of the sampling rate on either side that alias noise. The poles suppress noise above them.
+/// Number of multiples of the sampling rate, on either side of zero, whose aliased noise is added. The poles suppress
+/// the noise at higher frequencies.
 const IMAGES: i32 = 64;
 
 /// One way of sampling the part.
@@ -79,7 +81,7 @@ impl Setup {
         })
     }
 
-    /// The rates, °/s, and the sample rate, Hz.
+    /// Samples the twin. Returns the measured rates, °/s, and the sampling frequency, Hz.
     fn record(&self) -> Result<(Vec<f64>, f64)> {
         let twin = Twin::new(Spec { roa: self.roa, mclk_hz: f64::from(MCLK_HZ), ..Spec::parse_keys(UNIT)? });
         let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());

@@ -1,4 +1,4 @@
-//! The files of arrow-testing and parquet-testing: valid ones of other writers, and ones that crashed a reader.
+//! The files of arrow-testing and parquet-testing: valid files of other writers, and files that crashed a reader.
 //! PyArrow's results are the reference.
 
 use super::reader::{self, Reader};

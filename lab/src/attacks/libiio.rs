@@ -31,7 +31,7 @@ pub fn run(program: &Path) -> Result<Option<Tally>> {
     }
     let server = Server::start_with(&mut Command::new(program), ADDRESS, &["--device", "twin:seed=4"])?;
     let mut tally = Tally::default();
-    // after its first client, the server has opened all that it keeps open
+    // files are counted after a first client, because the server then has opened all files that it keeps open
     tally.note("iio_genxml", described_again()?);
     let before = server.descriptors()?;
     tally.note("iio_stresstest, 4 threads", stress("4", true)?);

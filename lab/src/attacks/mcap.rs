@@ -1,4 +1,4 @@
-//! Reads MCAP's conformance files.
+//! Has the program read MCAP's conformance files, and checks that it finds all their topics.
 
 use super::reader::{self, Reader};
 use super::tally::{Outcome, Tally};
@@ -48,7 +48,8 @@ fn topics(described: &Value) -> Result<Vec<String>> {
     of("Message").map(channel).collect()
 }
 
-/// The records were read if the program's refusal names all topics with their types; none is an IMU.
+/// No topic is an IMU, so the program must refuse the file. The records were read if its error names all topics with
+/// their types.
 fn judge(why: String, topics: &[String]) -> Outcome {
     let is_read = if topics.is_empty() {
         why.contains("it has no messages")

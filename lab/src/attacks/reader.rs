@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const REQUIREMENTS: &str = "lab/attacks-requirements.txt";
-/// Limits of one reading, far above what a file of some megabytes needs on a slow machine.
+/// Limits of one reading: time in s, and memory in bytes. A file of some megabytes needs far less on a slow machine.
 const SECONDS: &str = "60";
 const MEMORY: &str = "--as=4294967296";
 /// The exit code of `timeout` when it ended the command.
@@ -50,7 +50,7 @@ pub fn theirs(python: &Path, form: &str, files: &[PathBuf]) -> Result<Vec<Readin
     Ok(said)
 }
 
-/// Our readers: an example of the library that prints all numbers, and the program.
+/// The readers under test: an example of the library that prints all numbers, and the program.
 pub struct Reader {
     columns: PathBuf,
     program: PathBuf,

@@ -1,8 +1,8 @@
 """Runs cases of Autobahn's test suite, which needs Python 2.7, against a server that does not echo.
 
-The suite expects an echo of each message. The page's server answers each text with a text of its own, and sends
-binary frames unasked. So its n-th answer counts as the n-th echo, and its frames are left out. Everything else is
-that of the suite.
+The suite expects an echo of each message. The page's server answers each text with a text of its own, and sends binary
+frames unasked. So its n-th text counts as the n-th echo, and its binary frames are ignored. All other checks are the
+suite's own.
 
 Prints a line of JSON to stderr for each case: its id, the suite's verdicts, and how the connection was closed.
 Arguments: the folder where the suite is installed, the address, the cases, and those to leave out.

@@ -1,6 +1,6 @@
-//! Counts the outcomes of a part's cases.
+//! Counts the outcomes of a suite's cases.
 
-/// The outcome of a case.
+/// What the program did with a case.
 #[derive(Debug)]
 pub enum Outcome {
     /// Read or answered correctly.
@@ -10,7 +10,7 @@ pub enum Outcome {
     Wrong(String),
 }
 
-/// The cases of a part with their outcomes.
+/// All cases of a suite, each with its name and outcome.
 #[derive(Debug, Default)]
 pub struct Tally(Vec<(String, Outcome)>);
 

@@ -18,7 +18,7 @@ const SUITE: &str = "autobahntestsuite==25.10.1";
 const PARTS: [&str; 4] = ["1.*,2.*,3.*,4.*", "5.*,7.*,10.*", "6.*", "9.*"];
 /// Left out: thousands of round trips, which the server slows down on purpose (docs/serve.md).
 const LEFT_OUT: &str = "9.7.*,9.8.*";
-/// The least number of cases that must run. None is of compression, since the server does not offer it.
+/// The least number of cases that must run. None tests compression, which the server does not offer.
 const LEAST: usize = 280;
 
 /// The result of a case, as `suite.py` prints it.

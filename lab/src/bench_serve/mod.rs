@@ -60,7 +60,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let recorded = CaptureSummary::of(&program, &capture)?;
     print(&seen, &recorded, wall_s, peak_mb);
     recorded.check(&program, DEVICE, folder.path())?;
-    // the rate of F-31 at a master clock that is good to 1 % (M-06)
+    // the nominal rate (F-31); the limit allows for a master clock that is off by 1 % (M-06)
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!((recorded.rows as f64 / expected - 1.0).abs() < 0.03, "{} samples do not match the time", recorded.rows);
     check_clients(&seen.clients, &program, &capture)

@@ -30,7 +30,8 @@ pub struct Frames {
     pub snapshots: u64,
 }
 
-/// Receives frames until `is_over`, but at least two. Stores in `shown_ms` how much of the part's time they show.
+/// Receives frames until `is_over` returns true, but at least two. Stores in `shown_ms` up to which time of the part
+/// they show data, ms.
 pub fn watch(address: &str, is_over: &dyn Fn() -> bool, shown_ms: &AtomicU64) -> Result<Frames> {
     let mut stream = BufReader::new(connect(address)?);
     let (mut frames, mut last) = (Frames::default(), None);
@@ -122,7 +123,7 @@ fn message(stream: &mut impl BufRead) -> Result<(u8, Vec<u8>)> {
     Ok((head[0], message))
 }
 
-/// The header of a frame. Checks that the payload has the length that the strips state.
+/// Parses the header of a frame. Checks that the payload has the length that the header's strips state.
 fn header(frame: &[u8]) -> Result<Value> {
     let (length, rest) = frame.split_first_chunk().context("a frame without a length")?;
     let length = u32::from_le_bytes(*length) as usize;

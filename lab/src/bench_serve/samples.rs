@@ -48,7 +48,7 @@ impl CaptureSummary {
     }
 }
 
-/// The times and codes of a capture.
+/// The time, ns, and the code of each row of a capture.
 pub fn rows(program: &Path, capture: &Path) -> Result<Vec<(u64, u32)>> {
     let csv = capture.with_extension("csv");
     done(Command::new(program).arg("repair").arg(capture).arg("-o").arg(&csv).stdout(Stdio::null()))?;
@@ -100,7 +100,7 @@ pub fn in_order(bytes: &[u8]) -> Result<(u64, u64)> {
     Ok((count, missed))
 }
 
-/// The count of missed samples and the time in a sample.
+/// The count of missed samples, and the time, ns, in a sample.
 fn wide(sample: &[u8]) -> Result<[u64; 2]> {
     let at = |at: usize| sample[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)).context("8 bytes");
     Ok([at(8)?, at(16)?])

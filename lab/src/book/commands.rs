@@ -20,7 +20,7 @@ const LONGEST_S: &str = "300";
 /// Largest number of lines of output in an error.
 const MOST_LINES: usize = 60;
 
-/// A command or an output that a chapter shows, in order.
+/// What a chapter shows: a command, or lines of output.
 #[derive(Debug, PartialEq)]
 enum Step {
     /// A command and its expected exit code.
@@ -86,7 +86,7 @@ fn output(command: &str, exit: i32, program: &Path, folder: &Path) -> Result<Str
     Ok(written.fold(printed, |all, file| all + &file))
 }
 
-/// Finds each line in the output, in order.
+/// Checks that the output contains these lines in this order.
 fn compare(lines: &[String], printed: &str) -> Result<()> {
     let mut rest = printed.lines();
     for line in lines.iter().filter(|line| !line.is_empty() && *line != "…") {

@@ -58,7 +58,7 @@ impl Emulator {
         self.device.clone()
     }
 
-    /// The TCP port.
+    /// The TCP port on which QEMU serves the UART of a [`Line::Socket`].
     pub fn port(&self) -> u16 {
         self.port
     }

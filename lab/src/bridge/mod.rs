@@ -19,13 +19,13 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
 
-/// Number of samples that controller and host must send identically, byte for byte, and of each capture.
+/// Number of samples of each capture. In as many samples, controller and host must send the same bytes.
 const SAMPLES: u32 = 5_000;
-/// A calibration of half a minute of the part's time.
+/// Options of a calibration that takes half a minute of the part's time.
 const PLAN: [&str; 10] =
     ["--average", "1s", "--warmup", "10s", "--settle", "10s", "--offset", "5s", "--max-u-btc", "1"];
 
-/// The results.
+/// The results, printed as JSON.
 #[derive(Serialize)]
 struct Findings {
     seed: u64,
@@ -115,7 +115,7 @@ impl Bench {
         Ok(summary)
     }
 
-    /// Calibrates by one plan through the bridge and in this process. The results must agree within their
+    /// Calibrates the same unit by the same plan, through the bridge and directly. The results must agree within their
     /// uncertainties.
     fn calibrate(&self) -> Result<(Value, Value)> {
         let emulator = self.emulator(Line::Socket)?;

@@ -21,22 +21,24 @@ const CURVED: Correction = Correction { btc2_dps_per_c2: 0.0005, btc3_dps_per_c3
 const SAMPLES: usize = 500;
 const ROWS: usize = 201;
 
-/// The status numbers of bindings/c/src/status.rs, repeated here because they must not change.
+/// The expected results of misuse. The status numbers of bindings/c/src/status.rs are typed again here, so that the
+/// test fails if one changes.
 const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\nseven bits -3\nno transfer -1\nno \
     average -40\n\
     steep -30\ncurved -30\nsteep curve -30\n\
     ragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
     correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
-/// The expected failures to read, with the status numbers repeated here. The deadline is 64 periods of 175.7 µs (F-31)
-/// after a call.
+/// The expected results of failing reads, with the status numbers typed again. RDY counts as silent after 64 periods
+/// of 175.7 µs (F-31).
 const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion \
     -25\nconverted 0\n\
     dip -22\ninitialise 0\nbroken -10\nafter it -15\ninitialise 0\nuntouched 7 7\nwhole 0\nheard 0\nquiet 0\nsilent \
     -12\n\
     initialise 0\nbeyond the scale -24\n";
 const FAULTS: &str = "diagnose 0\nzeros -21\nones -20\ndip -22\nagain 0\ncut -12\n";
-/// The expected failures of self-tests. A pin that was set at all must be set low last, unless that was refused.
+/// The expected results of failing self-tests. Once the pin was set, the last call must set it low, unless that call
+/// is refused.
 const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function -13\n\
     low refused -14\ncalls 1 level 0 n 7\nhigh refused -14\ncalls 3 level 0 n 7\n\
     release refused -14\ncalls 3 level 1 n 7\ncut -12\ncalls 3 level 0 n 7\nzeros -21\ncalls 3 level 0 n 7\n\
@@ -233,7 +235,7 @@ fn calibrate(text: &mut String, keys: &str) -> Result<()> {
         Ok(()) => Vec::new(),
     };
     let progress = procedure.progress();
-    // the numbers of the C interface follow the procedure's states, except that its end keeps its old number
+    // a step of the C interface has the number of the procedure's state plus 3, except that the end stays 10
     let step = if progress.state == State::Done { 10 } else { 3 + progress.state as u32 };
     writeln!(text, "ended {ended}\nremedies [{}]\nstep {step}", remedies.join(","))?;
     f64_line(text, "elapsed_s", progress.elapsed_s)?;

@@ -82,7 +82,8 @@ const OTHER: Bounds = Bounds {
     false_terms: 2.0,
     steps: (0.0, 2.0),
 };
-/// Bounds of scenarios with intervals that are wider than chance requires, about which a warning tells.
+/// Bounds of scenarios in which the fit widens the intervals and warns of it, so that more than 97 % may cover the
+/// truth.
 const WIDENED: Bounds = Bounds { coverage: (93.0, 100.0), ..OTHER };
 /// Bounds of scenarios in which flicker or random walk may be mistaken for something else, if there is a warning.
 const NOT_SILENT: Bounds = Bounds { coverage: (0.0, 100.0), ..OTHER };
@@ -193,8 +194,8 @@ impl Scenario {
             + memory
     }
 
-    /// The N, B and K that can be measured: rounding to codes adds white noise, and N is the plateau, which includes
-    /// the tail of a resonance.
+    /// The N, B and K that a measurement finds. N includes the white noise of rounding to codes, and the tail of a
+    /// resonance.
     pub fn truth(&self, rate_hz: f64) -> [f64; 3] {
         if let Disturbance::Resonance(frequency_hz, half_width_hz, part) = self.disturbance {
             let (r, angle) = ((-2.0 * PI * half_width_hz / rate_hz).exp(), 2.0 * PI * frequency_hz / rate_hz);

@@ -9,15 +9,16 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use zerorate::noise::FLICKER_CUTOFF_HZ;
 
-/// Rate of every record, Hz.
+/// Sampling rate of every record, Hz.
 pub const RATE_HZ: f64 = 100.0;
-/// Rate at which slow flicker is synthesised and then interpolated, Hz. Fast flicker has the record's rate.
+/// Sampling rate at which slow flicker is synthesised, Hz. It is then interpolated. Fast flicker has the record's
+/// rate.
 const SLOW_RATE_HZ: f64 = 10.0;
 /// Frequency that separates slow and fast flicker, Hz.
 const SPLIT_HZ: f64 = 0.5;
 /// Number of points of each synthesis. The slow one repeats after 52 429 s.
 pub const SYNTHESIS: usize = 1 << 19;
-/// Number of samples before the record in which a filter settles.
+/// Number of samples that are simulated before the record, so that a filter has settled.
 const LEAD: usize = 3000;
 /// Error of an outlier, °/s.
 const OUTLIER: f64 = 50.0;

@@ -14,7 +14,7 @@ struct Kind {
     target: &'static str,
     compiler: Tool,
     flags: &'static [&'static str],
-    /// The command that runs its programs; without one they are only linked.
+    /// The command that runs programs for the target. Without one, they are only linked.
     run: Option<&'static [&'static str]>,
 }
 

@@ -16,7 +16,7 @@ use std::process::Command;
 
 const TOOLS: [Tool; 2] = [Tool { program: "dpkg-deb", package: "dpkg" }, Tool { program: "gzip", package: "gzip" }];
 
-/// The texts that the program prints about itself, and their paths in the package.
+/// Arguments with which the program prints a text for the package, and the path of that text in the package.
 const PRINTED: [(&[&str], &str); 4] = [
     (&["man"], "usr/share/man/man1/zerorate.1"),
     (&["completions", "bash"], "usr/share/bash-completion/completions/zerorate"),

@@ -44,14 +44,14 @@ pub const MACHINES: [Machine; 3] = [
 ];
 
 impl Machine {
-    /// True if its programs can be run here. If not, prints that they are skipped.
+    /// True if programs for this kind of computer can run here. If not, prints that they are skipped.
     pub fn runs_here(&self) -> Result<bool> {
         let Some(program) = self.emulator else { return Ok(true) };
         available(&[Tool { program, package: "qemu-user-static" }], &format!("running programs for {}", self.name))
     }
 
-    /// A command that runs `program`, which was built for this machine. A program that starts itself again, as
-    /// `zerorate` does to limit its memory, cannot do that under an emulator and continues without.
+    /// A command that runs `program`, which was built for this machine. To limit its memory, `zerorate` starts itself
+    /// again. It cannot do that under an emulator, and then runs without the limit.
     pub fn command(&self, program: &Path) -> Command {
         let Some(emulator) = self.emulator else { return Command::new(program) };
         let mut command = Command::new(emulator);

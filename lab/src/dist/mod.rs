@@ -55,7 +55,7 @@ const PARTS: [Part; 7] = [
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The address of the repository; empty until a release states it in `Cargo.toml`.
 const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
-/// The build folder. It differs from the developer's own, because other flags give other files.
+/// The build folder. It is not the developer's, because distributed files are built with other flags.
 const TARGET_DIR: &str = "target/cross";
 const SUMS: &str = "SHA256SUMS";
 

@@ -1,4 +1,4 @@
-//! Lists the contents of a distributed product: crates by cargo, and what they and the toolchain add.
+//! Lists the software in a distributed product: crates, software inside crates, and software from the toolchain.
 
 use super::machine::MACHINES;
 use crate::venv::printed;

@@ -1,4 +1,4 @@
-//! A bare Debian 12, as a user has who has installed nothing yet: without Rust.
+//! A Debian 12 with the base packages only, like the system of a new user. It has no Rust.
 
 use super::Folder;
 use crate::tools::{Tool, available, is_root};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TOOLS: [Tool; 1] = [Tool { program: "mmdebstrap", package: "mmdebstrap" }];
-/// The packages that any package may depend on.
+/// A package that is installed beside the base packages, because the package of `zerorate` depends on it.
 const BARE: &str = "adduser";
 
 pub struct Root(PathBuf);
@@ -42,24 +42,24 @@ impl Root {
         Ok(Some(Self(root)))
     }
 
-    /// The path, on this machine, of a path inside it.
+    /// The path on this machine of a path inside the bare Debian.
     pub fn path(&self, path: impl AsRef<Path>) -> PathBuf {
         self.0.join(path)
     }
 
-    /// Copies a file into it.
+    /// Copies a file into the bare Debian.
     pub fn copy(&self, from: &Path, to: &str) -> Result<()> {
         fs::create_dir_all(self.path(to).parent().unwrap_or(&self.0))?;
         fs::copy(from, self.path(to))?;
         Ok(())
     }
 
-    /// A command that runs inside it, with separate processes and without network.
+    /// A command that runs in the bare Debian, in its own process namespace and without network.
     pub fn command(&self, program: &str) -> Command {
         self.command_in("/", program)
     }
 
-    /// A command that runs inside it, in a folder of it.
+    /// Like [`Root::command`], in this folder of the bare Debian.
     pub fn command_in(&self, folder: &str, program: &str) -> Command {
         let mut command = Command::new("unshare");
         command.args(["--mount", "--pid", "--net", "--fork", "--kill-child"]);
@@ -69,7 +69,7 @@ impl Root {
         command
     }
 
-    /// Runs a shell script inside it.
+    /// Runs a shell script in the bare Debian.
     pub fn script(&self, script: &str) -> Result<()> {
         let status = self.command("/bin/sh").args(["-euc", script]).status()?;
         ensure!(status.success(), "in a bare Debian, `{script}` ended with {status}");

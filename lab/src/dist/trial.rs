@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// The plan of the shortest calibration that the twin allows.
+/// Options of a short calibration, which suffices for a twin with `warmup_s=20`.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
 /// Files of other projects: a bag with chunks compressed by zstd. `lay_out` adds an SQLite file that is not a bag.
 const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-logs/fixtures/imu_zstd.mcap")];

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 pub struct Loader {
-    /// The "Family ID" in Microsoft's list.
+    /// The ID of the processor family in Microsoft's list.
     family: u32,
     /// The address range of the flash. If the file contains any other address, the boot loader of an RP2040 treats
     /// it as a program in RAM.

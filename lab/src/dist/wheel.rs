@@ -64,7 +64,7 @@ const TOOLS: [Tool; 2] = [
     Tool { program: "mmdebstrap", package: "mmdebstrap" },
     Tool { program: "qemu-aarch64-static", package: "qemu-user-static" },
 ];
-/// The unpacked Python of Debian for the other machine.
+/// The folder into which Debian's Python for the other machine is unpacked.
 const PYTHON: &str = "bookworm-arm64-python";
 
 fn emulated(folder: &Folder) -> Result<Option<String>> {
@@ -81,7 +81,7 @@ fn emulated(folder: &Folder) -> Result<Option<String>> {
     }
     let packages = folder.empty("wheel-aarch64")?;
     done(Command::new("python3").args(["-m", "zipfile", "-e"]).arg(folder.of(name(MACHINES[1].1))).arg(&packages))?;
-    // Debian's numpy finds these two through links, which only an installation would make
+    // Debian's numpy finds these two libraries through links, which only an installation would make
     let libraries = ["blas", "lapack"].map(|name| format!("/usr/lib/aarch64-linux-gnu/{name}"));
     let mut python = Command::new("qemu-aarch64-static");
     python.arg("-L").arg(&root).arg("-E").arg(format!("LD_LIBRARY_PATH={}", libraries.join(":")));

@@ -38,7 +38,7 @@ pub fn run(program: &Path, device: &str) -> Result<()> {
     for step in STEPS {
         fs::write(&offset, format!("{step}\n"))?;
         let since = Instant::now();
-        // a page that was opened before the step, and frames without a gap
+        // a page must get all frames, although the clock is set while it is open
         page::watch(&server.page, &|| since.elapsed() >= LASTS, &shown_ms).with_context(|| format!("at {step} s"))?;
     }
     let wall_s = begun.elapsed().as_secs_f64();
@@ -66,7 +66,7 @@ fn library() -> Option<PathBuf> {
 mod tests {
     use super::*;
 
-    /// The part must see the clock that is set, or it would show nothing.
+    /// If libfaketime did not change a program's clock, this part of the task would test nothing.
     #[test]
     fn the_library_sets_the_clock_of_a_program() {
         let Some(library) = library() else { return };

@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicU64;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Size of the disk: half a minute of the sensor.
+/// Size of the disk: room for the samples of half a minute.
 const SIZE: &str = "size=4m";
 const FILL: &str = r#"{"id":1,"do":"speed","factor":20}"#;
 const AGAIN: &str = r#"{"id":2,"do":"reopen"}"#;

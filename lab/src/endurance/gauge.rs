@@ -45,7 +45,8 @@ impl Gauge {
         )
     }
 
-    /// Returns an error if the memory grows by more than the allowance and `kept_mb`, which is kept on purpose.
+    /// Returns an error if the memory grows by more than the allowances plus `kept_mb`, the size of what is kept on
+    /// purpose.
     pub fn check(&self, kept_mb: f64) -> Result<()> {
         let [early, late] = self.quarters_mb();
         let bound = FLAT_MB + QUEUE_MB + kept_mb;

@@ -76,7 +76,7 @@ fn visit(at: u32) -> Duration {
     VISIT + LONGER * at
 }
 
-/// Takes a measurement each second, until enough was shown.
+/// Measures memory and descriptors each second, until the pages have shown `enough_ms` of the sensor's time.
 fn wait(
     server: &Server,
     enough_ms: u64,

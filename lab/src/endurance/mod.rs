@@ -75,9 +75,9 @@ fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
     gauge.check(kept_mb(hours))
 }
 
-/// The memory that the page's Allan deviation needs in addition, between the middle of the second and of the last
-/// quarter, MB: the means over 0.1 s, and as much again while it computes. It keeps 2¹⁹ means, which is 14.6 h, and
-/// then merges them.
+/// Growth of memory, MB, that the page's Allan deviation may cause from the middle of the second quarter to the middle
+/// of the last. It keeps means over 0.1 s, and needs as much again while it computes. After 2¹⁹ means (14.6 h) it
+/// merges them.
 fn kept_mb(hours: f64) -> f64 {
     const MB_PER_H: f64 = 3.0;
     const FULL_H: f64 = 14.6;
@@ -85,7 +85,8 @@ fn kept_mb(hours: f64) -> f64 {
     MB_PER_H * (at(7.0 / 8.0) - at(3.0 / 8.0))
 }
 
-/// Number of descriptors that the server may open for itself while it serves. Visitors come and go by the hundred.
+/// Number of descriptors that the server may open for itself while it serves. Hundreds of visitors come and go, so
+/// that a leak per visitor exceeds this.
 const OWN: usize = 8;
 
 /// The number of descriptors after all visitors have left.

@@ -1,4 +1,4 @@
-//! Runs the bias tracker over the same time, as fast as possible.
+//! Runs the bias tracker for as many hours of the sensor's time as the server, as fast as possible.
 
 use super::gauge::Gauge;
 use crate::venv::done;
@@ -44,7 +44,7 @@ pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
     gauge.check(0.0)
 }
 
-/// The number of rows. Checks that their times increase.
+/// Counts the rows that the tracker printed, and checks that their times increase.
 fn in_order(text: &str) -> Result<usize> {
     let times = text.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
     let times = times.map(|line| line.split(',').next().unwrap_or_default().parse::<f64>().context("a time"));

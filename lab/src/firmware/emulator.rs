@@ -19,7 +19,7 @@ const TICK_NS: u32 = 40;
 pub struct Report {
     pub readings: Vec<Reading>,
     pub tracked: Vec<TrackerState>,
-    /// Smallest and largest number of instructions of each piece of work.
+    /// Smallest and largest number of instructions of each measured operation, by its name.
     pub instructions: BTreeMap<String, (u64, u64)>,
     /// Sizes of objects in RAM, bytes.
     pub bytes: BTreeMap<String, u64>,

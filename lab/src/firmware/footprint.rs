@@ -16,7 +16,7 @@ const TOLERANCE: f64 = 0.05;
 pub struct Figure {
     /// Name of the measured quantity on the page.
     pub what: &'static str,
-    /// The figure.
+    /// The measured number, in `unit`.
     pub value: u64,
     /// The unit: instructions or bytes.
     pub unit: &'static str,

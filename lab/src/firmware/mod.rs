@@ -104,7 +104,7 @@ fn difference(profile: &str, name: &str) -> Result<Memory> {
     Ok(Memory { flash: with.flash - without.flash, ram: with.ram - without.ram })
 }
 
-/// The number of readings. Returns an error if one differs from the host's.
+/// Compares the controller's readings with the host's. Returns their number, or an error if one differs.
 fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     let mut ours = Vec::new();
     scenario::run(seed, |reading| ours.push(reading)).context("the twin gave no readings on the host")?;
@@ -115,7 +115,8 @@ fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     Ok(ours.len())
 }
 
-/// The number of means. Returns an error if the tracker's state differs from the host's after one of them.
+/// Compares the tracker's state after each mean with the host's. Returns the number of means, or an error if one
+/// differs.
 fn compare_tracked(seed: u64, theirs: &[TrackerState]) -> Result<usize> {
     let mut ours = Vec::new();
     let counts = tracking::run(seed, |known| ours.push(known)).context("the tracker refuses its own state")?;

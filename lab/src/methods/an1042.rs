@@ -25,7 +25,8 @@ pub struct Difference {
     pub btc_dps_per_c: f64,
 }
 
-/// Runs the real procedure and the short form on the twin for a whole hour, read through bus and driver.
+/// Runs the real procedure and the short form on the twin, for the whole procedure of 53 minutes, through bus and
+/// driver.
 pub fn held_against_the_procedure(spec: Spec) -> anyhow::Result<Difference> {
     let mut rig = Rig::new(spec);
     let mut procedure = Procedure::new(&Axis::ADIS16130, Plan::default())?;
@@ -58,7 +59,7 @@ pub fn held_against_the_procedure(spec: Spec) -> anyhow::Result<Difference> {
 #[derive(Default)]
 struct Sums {
     start_ns: u64,
-    /// Sum of the rate, sum of the temperature, and count.
+    /// For each interval: sum of the rates, °/s, sum of the temperatures, °C, and number of samples.
     all: Vec<(f64, f64, u32)>,
 }
 

@@ -6,7 +6,7 @@ use zerorate::noise::{NoiseModel, WeightedMean};
 use zerorate::temperature::Block;
 use zerorate_allan::linear::{Cholesky, dot};
 
-/// Number of windows of a recording.
+/// Number of windows into which a recording is divided.
 const WINDOWS: usize = 300;
 
 /// The standard uncertainty of the bias at the end, with a polynomial of this order: rms over the temperatures, °/s.

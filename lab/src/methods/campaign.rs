@@ -39,7 +39,7 @@ impl RecordingKind {
     }
 }
 
-/// All methods, in the order of the page.
+/// All methods, in the order of docs/reference/methods.md.
 pub const METHODS: [Method; 7] = [
     Method { name: RAW, recording: RecordingKind::Hour, fit: |recording| Some(raw(recording).into()) },
     Method { name: AN1042, recording: RecordingKind::Hour, fit: |recording| Some(an1042::fit(recording).into()) },
@@ -73,7 +73,7 @@ fn raw(recording: &Recording) -> Correction {
     Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)
 }
 
-/// The simulated units of a campaign, and how they are run.
+/// The seeds of the simulated units, the lag of the lagging ones, and the number of threads.
 #[derive(Clone, Copy)]
 pub struct Units<'a> {
     pub seeds: &'a RangeInclusive<u64>,
@@ -110,7 +110,8 @@ impl Units<'_> {
         Kind::ALL.into_iter().map(of_kind).collect()
     }
 
-    /// Runs the warm-up method on linear units. Returns a summary for each rate random walk, a multiple of M-04.
+    /// Runs the warm-up method on linear units. Returns a summary for each rate random walk; `factors` are multiples
+    /// of M-04.
     pub fn by_walk(&self, factors: &[f64]) -> anyhow::Result<Vec<Summary>> {
         self.summaries(|seed| {
             let linear = Kind::Linear.spec(seed, self.lag_s);

@@ -1,4 +1,5 @@
-//! The estimate of `zerorate chamber` on the profile of F-57, from one-second means without its state machine.
+//! The estimate of `zerorate chamber` on the profile of F-57, from one-second means. The state machine of the
+//! measurement is left out.
 
 use super::comparison::MethodResult;
 use super::unit::{MEAN_S, Recording};

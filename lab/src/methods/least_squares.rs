@@ -1,4 +1,4 @@
-//! The cubic polynomial that other software fits.
+//! The cubic polynomial that PX4 and ArduPilot fit.
 
 use zerorate::Correction;
 use zerorate_allan::linear::Cholesky;

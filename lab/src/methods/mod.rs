@@ -48,7 +48,7 @@ const SIDE_SHARE: u64 = 5;
 /// Number of seeds for which the short form of AN-1042 is compared with the real procedure.
 const CHECKED: u64 = 5;
 
-/// Runs everything and writes the page with its plots.
+/// Runs every method. Without `--quick`, it also writes docs/reference/methods.md and its plots.
 pub fn run(args: &MethodsArgs) -> anyhow::Result<()> {
     let seeds = if args.quick { args.seed..=args.seed + QUICK - 1 } else { args.seeds.clone() };
     let units = Units { seeds: &seeds, threads: args.threads, lag_s: args.lag_s };

@@ -1,4 +1,4 @@
-//! The plots of the page: residual and coverage over the measured temperatures.
+//! The plots of docs/reference/methods.md: residual and coverage over the measured temperatures.
 
 use super::campaign::{METHODS, RAW};
 use super::comparison::Summary;

@@ -1,4 +1,4 @@
-//! The tables of the page in Markdown.
+//! The tables of docs/reference/methods.md, in Markdown.
 
 use super::campaign::METHODS;
 use super::comparison::{Coverage, Summary};
@@ -61,7 +61,7 @@ const fn verdict(inside: f64) -> &'static str {
     }
 }
 
-/// The duration of a fit on one core.
+/// Table of the duration of a fit by each method, ms, as the mean over the kinds of units.
 pub fn times(methods: &[Vec<Summary>]) -> String {
     let mean = |index: usize| methods.iter().map(|of_kind| of_kind[index].fit_ms).sum::<f64>() / methods.len() as f64;
     let row = |(index, method): (usize, &super::campaign::Method)| {

@@ -78,7 +78,8 @@ impl Recording {
         lengths_s.iter().map(until).collect()
     }
 
-    /// A warm-up, after which the air is cooled by 8 °C and warmed again at 1 °C/min: 20 min, 8 + 12 min, 8 + 22 min.
+    /// A warm-up of 20 min, after which the air cools by 8 °C and later warms again, each in 8 min. It stays cool for
+    /// 12 min, and the recording ends 22 min after the second change.
     pub fn cycle(spec: &Spec) -> Self {
         const SWING_C: f64 = 8.0;
         const SLOPE_S: f64 = 480.0;
@@ -155,7 +156,7 @@ impl Unit {
     }
 }
 
-/// The mean of successive means.
+/// Combines successive means into one block.
 fn block(means: &[Mean]) -> Block {
     let mean = |of: fn(&Mean) -> f64| means.iter().map(of).sum::<f64>() / means.len() as f64;
     Block {

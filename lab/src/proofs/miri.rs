@@ -4,7 +4,7 @@ use super::nightly;
 use anyhow::Result;
 use xtask::venv::done;
 
-/// A target with 32 bits, like the controllers in question. (On x86-64, libm uses assembly, which Miri cannot run.)
+/// A target with 32 bits, like the microcontrollers. (On x86-64, libm uses assembly, which Miri cannot run.)
 const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 
 /// The tests with `--check`.

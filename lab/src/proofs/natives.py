@@ -24,7 +24,7 @@ SLOW = [
 
 
 def native():
-    """The names of the functions and methods."""
+    """Yields the name of each native function and method."""
     for name, value in vars(_zerorate).items():
         if isinstance(value, types.BuiltinFunctionType):
             yield name

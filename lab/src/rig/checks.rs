@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// The data from guest and part.
+/// What guest and part recorded in one run.
 pub struct RigData {
     /// The folder with the guest's files.
     pub files: PathBuf,
@@ -22,7 +22,7 @@ pub struct RigData {
     pub calibrate: Record,
     pub cut: Record,
     pub replug: Record,
-    /// The calibration of the same unit in this process, without a kernel.
+    /// The calibration of the same unit on this computer, without the guest's kernel and bus.
     pub host: Value,
 }
 
@@ -78,7 +78,7 @@ struct Stream {
     codes_part: Vec<u32>,
 }
 
-/// PBC and BTC as measured in the guest and in this process, and the truth.
+/// PBC and BTC as measured in the guest and on this computer, and the truth.
 #[derive(Serialize)]
 struct Calibration {
     guest: Value,
@@ -100,7 +100,7 @@ struct Calibration {
 /// late by up to a period, and the driver counts by the nominal clock.
 const COUNT_TOLERANCE: f64 = 0.02;
 
-/// F-31: two conversions of 527 cycles.
+/// Cycles of MCLK for a pair of readings: two conversions of 527 cycles (F-31).
 const CYCLES_OF_A_PAIR: f64 = 1054.0;
 
 /// Number of losses that may not be reported yet at the end of a capture, or that late timestamps may hide.

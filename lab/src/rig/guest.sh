@@ -70,8 +70,8 @@ done
 run iio probe --device "iio:iio:device0?hz=50" --duration 2s --json
 rmmod adis16130
 
-# (b) a gyroscope of another kind, through its own driver: in the buffer, while the time of day steps back; polled;
-# when it stops; when it goes
+# (b) the HID gyroscope, through its own driver: through the buffer, while the wall clock steps back; polled; when it
+# falls silent; when it is unplugged
 gyro /out/hid.sent &
 gyro=$!
 until_there $IIO/scan_elements/in_timestamp_type
@@ -86,7 +86,7 @@ run hidpolled capture --device "iio:iio:device0?hz=50" --part /gyro.toml --durat
 (until_there /out/hidsilent.arrows; sleep 2; kill -STOP $gyro) &
 run hidsilent capture --device iio:iio:device0 --duration 60s -o /out/hidsilent.arrows --json
 kill -CONT $gyro
-# a second program wants it, too
+# a second program opens the gyroscope while it is captured
 (until_there /out/hidcut.arrows; run hidbusy probe --device iio:iio:device0 --json; sleep 2; kill $gyro) &
 run hidcut capture --device iio:iio:device0 --duration 60s -o /out/hidcut.arrows --json
 finished iio

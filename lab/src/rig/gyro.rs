@@ -10,11 +10,11 @@ const PERIOD: Duration = Duration::from_millis(10);
 /// A reading that is later than this is not sent. Therefore a receiver can compute from the times of two readings
 /// how many are missing between them.
 const LATEST: Duration = Duration::from_millis(4);
-/// Number of readings in a group. The last few of a group are never sent.
+/// Number of readings in a group. The last `WITHHELD` readings of each group are never sent.
 const BLOCK: u32 = 50;
 const WITHHELD: u32 = 4;
 
-/// The number of the only report of each type.
+/// The report ID. There is one report of each type.
 const REPORT: u8 = 1;
 /// The reporting state that the kernel's driver sets to get readings: "all events" in the descriptor.
 const ALL_EVENTS: u8 = 2;
@@ -208,7 +208,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// Takes the messages to the kernel and the record since the last call.
+    /// Returns the messages to the kernel and the record, and clears both.
     fn told(gyro: &mut Gyro<Vec<u8>, Vec<u8>>) -> (Vec<u8>, String) {
         let record = std::mem::take(&mut gyro.record);
         (std::mem::take(&mut gyro.kernel), String::from_utf8(record).expect("text"))

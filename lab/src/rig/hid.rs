@@ -66,7 +66,7 @@ struct Stream {
 #[derive(Serialize)]
 struct HidSummary {
     samples: usize,
-    /// Number of axes whose codes were sent and never go back in time.
+    /// Number of axes on which every code was sent, and the codes are in the order of sending.
     axes_in_order: usize,
 }
 

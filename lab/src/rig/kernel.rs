@@ -7,7 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The meta package of the kernel. 6.12 is the first version with drivers for the adapter, and Debian 12 provides it.
+/// The meta package of the kernel. 6.12 is the first version with drivers for the emulated USB adapter, and Debian 12
+/// provides it.
 const META: &str = "linux-image-6.12-amd64";
 
 /// An unpacked kernel package.

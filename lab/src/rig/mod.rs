@@ -122,7 +122,7 @@ fn as_csv(program: &Path, files: &Path, capture: &str) -> Result<()> {
     Ok(())
 }
 
-/// Calibrates the same unit by the same plan in this process, without kernel and bus.
+/// Calibrates the same unit by the same plan with the program on this computer, without kernel and bus.
 fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value> {
     let mut command = Command::new(program);
     command

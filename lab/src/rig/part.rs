@@ -18,9 +18,9 @@ pub struct UsbTwin {
 #[derive(Clone, Copy, Debug)]
 pub struct RegisterReading {
     pub code: u32,
-    /// Number of rate readings since power-on that were lost before it.
+    /// Number of rate readings that were lost from power-on to this read.
     pub lost_rate: u64,
-    /// Number of falling edges of RDY since power-on before it.
+    /// Number of falling edges of RDY from power-on to this read.
     pub edges: u32,
 }
 

@@ -63,7 +63,7 @@ impl Drop for Folder {
     }
 }
 
-/// The result of running the program.
+/// The exit code of one run of the program, and what it printed.
 pub struct Run {
     pub code: Option<i32>,
     pub stdout: String,
@@ -93,7 +93,7 @@ impl Run {
         causes.iter().any(|cause| self.stderr.contains(cause) || self.stdout.contains(cause))
     }
 
-    /// The verdict on a run that must end with an error. It must name one of the `causes`.
+    /// The verdict on a run that must end with an error. The error must name one of the `causes`.
     pub fn refusal(&self, causes: &[&str]) -> super::Verdict {
         match self.code {
             Some(1 | 3) if self.says(causes) => super::Verdict::Refused,

@@ -119,8 +119,8 @@ struct InterruptedRun {
     result: Value,
 }
 
-/// The arguments of the measurement. The part is unplugged in the second step; after resuming, the measurement ends
-/// before that time.
+/// The arguments of a measurement whose part is unplugged in the second step. A resumed measurement ends before the
+/// part is unplugged again.
 fn going_on<'a>(plan: &'a str, output: &'a str) -> [&'a str; 11] {
     const DEVICE: &str = "twin:seed=4,warmup_s=10,fault=unplug,fault_at_s=220";
     ["chamber", plan, "--device", DEVICE, "--divider", "50", "--chamber", "sim:lag_s=15", "--json", "-o", output]

@@ -68,7 +68,7 @@ struct Class {
     what: &'static str,
     /// Number of runs with `--quick`.
     quick: u64,
-    /// Runs it. The arguments are the name of the class and the seed.
+    /// Does one run of the class. The arguments are the name of the class and the seed.
     run: ClassRun,
 }
 

@@ -1,4 +1,4 @@
-//! The verdicts on runs.
+//! What a run showed, and how often each verdict occurred in a class.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ pub enum Verdict {
     Skipped(&'static str),
 }
 
-/// The numbers of verdicts of a class.
+/// How many runs of a class had each verdict.
 #[derive(Default, Deserialize, Serialize)]
 pub struct Count {
     pub runs: u64,
@@ -33,7 +33,7 @@ pub struct Count {
     pub unknowable: u64,
     pub silent: u64,
     pub skipped: Option<String>,
-    /// The untrue reasons that were stated, with their numbers.
+    /// The untrue reasons that were stated, and how often each was.
     pub other_causes: BTreeMap<String, u64>,
 }
 

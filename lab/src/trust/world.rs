@@ -1,4 +1,5 @@
-//! The part works, but the conditions are not as the procedure requires. Procedures of 53 minutes run in this process.
+//! The part works, but the conditions are not as the procedure requires. The procedures of 53 minutes run here,
+//! without the program.
 
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};
@@ -50,7 +51,8 @@ const FLICKER_MV: f64 = 10.0;
 /// Size of a step that is always detected, in standard deviations. The threshold is 4.7 (`drift_checks.rs`), and
 /// noise may hide three more.
 const SEEN_SIGMA: f64 = 8.0;
-/// Duration from the start of step 8 to the end, s. An earlier step leaves both levels visible for long enough.
+/// Duration from the start of step 8 to the end, s. If the supply steps earlier, both levels are visible for long
+/// enough.
 const STEP_8_S: f64 = 160.0;
 /// Frequency below which an oscillation has less than a full period in the hour, Hz.
 const SEEN_HZ: f64 = 3e-4;

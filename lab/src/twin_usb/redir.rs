@@ -81,7 +81,7 @@ pub enum Request {
     GetAltSetting {
         interface: u8,
     },
-    /// The transfer with this id is cancelled.
+    /// The host cancels the transfer that has the id of this request.
     Cancel,
     Control(Control),
     /// A bulk transfer: data for an out endpoint, or a request for up to `length` bytes of an in endpoint.

@@ -61,7 +61,7 @@ export const METHODS: readonly Method[] = [
   },
 ];
 
-/** The method for everybody who has no reason to take another one, as its own text says. */
+/** The method that is selected first, because it suits everybody who has no reason to take another one. */
 export const PRESELECTED: Method = METHODS.find((method) => method.name === "warmup")!;
 
 /** Tells what happens to the session if its page is closed. `inside`: the session runs in this browser. */

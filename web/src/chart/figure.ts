@@ -54,7 +54,7 @@ export abstract class Figure<T> {
     this.#resized.observe(this.#box);
   }
 
-  /** Draws this data. */
+  /** Draws the data, or a note if there is nothing to draw. */
   show(data: T | undefined): void {
     this.#data = data;
     this.#draw();
@@ -192,7 +192,7 @@ function decadeTick(value: number | null): string {
 /** An axis of powers of ten. */
 export const DECADES: uPlot.Axis = { splits: wholeDecades, values: (_, splits) => splits.map(decadeTick) };
 
-/** Numbers of a linear axis. */
+/** The label of a number on a linear axis. */
 function tick(value: number | null): string {
   return value === null ? "" : String(Number(value.toPrecision(6))).replace("-", "\u2212");
 }

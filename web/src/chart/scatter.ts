@@ -5,7 +5,7 @@ import { settings } from "../settings";
 import { banded, dotted, type Drawing, Figure, overTemperature, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
-/** The bias over temperature: the mean rate of the time that the part spent at each temperature. */
+/** The bias over temperature: the mean rate while the part was at each temperature. */
 export class Scatter extends Figure<OverTemperature> {
   protected isThere({ points }: OverTemperature): boolean {
     return points.length > 0;

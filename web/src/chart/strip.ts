@@ -78,7 +78,9 @@ export class Strip {
     this.#resized.observe(this.#box);
   }
 
-  /** Whether it shows a rate, in °/s or °/h. The temperature is the last, and has the numbers on the time axis. */
+  /**
+   * True if the strip shows a rate. Otherwise it shows the temperature: it is the lowest strip, with the time axis.
+   */
   get #isRate(): boolean {
     return this.kind.column !== "temp";
   }

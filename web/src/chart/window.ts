@@ -14,7 +14,7 @@ export class TimeWindow {
   #held: { from: number; to: number } | undefined;
   #newest = 0;
 
-  /** The interval that is held, if one is. */
+  /** True if an interval is held, so that the view does not follow the newest samples. */
   get held(): boolean {
     return this.#held !== undefined;
   }
@@ -71,7 +71,7 @@ export class TimeWindow {
   }
 }
 
-/** The finest level that covers the displayed time with at most `DRAWN` bins. */
+/** The ring with the shortest bins that covers the displayed time with at most `DRAWN` bins. */
 export function levelFor(levels: readonly Ring[], from_s: number, to_s: number): Ring | undefined {
   const begin_s = Math.max(from_s, 0);
   for (const ring of levels) {

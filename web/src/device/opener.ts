@@ -15,7 +15,7 @@ const PRESETS: readonly (readonly [string, string])[] = [
   ["50 Hz bandwidth", "roa=10nf"],
 ];
 
-/** In the static home: the choice of the device to read. */
+/** On a static page: the choice of the device to read. */
 export class Opener {
   readonly element: HTMLElement;
   readonly #keys = h("input", {

@@ -9,7 +9,7 @@ export type Command = Without<Request, "id">;
 export type LinkState =
   | { is: "connecting" }
   | { is: "open" }
-  /** The connection broke; it is tried again. */
+  /** The connection broke. The page tries to connect again. */
   | { is: "lost" }
   /** The server asks for its token. */
   | { is: "locked"; wrong: boolean }

@@ -2,7 +2,7 @@ import { Asking, type Command, type Link, type LinkState } from "./link";
 import type { Home } from "../home";
 import { home } from "../home";
 
-/** First and longest waiting time before it connects again, s. */
+/** First and longest waiting time before the page connects again, s. */
 const FIRST_S = 0.25;
 const LONGEST_S = 8;
 

@@ -66,7 +66,7 @@ export class Log implements Page {
     this.#axes.restyle();
   }
 
-  /** Opens a file. */
+  /** Shows a new log, which the worker reads. */
   open(file: File): void {
     this.#file = file;
     this.#axes.begin();

@@ -11,9 +11,9 @@ interface Window {
   onmessage: ((event: MessageEvent<ToLive>) => void) | null;
 }
 
-/** Time between two turns of the session, ms: 30 frames per second. */
+/** Time between two calls in which the session works, ms: 30 frames per second. */
 const TURN_MS = 33;
-/** Time for reading samples in a turn, ms. The rest is for requests of the windows. */
+/** Time for reading samples in such a call, ms. The rest is for requests of the windows. */
 const BUDGET_MS = 25;
 
 type Hello = Extract<ToLive, { do: "hello" }>;
@@ -21,7 +21,7 @@ type Hello = Extract<ToLive, { do: "hello" }>;
 const windows = new Set<Window>();
 let serial: Window | undefined;
 let session: LiveSession | undefined;
-/** The first look at the twin, shown until there is a session. */
+/** The twin as the small first module shows it, until there is a session. */
 let look: FirstLook | undefined;
 let unusable: string | undefined;
 
@@ -33,7 +33,7 @@ function tellFrame(window: Window, bytes: Uint8Array): void {
   window.postMessage({ is: "frame", bytes: copy }, [copy]);
 }
 
-/** Loads the module of the session, once the first look has what it needs. */
+/** Loads the module of the session. The small first module is already loaded by then, and shows the twin. */
 async function whole() {
   const live = await import("../../gen/zerorate_live");
   await live.default({ module_or_path: new URL("zerorate_live_bg.wasm", import.meta.url) });
@@ -120,7 +120,9 @@ function take(open: LiveSession, calibrations: string[], applied: string | null)
   if (applied !== null && calibrations.length > 0) open.apply(applied);
 }
 
-/** Shows the first look, except to a page with stored calibrations, whose cache already has the session's module. */
+/**
+ * Shows the twin by the first module, except to a page with stored calibrations: its cache has the session's module.
+ */
 function lookFirst(window: Window, said: Hello): void {
   if (said.open.is !== "twin" || said.calibrations.length > 0) return;
   try {
@@ -131,7 +133,7 @@ function lookFirst(window: Window, said: Hello): void {
   }
 }
 
-/** Lets the session continue at the time that the first look has reached. */
+/** Lets the session continue at the time up to which the first module has shown the twin. */
 function goOn(open: LiveSession): void {
   if (look !== undefined) open.catch_up(look.shown_s());
   look?.free();

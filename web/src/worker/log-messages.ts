@@ -1,4 +1,5 @@
-// The messages between the page and the worker that reads a log. The worker is the same in both homes.
+// The messages between the page and the worker that reads a log. It is the same worker on a static and on a served
+// page.
 
 import type { Download, LogAxis, LogBias, LogSettings, LogSummary, LogInspection, NoiseFileCommand } from "../protocol";
 

@@ -1,4 +1,4 @@
-// Reads a log that was dropped on the page, in both homes. The file is read a piece at a time and never loaded as a whole.
+// Reads a log that was dropped on the page, static or served. The file is read in pieces and never loaded as a whole.
 
 import init, { Log } from "../../gen/zerorate_log";
 import type { LogAxis, LogBias, LogSettings, LogSummary, LogInspection } from "../protocol";

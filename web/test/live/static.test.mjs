@@ -67,7 +67,7 @@ test("the twin is seen before the session has come, which goes on in its place",
   const samples = async () => Number((await page.textContent(".tile.ledger .value")).replace(/\D/g, ""));
   await becomes(page, ".tile.raw .value", /\d/);
   await becomes(page, ".tile.ledger .value", /\d.?\d{3}/);
-  // the first look cannot answer requests, so the session must do it later
+  // the first module cannot answer requests, so the session must answer them later
   await page.getByLabel("max", { exact: true }).check();
   const before = await samples();
   assert.match(await page.textContent(".coefficients"), /angle random walk · not yet/);

@@ -13,8 +13,8 @@ impl Graph {
         self.uses.entry(user.to_owned()).or_default().entry(used.to_owned()).or_insert(place);
     }
 
-    /// Finds the sets of modules that reach each other. Each has their names and a shortest circle, a line for each
-    /// use.
+    /// Finds the sets of modules that reach each other. Returns a text for each set: the names of its modules, and a
+    /// shortest circle with a line for each use.
     pub fn circles(&self) -> Vec<String> {
         let mut seen = BTreeSet::new();
         let mut found = Vec::new();

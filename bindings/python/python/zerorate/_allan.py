@@ -102,7 +102,7 @@ def allan(
 ) -> Allan | AllanAxes:
     """Allan deviation of a record at rest, with confidence limits and a noise model.
 
-    Other threads run meanwhile.
+    The GIL is released, so that other Python threads run meanwhile.
 
     Parameters
     ----------

@@ -180,9 +180,9 @@ class CalibratedAxis:
     measured: Measured | None = None
     """The means from which the correction was computed; only by AN-1042."""
     uncertainty: Uncertainties | None = None
-    """The uncertainty by AN-1042."""
+    """The uncertainties; only by AN-1042."""
     curve: CurveRecord | None = None
-    """The uncertainty by another method."""
+    """The uncertainty of the curve; only by methods other than AN-1042."""
     noise: NoiseRecord | None = None
     """The noise behind the uncertainty."""
 
@@ -233,7 +233,7 @@ class Calibration:
     schema: int
     """Version of the file form."""
     part: str
-    """The kind of part: ``ADIS16130``."""
+    """The type of the sensor, such as ``ADIS16130``."""
     axes: list[CalibratedAxis]
     """The results of each axis."""
     id: str
@@ -343,17 +343,17 @@ class Calibration:
 
     @property
     def measured(self) -> Measured | None:
-        """The means from which the only axis was computed."""
+        """The means from which the correction of the only axis was computed; only by AN-1042."""
         return self._only("measured").measured
 
     @property
     def uncertainty(self) -> Uncertainties | None:
-        """The uncertainty of the only axis."""
+        """The uncertainty of the only axis by AN-1042."""
         return self._only("uncertainty").uncertainty
 
     @property
     def noise(self) -> NoiseRecord | None:
-        """The noise behind the uncertainty."""
+        """The noise behind the uncertainty of the only axis."""
         return self._only("noise").noise
 
     @property

@@ -28,7 +28,7 @@ class Capture:
     t_ns: NDArray[np.uint64]
     """Time of the data-ready edge, ns."""
     edge_seq: NDArray[np.uint32]
-    """Number of the edge."""
+    """Running number of the data-ready edge."""
     rate_code: NDArray[np.uint32] | NDArray[np.int64]
     """Raw rate code."""
     status: NDArray[np.int16] | NDArray[np.int64]
@@ -50,11 +50,11 @@ class Capture:
     warning: str | None = None
     """A warning about the file: a tail that was lost in a power cut, or rows without a checksum."""
     axes: tuple[str, ...] = ("rate",)
-    """The axes of the part."""
+    """Names of the axes of the part."""
     rate_scales: tuple[tuple[float, int], ...] | None = field(default=None, repr=False)
     """Codes per °/s and code at zero of each axis; None for an ADIS16130."""
     temp_scale: tuple[float, int, float] | None = field(default=None, repr=False)
-    """Codes per °C, a code, and its temperature; None for an ADIS16130."""
+    """Codes per °C, a code, and the temperature that this code means, °C; None for an ADIS16130."""
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:
@@ -103,7 +103,7 @@ class Capture:
 
     @cached_property
     def _temp_read(self) -> NDArray[np.bool_]:
-        """The rows in which a possible temperature was read. All axes share it."""
+        """True for each row in which a temperature was read that is possible for the part. All axes share it."""
         not_read = -1 if self.temp_scale is None else np.iinfo(np.int64).min
         flags = self.flags if self.flags.ndim == 1 else self.flags[:, 0]
         return np.asarray((self.temp_code != not_read) & (flags & 8 == 0), dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""Noise files for filters."""
+"""Makes the files with noise parameters that filters read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""DataFrames of optional libraries."""
+"""Makes DataFrames with pandas or polars, which need not be installed."""
 
 from __future__ import annotations
 

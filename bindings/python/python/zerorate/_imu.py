@@ -1,4 +1,4 @@
-"""The axes of an IMU."""
+"""`imu`: deviations and noise models of all axes of an IMU."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class Imu:
     """The result of `imu`: the deviation and the noise model of every axis."""
 
     axes: AllanAxes
-    """The axes by the names of their columns, gyroscopes first. Each has `name`, `kind`, `unit`, points, and `fit`."""
+    """The axes by the names of their columns, gyroscopes first: the deviations and the noise model of each."""
     rate_hz: float
     """Samples per second."""
     topic: str | None
-    """The topic of a bag."""
+    """The topic that was read; None if the log is not a bag."""
     log: str
     """The name of the log."""
     warnings: list[str] = field(repr=False)
@@ -80,9 +80,9 @@ class Imu:
         combine
             The value for all axes of a kind, if the filter takes one number: the ``worst``, or their ``mean``.
         horizon_s
-            The longest time over which the filter is to trust its own uncertainty, s: N and K cover the noise from 1 s
-            to it, with the least excess; for ``kalibr`` N is the fitted one, and K is lifted. Unless given, a third of
-            the record, at most 1000 s, and at most 100 s for ``kalibr``.
+            The longest time over which the filter relies on its own uncertainty, s. N and K cover the noise from 1 s
+            to this time, with the least excess. For ``kalibr``, N is the fitted one, and only K is raised. Unless
+            given, a third of the record, at most 1000 s, and at most 100 s for ``kalibr``.
         as_fitted
             Give N and K as they were fitted.
         inflate
@@ -166,7 +166,7 @@ def imu(
 ) -> Imu:
     """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
-    Gravity does no harm, because the mean does not matter. Other threads run meanwhile.
+    Gravity does no harm, because the mean of a column does not matter. Other Python threads run meanwhile.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def imu(
     force_unit
         Take these units where the names of columns state others, which is an error otherwise.
     gyro_scale, accel_scale
-        The value of a step of 1, in that unit.
+        The value of the number 1 in a column, in `gyro_unit` or `accel_unit`.
     part
         The sensor whose integer codes the columns hold, by a name of ``zerorate parts`` or by its file. It gives the
         scales of each kind without a unit, at the full scale after power-up or at `gyro_range` and `accel_range`.
@@ -201,7 +201,7 @@ def imu(
         Full scale of integer codes of 16 bits, °/s and g: ``250`` means 250/32768 °/s for each, or the sensitivity of
         `part` there.
     increments
-        True if the columns hold the angle and the velocity of each sample in place of rates. Unless given, names or
+        True if the columns hold increments of the angle and of the velocity instead of rates. Unless given, names or
         gravity that indicate increments are an error.
     time_column, time_unit
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.

@@ -125,9 +125,9 @@ def read_log(
     force_unit
         Take `unit` where the name of a column states another, which is an error otherwise.
     scale
-        The value of a step of 1, in that unit.
+        The value of the number 1 in a column, in `unit`.
     increments
-        True if the columns hold the angle and the velocity of each sample in place of rates. `unit` is then the unit
+        True if the columns hold increments of the angle and of the velocity instead of rates. `unit` is then the unit
         of an increment per second, ``rad/s`` for rad.
     decimal
         The decimal mark of a text: ``.`` or ``,``.
@@ -198,7 +198,7 @@ def options(arguments: Mapping[str, Any]) -> _zerorate._Options:
 
 
 def with_time(source: _records.Source, given: _zerorate._Options) -> _zerorate._Options:
-    """The options with the only column of times in a table as the time, unless another is given."""
+    """The options. If a table has only one column of times, it is the time column, unless another is given."""
     if isinstance(source, str) or given["rate_hz"] is not None or given["time_column"] is not None:
         return given
     times = [name for name, cells in source[1] if not isinstance(cells, int) and cells.dtype == np.int64]
@@ -227,7 +227,7 @@ def is_several(column: Column | None) -> bool:
 
 
 def listed(column: Column) -> list[str | int]:
-    """The columns one by one."""
+    """The requested columns as a list."""
     return [column] if isinstance(column, (str, int, np.integer)) else list(column)
 
 

@@ -1,4 +1,4 @@
-"""Noise models."""
+"""The noise model of a record: its coefficients, its other terms, and what was removed before the fit."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Coefficient:
     hi: float
     """Upper end of the 95 % interval."""
     unit: str
-    """Unit of these three."""
+    """Unit of `value`, `lo` and `hi`."""
     identified: bool
     """True if the record shows this noise at all: zero is outside of the interval."""
     needed_s: float | None
@@ -56,7 +56,7 @@ class BandShape:
     x = (sin(πf/rate)/sin(πf_c/rate))²."""
 
     cosines: list[float]
-    """a_1, a_2 …"""
+    """The coefficients a_1, a_2 …"""
     pole: float | None
     """p, the pole of a first-order low-pass."""
     corner: tuple[float, float] | None
@@ -79,7 +79,7 @@ class Line:
 
 @dataclass(frozen=True)
 class WarmUp:
-    """The level follows ``size · exp(−t/tau_s)`` from the start."""
+    """A decay of the level from the start of the record: ``size · exp(−t/tau_s)``."""
 
     size: Estimate
     """Size, in the unit of the rate."""
@@ -109,7 +109,7 @@ class Detrended:
     """
 
     order: int
-    """The order."""
+    """Order of the polynomial, 1 to 3."""
     coefficients: list[float]
     """Coefficients of T − `mean_c` and its powers: the unit of the rate per °C, °C², °C³."""
     mean_c: float
@@ -119,7 +119,7 @@ class Detrended:
     lost_dof: int
     """Degrees of freedom that it took, beside the one of the mean."""
     walk_kept: float
-    """Share of the variance of a random walk that is left."""
+    """Share of the variance of a random walk that is left after the subtraction."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ class Fit:
     model_error: float
     """The spectrum scatters about the model as if the model were off by this share: 0.016 is 1.6 %."""
     p_value: float
-    """Probability of more scatter than was seen, `model_error` included."""
+    """Probability of more scatter than was measured, if the model is right within `model_error`."""
     f_max_hz: float
     """The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and `Allan.model`
     is that of the measured spectrum."""

@@ -1,4 +1,4 @@
-"""The procedure of AN-1042."""
+"""`calibrate`: calibrates a sensor by AN-1042 or another method."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class CurvePoint:
 class Calibrated:
     """The result of a calibration: the keys of ``zerorate calibrate --json``, and the calibration itself.
 
-    corrected rate = RATE + PBC + (TEMP − T3) · BTC. A value ± ``coverage_factor`` × its ``u_…`` covers the truth with
-    the probability ``coverage``.
+    corrected rate = RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3. A value ± ``coverage_factor`` ×
+    its ``u_…`` covers the truth with the probability ``coverage``.
     """
 
     b1_dps: float | None
@@ -114,7 +114,7 @@ class Calibrated:
     order: int = 1
     """Order of the correction over temperature."""
     order_weights: list[float] | None = None
-    """Posterior probability of the orders 0 to 3; None for ``an1042``, like all fields below."""
+    """Posterior probability of the orders 0 to 3; None for ``an1042``."""
     btc2_dps_per_c2: float = 0.0
     """Quadratic term over TEMP − T3, °/s/°C²."""
     btc3_dps_per_c3: float = 0.0
@@ -124,9 +124,9 @@ class Calibrated:
     play_c: float | None = None
     """Half width of the backlash between temperature and bias, °C."""
     bias_instability_dps: float | None = None
-    """B of the recording, °/s."""
+    """Bias instability B of the recording, °/s."""
     rate_random_walk_dps_per_rt_s: float | None = None
-    """K of the recording, °/s/√s."""
+    """Rate random walk K of the recording, °/s/√s."""
     steps: list[dict[str, float]] = field(default_factory=list)
     """Steps of the level that were taken out: ``at_s``, ``size_dps``, ``u_dps``."""
     sway_probability: float | None = None
@@ -179,8 +179,8 @@ def calibrate(
 
     That procedure takes 53 minutes on a real sensor, and seconds on a simulated one.
 
-    Other threads run meanwhile, and Ctrl-C ends it. ``zerorate calibrate`` has the same options, and its help states
-    the defaults.
+    Other Python threads run meanwhile, and Ctrl-C ends the measurement. ``zerorate calibrate`` has the same options,
+    and its help states the defaults.
 
     Parameters
     ----------
@@ -189,17 +189,17 @@ def calibrate(
         ``"bridge:/dev/ttyACM0"``, ``"tcp:HOST:PORT"``, ``"iio:NAME"``, ``"replay:FILE"``, ``"twin:seed=7"``; or a
         `Twin`.
     method
-        ``an1042``: two temperatures and the line through them. ``warmup``: a curve through every sample of the same
-        time. ``cycle``: the same for a sensor that is heated and cooled.
+        ``an1042``: two temperatures and the line through them. ``warmup``: a curve fitted to all samples, in the same
+        time. ``cycle``: such a curve for a sensor that is heated and cooled.
     target_dph
         End the recording once the temperature has settled and the correction is known to this standard uncertainty,
         rms over the measured temperatures, °/h. Not for ``an1042``.
     average
         Length of the two averages of rate and temperature, steps 4 and 6: seconds, or a text such as ``"1m"``.
     warmup
-        Warm-up between them, step 5.
+        Length of the warm-up between these averages, step 5.
     settle
-        Settling to thermal balance, step 7.
+        Length of the settling to thermal balance, step 7.
     offset
         Length of the average that gives PBC, step 8.
     max_lost

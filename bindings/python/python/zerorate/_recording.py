@@ -17,7 +17,7 @@ class Captured:
     file: str
     """Path of the file."""
     samples: int
-    """Rate samples in it."""
+    """Rate samples in the file."""
     lost_samples: int
     """Rate samples lost."""
     rate_hz: float
@@ -35,9 +35,9 @@ class Captured:
     out_of_range: int
     """Readings out of range."""
     unjudged: int
-    """Readings too far apart to be judged."""
+    """Readings so long after the one before that every rate was possible, so that bit errors in them are not found."""
     frozen: bool
-    """True if the part had stopped at the end; `capture` then raises `Refused`."""
+    """True if the readings no longer changed at the end; `capture` then raises `Refused`."""
     warnings: list[str]
     """Warnings, each ``code: text``: what was seen and what to do."""
 
@@ -89,7 +89,7 @@ def capture(
     ZerorateError
         If the device cannot be opened or read. The file has the samples up to there.
     Refused
-        If the sensor had stopped at the end. The file is complete.
+        If the readings no longer changed at the end. The file is complete.
     ValueError
         For invalid options.
     OSError

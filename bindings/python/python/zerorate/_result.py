@@ -105,7 +105,7 @@ class Allan:
 
     @property
     def kind(self) -> Literal["gyroscope", "accelerometer"] | None:
-        """The kind of axis that has this unit."""
+        """``gyroscope`` or ``accelerometer``, whichever has this unit; None for any other unit."""
         return _zerorate.unit_kind(self.unit)
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:

@@ -25,7 +25,7 @@ _OWN = "temp_c"
 
 @dataclass(frozen=True)
 class Settling:
-    """The temperature of a record, and the treatment of the temperature and of the beginning."""
+    """The arguments ``temp_c``, ``detrend`` and ``skip`` of `allan`."""
 
     temp_c: Any = None
     detrend: int | None = None

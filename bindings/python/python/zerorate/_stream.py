@@ -54,7 +54,7 @@ class Stream(Iterator[StreamRow]):
 
     @property
     def axes(self) -> list[str]:
-        """The axes of the part."""
+        """Names of the axes of the part."""
         return self._inner.axes
 
     def __next__(self) -> StreamRow:
@@ -106,8 +106,8 @@ def stream(
     rate_hz
         Rows per second, each the mean of all samples in its interval; unless given, a row for each sample.
     duration
-        The part's time after which it ends: seconds, or a text such as ``"10m"``; unless given, never, or at the end
-        of a replay.
+        The part's time after which the stream ends: seconds, or a text such as ``"10m"``. Unless given, it does not
+        end, except with a replay.
     part, every_temp, divider, realtime
         See `calibrate`.
     serial

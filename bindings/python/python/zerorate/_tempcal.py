@@ -41,7 +41,7 @@ class BiasMeans:
     temp_c: NDArray[np.float64]
     """Temperature, °C."""
     bias: NDArray[np.float64]
-    """The mean without the steps that were removed."""
+    """Mean of the axis, in its unit, without the steps that were removed."""
     left: NDArray[np.float64]
     """The mean minus the curve."""
     is_warming: NDArray[np.bool_]
@@ -60,7 +60,7 @@ class BiasCubic:
     terms: tuple[float, float, float, float]
     """The terms, the constant first."""
     left: float
-    """Largest distance from the curve."""
+    """Largest distance of the polynomial from the curve, in the unit of the axis."""
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,11 @@ class BiasNoise:
     """The noise about the curve, with coefficients as in `Fit`."""
 
     n: float
-    """White noise N, in the unit times √s."""
+    """White noise N, in the unit of the axis times √s."""
     b: float
-    """Bias instability."""
+    """Bias instability B, in the unit of the axis."""
     k: float
-    """Random walk, per √s."""
+    """Random walk K, in the unit of the axis per √s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ class BiasAxis:
     name: str
     """Name of the axis."""
     sensor: str
-    """Topic or log, and the kind."""
+    """Name of the sensor: its topic or log, and the kind."""
     kind: Literal["gyroscope", "accelerometer"]
     """The kind of axis."""
     unit: str
@@ -115,15 +115,16 @@ class BiasAxis:
     before: float
     """Span of the means without a correction."""
     after: float
-    """Span of the means after correction by a curve of the other parts of the record."""
+    """Span of the means after a correction. Each part of the record is corrected by a curve from its other
+    parts."""
     noise: BiasNoise = field(repr=False)
-    """The noise beside the curve."""
+    """The noise about the curve."""
     means: BiasMeans = field(repr=False)
     """The means from which the curve comes."""
     warnings: list[str] = field(repr=False)
     """Warnings about the axis, each ``code: text``."""
     device_id: int | None = None
-    """The number by which PX4 finds the sensor; only its own logs state it."""
+    """The number by which PX4 identifies the sensor; None unless a log of PX4 states it."""
 
     def __repr__(self) -> str:
         return f"<BiasAxis {_line(self)}>"

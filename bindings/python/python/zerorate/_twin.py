@@ -1,4 +1,4 @@
-"""The simulated sensor."""
+"""`Twin`: a simulated ADIS16130."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class TwinKey(NamedTuple):
     allowed: str
     """The allowed values."""
     help: str
-    """The description."""
+    """What the property does."""
 
 
 class Twin:

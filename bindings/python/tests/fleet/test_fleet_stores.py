@@ -148,7 +148,7 @@ def test_a_lost_scheduler_and_a_replaced_object(
 
 
 def test_workers_of_dask_that_are_killed(dask: Cluster, captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
-    """One file kills its worker each time; the others are done."""
+    """One file kills every worker that reads it. All other files get their rows."""
     wrapped('case "$*" in *unit5*) kill -KILL $PPID; sleep 5;; esac')
     engine = dask.start()
     ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE, engine)

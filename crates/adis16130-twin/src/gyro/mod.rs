@@ -1,4 +1,4 @@
-//! The gyroscope behind the converter: the quantities that the two channels measure at any instant.
+//! The gyroscope in front of the converter: the rate and the temperature at any instant.
 
 pub(crate) mod motion;
 pub(crate) mod noise;
@@ -72,7 +72,7 @@ impl Gyro {
     }
 }
 
-/// Returns the code that is nearest to `lsb` above the zero code.
+/// Returns the code that is nearest to the zero code plus `lsb`.
 #[inline]
 fn quantise(lsb: f64) -> i64 {
     // Truncation rounds positive numbers down, and BIAS makes the number positive.

@@ -28,7 +28,7 @@ impl Platform {
         }
     }
 
-    /// Sets the motion from now on. A first bump comes at `now_s`.
+    /// Sets the motion from now on. With [`Motion::Bump`] the first bump begins at `now_s`.
     pub(crate) fn set_motion(&mut self, motion: Motion, now_s: f64) {
         self.motion = motion;
         self.first_bump_s = now_s;
@@ -45,7 +45,7 @@ impl Platform {
     }
 }
 
-/// A bump of height 1, `since_first_s` after the first one began.
+/// The value of periodic bumps of height 1 at `since_first_s` after the first bump began.
 fn half_sine(since_first_s: f64) -> f64 {
     let since_s = libm::fmod(since_first_s, BUMP_EVERY_S);
     if since_first_s < 0.0 || since_s > BUMP_S {

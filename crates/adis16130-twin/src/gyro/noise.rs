@@ -8,7 +8,7 @@ use alloc::rc::Rc;
 use alloc::vec::Vec;
 use core::f64::consts::{LN_2, PI};
 
-/// White noise through the two poles of F-03 (or F-04), sampled at any instants, exactly.
+/// White noise through the two poles of F-03 (or F-04), with the exact statistics at any sampling instants.
 ///
 /// Unit white noise dW and the poles w₁, w₂ [rad/s] drive two modes by the *same* noise: da = −w₁·a·dt + dW and db =
 /// −w₂·b·dt + dW. The output is y = N/√2 · w₁·w₂/(w₂ − w₁) · (a − b). This is the response of 1/((1 + s/w₁)(1 + s/w₂))
@@ -23,7 +23,7 @@ pub(crate) struct White {
     normal: Normal,
 }
 
-/// Decays and Cholesky factor of the increments over one step.
+/// For a step of `h_ps`: the decay of each mode, and the Cholesky factor of the covariance of the increments.
 #[derive(Copy, Clone)]
 struct Step {
     h_ps: u64,
@@ -123,15 +123,15 @@ fn sine(phase: u64) -> f64 {
     x * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0))))
 }
 
-/// Highest corner frequency of the flicker's parts, in Hz.
+/// Upper end of the flicker's band, in Hz.
 const FLICKER_TOP_HZ: f64 = 10.0;
 
 /// Flicker with one-sided density S(f) = B²/(π·f) between `flicker_hz` and 10 Hz. S is flat below, and falls as 1/f²
 /// above.
 ///
 /// It is a sum of Ornstein-Uhlenbeck processes. The band is cut into cells of equal ratio r ≤ 2. Each cell has one
-/// process, whose corner is at the cell's geometric centre and whose variance is (B²/π)·ln r. They start from their
-/// stationary law.
+/// process, whose corner is at the cell's geometric centre and whose variance is (B²/π)·ln r. The processes start from
+/// their stationary distribution.
 pub(crate) struct Flicker {
     parts: Vec<OrnsteinUhlenbeck>,
     normal: Normal,
@@ -163,7 +163,7 @@ impl Flicker {
     }
 }
 
-/// Exponentially correlated noise on a fixed tick.
+/// Exponentially correlated noise with one value per tick of fixed length.
 pub(crate) struct OrnsteinUhlenbeck {
     pub(crate) value: f64,
     decay: f64,
@@ -171,7 +171,8 @@ pub(crate) struct OrnsteinUhlenbeck {
 }
 
 impl OrnsteinUhlenbeck {
-    /// Makes a process of standard deviation `sd` and a tick of `ticks` time constants, from the stationary law.
+    /// Makes a process of standard deviation `sd` whose tick lasts `ticks` time constants. It starts from the
+    /// stationary distribution.
     pub(crate) fn stationary(sd: f64, ticks: f64, normal: &mut Normal) -> Self {
         Self {
             value: sd * normal.sample(),

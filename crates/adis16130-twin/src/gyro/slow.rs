@@ -19,7 +19,7 @@ pub(crate) struct Point {
     pub(crate) sensor_c: f64,
     pub(crate) element_c: f64,
     pub(crate) ambient_c: f64,
-    /// Distance of the bias from the curve f(T) on the present branch of the hysteresis, in °/s.
+    /// Distance of the bias from the curve f(T) by hysteresis, in °/s.
     pub(crate) branch_dps: f64,
     pub(crate) walk_dps: f64,
     pub(crate) flicker_dps: f64,
@@ -80,7 +80,7 @@ impl Slow {
         }
     }
 
-    /// The slow part of the rate at `t_ps`, in °/s.
+    /// The rate at `t_ps` without fast noise and self-test, in °/s.
     #[inline]
     pub(crate) fn rate_dps(&mut self, t_ps: u64) -> f64 {
         self.follow(t_ps);

@@ -64,7 +64,7 @@ impl Thermal {
     }
 }
 
-/// One exponential of the self-heating (M-03); it cools with the time constant by which it warmed.
+/// One exponential share of the self-heating (M-03). It warms and cools with the same time constant.
 struct Heating {
     full_c: f64,
     now_c: f64,
@@ -92,7 +92,7 @@ struct Ambient {
     outside: Option<Outside>,
 }
 
-/// A linear change to a temperature, which then stays.
+/// A linear change to a temperature, which stays constant afterwards.
 struct Outside {
     from_c: f64,
     to_c: f64,
@@ -122,7 +122,7 @@ impl Ambient {
         }
         match self.profile {
             Profile::Constant => self.start_c,
-            // The ramp stops at the range of F-08. A start beyond that end stays constant.
+            // The ramp stops at the end of the range of F-08. If it starts beyond this end, it stays constant.
             Profile::Ramp if self.ramp_c_per_s > 0.0 => {
                 (self.start_c + self.ramp_c_per_s * t_s).min(self.start_c.max(85.0))
             }

@@ -1,4 +1,4 @@
-//! A little byte-level host, so that the tests depend on no driver.
+//! A minimal host that sends bytes, so that the tests need no driver.
 
 use adis16130_twin::{Spec, Twin, TwinEdge, TwinSpi};
 use embedded_hal::spi::SpiDevice;
@@ -31,7 +31,7 @@ impl Host {
         host
     }
 
-    /// Each byte in a frame of its own.
+    /// Sends each byte in a frame of its own.
     pub fn send(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.spi.write(&[*byte]).unwrap();
@@ -70,13 +70,13 @@ impl Host {
         self.twin.next_falling_edge(TIMEOUT_NS).expect("an edge of RDY")
     }
 
-    /// Waits for an edge, reads both; (edge, rate code, temperature code).
+    /// Waits for an edge and reads both channels. Returns the edge, the rate code and the temperature code.
     pub fn pair(&mut self) -> (TwinEdge, u32, u32) {
         let edge = self.edge();
         (edge, self.code24(0x08), self.code24(0x0A))
     }
 
-    /// The rates of `n` pairs, in °/s, by F-40.
+    /// Reads both channels at `n` edges, and returns the rates in °/s (F-40).
     pub fn rates(&mut self, n: usize) -> Vec<f64> {
         (0..n).map(|_| dps(self.pair().1)).collect()
     }

@@ -1,4 +1,4 @@
-//! Faults by specification and on demand. How each shows is tested with the driver and the core.
+//! Faults that begin at the specified time or by a call. Other crates test how a host detects them.
 
 use crate::bus::{Host, INIT, dps, quiet};
 use adis16130_twin::{Fault, Motion, Spec};
@@ -37,7 +37,7 @@ fn unplug_and_replug() {
     let mut host = broken(Fault::Unplug);
     assert_eq!(host.code24(0x08), 0xFF_FFFF);
     assert!(host.twin.rdy().is_high().unwrap());
-    host.twin.power_on(); // no cable, no supply
+    host.twin.power_on(); // has no effect without the cable
     assert_eq!(host.byte(0x38), 0xFF);
     host.twin.replug();
     assert_eq!(host.byte(0x38), 0x00);

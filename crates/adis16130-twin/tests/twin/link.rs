@@ -1,4 +1,4 @@
-//! Section 2 of `docs/facts.md` (framing, reset by ones, time on the wire) and section 4 (codes and status).
+//! Sections 2 (framing, reset by ones, time on the wire), 3 (status, CLAMP) and 5 (codes) of `docs/facts.md`.
 
 use crate::bus::{Host, INIT, celsius, dps, quiet};
 use adis16130_twin::Spec;

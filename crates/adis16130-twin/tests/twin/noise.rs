@@ -45,7 +45,7 @@ fn white_density_and_bandwidth_are_f02_and_f03() {
     let rates = Host::started(white()).rates(200 * SEGMENT);
     let low = density(&rates, 10.0, 50.0);
     assert!((low.sqrt() / 0.0125 - 1.0).abs() < 0.02, "{}", low.sqrt());
-    // −3 dB at 300 Hz; the two poles at two more frequencies.
+    // The density falls by 3 dB at 300 Hz. At two more frequencies it follows the two poles.
     let at = |f: f64| density(&rates, f - 15.0, f + 15.0) / low;
     assert!((at(300.0) - 0.5).abs() < 0.03, "{}", at(300.0));
     for f in [150.0, 1000.0] {
@@ -89,7 +89,7 @@ fn temperature_noise_is_m05() {
     assert!((low.sqrt() / 0.001 - 1.0).abs() < 0.02, "{}", low.sqrt());
 }
 
-/// Non-overlapping Allan variance of averages over m values.
+/// Non-overlapping Allan variance. Each average covers `m` values.
 fn allan_variance(values: &[f64], m: usize) -> f64 {
     let means: Vec<f64> = values.chunks_exact(m).map(|chunk| chunk.iter().sum::<f64>() / m as f64).collect();
     let sum: f64 = means.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
@@ -146,7 +146,7 @@ fn random_walk_grows_as_the_root_of_time() {
             let twin = Twin::new(Spec { seed, flicker_hz: 10.0, ..Spec::typical() });
             assert_eq!(twin.truth().random_walk_dps, 0.0);
             twin.advance_ns(seconds * 500_000_000);
-            twin.power_off(); // it keeps walking
+            twin.power_off(); // the random walk goes on without supply
             twin.advance_ns(seconds * 500_000_000);
             twin.truth().random_walk_dps.powi(2)
         });

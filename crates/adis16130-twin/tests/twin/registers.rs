@@ -34,7 +34,7 @@ fn writable_bits_are_kept_and_no_others() {
     for (address, reset, writable) in TABLE {
         for value in [0x00, 0x55, 0xAA, 0xFF] {
             let mut host = Host::new(quiet());
-            // The direction bits of IOP stay inputs here; `pins` tries the outputs.
+            // P0 and P1 of IOP stay inputs here. The test of IOP below makes them outputs.
             let inputs = if address == 0x01 { 0x30 } else { 0x00 };
             let written = value & writable | inputs;
             host.send(&[address, written]);

@@ -5,7 +5,7 @@ use adis16130_twin::{Motion, Spec};
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal::spi::SpiDevice;
 
-/// Edges per simulated second, with `read` on every one.
+/// Number of edges per simulated second if `read` is called after each.
 fn edges_per_second(host: &mut Host, mut read: impl FnMut(&mut Host)) -> f64 {
     host.edge();
     read(host);

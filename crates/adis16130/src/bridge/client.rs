@@ -1,22 +1,22 @@
-//! The host's end of the link, without its port and its clock.
+//! The host's end of the link. The caller provides the serial port and the clock.
 
 use super::{Answer, Command, Decoder, MAX_FRAME, Message, Refusal, Request, WireSample, encode};
 use core::fmt::{Display, Formatter, Result as Printed};
 use core::time::Duration;
 use embedded_hal::spi::ErrorKind;
 
-/// Time within which a bridge answers.
+/// Time that a bridge has to answer before the request is sent again.
 const ANSWER: Duration = Duration::from_millis(500);
 /// Number of times that a request is sent before the bridge counts as silent.
 const ATTEMPTS: u32 = 3;
 
-/// The text about the silence of a bridge, to follow its name.
+/// The message about a bridge that does not answer. It follows the name of the bridge.
 pub const SILENT: &str =
     "does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does nobody else read it?";
-/// The text about the end of a connection, to follow the name of the bridge.
+/// The message about a connection that has ended. It follows the name of the bridge.
 pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
 
-/// Sends requests and reads the answers. Its owner moves the bytes and passes the time since any fixed moment.
+/// Sends requests and reads the answers. The caller moves the bytes, and passes the time since any fixed moment.
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     decoder: Decoder,
@@ -40,13 +40,13 @@ pub struct Pending<'a> {
 pub enum Step<T> {
     /// Send this frame.
     Send(Frame),
-    /// Call again with the next bytes, or at this time.
+    /// Call [`Client::poll`] again with the next bytes, or at this time.
     Wait(Duration),
     /// The request was answered.
     Answered(T),
 }
 
-/// The messages of a bridge, without the content of its answers.
+/// A message from a bridge, without the content of an answer.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The answer to the last request.
@@ -83,8 +83,8 @@ impl<'a> Pending<'a> {
 }
 
 impl Client {
-    /// Looks for the answer in the received bytes, and returns the next step. `take` returns `None` for an answer
-    /// that does not fit. Samples before the answer are dropped.
+    /// Looks for the answer in the received bytes, and returns the next step. `take` converts the answer, or returns
+    /// `None` to ignore an answer to another command. Samples before the answer are dropped.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,

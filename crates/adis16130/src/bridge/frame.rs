@@ -6,7 +6,7 @@ use postcard::ser_flavors::crc::CrcModifier;
 use postcard::ser_flavors::{Cobs, Slice};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of bytes of a frame with the zero at its end.
+/// Largest number of bytes in a frame, including the zero at its end.
 pub const MAX_FRAME: usize = 64;
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
@@ -23,7 +23,8 @@ impl Display for TooLong {
 
 impl core::error::Error for TooLong {}
 
-/// Bytes between two zeros that are not a message: their CRC is wrong, or this version does not know the message.
+/// The error for bytes between two zeros that are not a message: they are too many, their CRC is wrong, or this
+/// version does not know the message.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct DamagedFrame;
 

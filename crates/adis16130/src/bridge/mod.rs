@@ -3,12 +3,12 @@
 //! ([`Client`]).
 //!
 //! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers. While the
-//! bridge samples, it sends every sample by itself, as fast as they come. No sample is sent twice: a loss on the way
-//! shows in the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
+//! bridge samples, it sends every sample without being asked. No sample is sent twice: a loss on the way shows in the
+//! numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
 //!
 //! A firmware hands bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It sends the
-//! messages that the station returns by [`encode`]. This example has both ends of the link, on a bus that a firmware
-//! would make of its SPI:
+//! messages that the station returns by [`encode`]. This example has both ends of the link. A firmware would implement
+//! [`Bus`] for its own SPI controller:
 //!
 //! ```
 //! use adis16130::bridge::{Answer, Command, Bus, Decoder, MAX_FRAME, Message, Request, Station, encode};
@@ -113,8 +113,8 @@ pub enum Command<'a> {
     },
     /// Ask for the last edge of RDY.
     LastEdge,
-    /// Reset the part, initialise it as [`Command::Configure`] says (F-30 by default), read it back, then sample.
-    /// Sampling that is under way begins anew.
+    /// Reset the part, initialise it as [`Command::Configure`] says (F-30 by default), read the configuration back,
+    /// then sample. If the bridge already samples, it begins anew.
     Start {
         /// The setting of [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
         every_temp: u16,
@@ -153,7 +153,7 @@ pub enum Message<'a> {
     },
     /// A sample.
     Sample(WireSample),
-    /// Sampling has ended, because the part no longer answers as it should. Transfers show why.
+    /// Sampling has ended, because the part no longer answers as it should. [`Command::Transfer`] can find the cause.
     Ended,
 }
 
@@ -208,7 +208,7 @@ pub enum Refusal {
     Sampling,
     /// The bridge's SPI controller reports an error.
     Bus,
-    /// The part did not take its configuration. Transfers show why.
+    /// The part did not take its configuration. [`Command::Transfer`] can find the cause.
     Part,
     /// A transfer of more than [`MAX_TRANSFER`] bytes.
     TooLong,
@@ -236,17 +236,17 @@ impl Display for Refusal {
 pub struct WireSample {
     /// Running number of the sample since [`Command::Start`], from 0.
     pub number: u32,
-    /// Samples that the bridge has lost since [`Command::Start`], before this one (F-33).
+    /// Number of samples that the bridge has lost between [`Command::Start`] and this one (F-33).
     pub lost: u32,
     /// Time of the edge that announced the sample, in ns of the bridge's clock.
     pub t_ns: u64,
     /// Running number of that edge.
     pub edge: u32,
-    /// RATE DATA.
+    /// Code of the rate.
     pub rate: u32,
-    /// RATE STATUS, if it was read.
+    /// Value of the rate channel's status register, if it was read.
     pub status: Option<u8>,
-    /// TEMP DATA, if it was due.
+    /// Code of the temperature, if it was due.
     pub temp: Option<u32>,
 }
 
@@ -286,7 +286,7 @@ impl Default for Continuity {
 }
 
 impl Continuity {
-    /// Starts counting, for data registers of this width.
+    /// Starts counting. The converted samples have codes of this width.
     pub const fn new(width: Width) -> Self {
         Self { width, next_number: 0, next_position: 0, missing: 0 }
     }

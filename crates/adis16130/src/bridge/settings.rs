@@ -13,9 +13,9 @@ pub struct Settings {
     pub cs_per_byte: bool,
     /// Whether the data registers are 16 bits wide.
     pub bits16: bool,
-    /// RATECONV (F-31).
+    /// Value of RATECONV: conversion time of the rate (F-31).
     pub rate_conversion: u8,
-    /// TEMPCONV (F-31).
+    /// Value of TEMPCONV: conversion time of the temperature (F-31).
     pub temp_conversion: u8,
     /// Whether the rising edge of RDY announces new data (F-32).
     pub rdy_rises: bool,

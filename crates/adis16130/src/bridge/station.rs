@@ -1,4 +1,4 @@
-//! The bridge itself, without its pins: its handling of requests and of edges of RDY.
+//! The firmware's end of the link, without its pins: it handles requests, and edges of RDY.
 
 use super::{Answer, Command, MAX_TRANSFER, Message, PROTOCOL, Refusal, Request, Settings, WireSample};
 use crate::asynch::Adis16130;
@@ -11,7 +11,8 @@ use embedded_hal_async::spi::SpiDevice;
 
 /// The part's bus, whose clock can be set.
 pub trait Bus: SpiDevice {
-    /// Sets the fastest clock that is not above this one, or else the slowest there is, and returns it, in Hz.
+    /// Sets the fastest clock that the bus has up to `hz`, or its slowest clock if all are faster. Returns the clock
+    /// that was set, in Hz.
     fn set_sclk_hz(&mut self, hz: u32) -> u32;
 
     /// Sets the kind of edges that mean "new data" from now on (F-32). Returns whether the bridge can detect them.
@@ -26,7 +27,7 @@ pub trait Bus: SpiDevice {
     }
 }
 
-/// The part behind a bridge.
+/// A bridge without its pins: the part on a bus, and the state of sampling.
 #[derive(Debug)]
 pub struct Station<S> {
     part: Adis16130<S, ()>,
@@ -49,7 +50,8 @@ struct Sampling {
 }
 
 impl<S: Bus> Station<S> {
-    /// Makes a bridge with this bus at this clock. The name of its firmware has at most 24 bytes. Sends nothing.
+    /// Makes a bridge on a bus whose clock is `sclk_hz`. `firmware` is its name and version, at most 24 bytes. Sends
+    /// nothing.
     pub const fn new(bus: S, sclk_hz: u32, firmware: &'static str) -> Self {
         let part = Adis16130::new(bus, (), Config::new().with_framing(Framing::Command));
         let last = Edge { t_ns: 0, seq: 0 };

@@ -55,7 +55,8 @@ pub trait Register {
     const ADDRESS: Address;
     /// The size of the register on the wire.
     const SIZE: Size;
-    /// The value after a reset. IOP also shows the levels of its pins, and the data registers are 16 bits wide then.
+    /// The value after a reset. A read of IOP shows the levels of its pins besides. The data registers are then 16
+    /// bits wide.
     const RESET: Self::Value;
 }
 
@@ -83,9 +84,9 @@ pub enum Access {
     ReadWrite,
 }
 
-/// One row per register, as in the table of docs/facts.md section 3: description, address, name and access. Then
+/// One row per register, as in the table of docs/facts.md section 3: description, address, name and access. In braces
 /// follow the type of its value, size, value after reset, fields, decoder, and the encoder if it is writable. `struct`
-/// declares a type for the register where its value has another type.
+/// declares a type for the register if the type of its value has another name.
 macro_rules! registers {
     ($(
         #[doc = $description:literal]
@@ -103,7 +104,7 @@ macro_rules! registers {
         )*}
 
         impl Address {
-            /// The name in the tables of AN-1042.
+            /// The name of the register, as messages show it.
             pub const fn name(self) -> &'static str {
                 match self {$(Self::$register => $name,)*}
             }
@@ -126,7 +127,7 @@ macro_rules! registers {
                 }
             }
 
-            /// The fields of the register, in the order in which a table lists them.
+            /// The fields of the register, in the order in which to show them.
             pub const fn fields(self) -> &'static [Field] {
                 match self {
                     $($(Self::$register => { const FIELDS: &[Field] = $fields; FIELDS })?)*

@@ -12,8 +12,8 @@ const fn with(bits: u8, mask: u8, on: bool) -> u8 {
     if on { bits | mask } else { bits & !mask }
 }
 
-/// Defines a one-byte register value by its fields, in the order in which a table lists them. Each field has a mask, a
-/// name and a meaning. A single bit also has a method that reads it and one that sets it.
+/// Defines a one-byte register value by its fields, in the order in which to show them. Each field has a mask, a name
+/// and a meaning. A single bit also has a method that reads it and one that sets it.
 macro_rules! byte_value {
     ($(#[$doc:meta])* $name:ident {$(
         $mask:literal $label:literal $meaning:expr
@@ -26,7 +26,7 @@ macro_rules! byte_value {
         pub struct $name(u8);
 
         impl $name {
-            /// The fields, in the order in which a table lists them.
+            /// The fields, in the order in which to show them.
             pub const FIELDS: &'static [Field] =
                 &[$(Field { name: $label, mask: $mask, meaning: $meaning }),*];
 
@@ -86,12 +86,12 @@ byte_value! {
         ]),
             /// RDYFN (b3): `true` = RDY is low only when all enabled channels hold unread data (F-32).
             rdyfn,
-            /// Sets RDYFN.
+            /// Sets RDYFN (b3): `true` makes RDY wait for unread data in all enabled channels (F-32).
             with_rdyfn;
         0x01 "SYNC" Bit(["the pin SYNC is not used", "the pin SYNC is in use"]),
             /// SYNC (b0): the SYNC pin is in use.
             sync,
-            /// Sets SYNC.
+            /// Sets SYNC (b0): `true` puts the SYNC pin in use.
             with_sync;
     }
 }
@@ -161,11 +161,11 @@ impl ChannelStatus {
 pub enum Range {
     /// 00, the value after reset.
     Bits00,
-    /// 01.
+    /// 01: F-40 and F-41 do not hold.
     Bits01,
     /// 10, the range that the scale of the part refers to (F-30).
     Bits10,
-    /// 11.
+    /// 11: F-40 and F-41 do not hold.
     Bits11,
 }
 
@@ -195,12 +195,12 @@ byte_value! {
         0x10 "STATOPT" Bit(["the status describes the channel alone", "the status is extended"]),
             /// STATOPT (b4): the channel status is extended.
             statopt,
-            /// Sets STATOPT.
+            /// Sets STATOPT (b4): `true` extends the channel status.
             with_statopt;
         0x08 "ENABLE" Bit(["the channel is not converted", "the channel is converted"]),
             /// ENABLE (b3): the channel is converted in continuous mode.
             enabled,
-            /// Sets ENABLE.
+            /// Sets ENABLE (b3): `true` = the channel is converted in continuous mode.
             with_enabled;
         0x03 "RANGE" Choice(&[
             "not the range that the part's scale is for",
@@ -229,7 +229,7 @@ byte_value! {
         0x80 "CHOP" Bit(["one conversion for each reading", "the mean of two, with exchanged inputs"]),
             /// CHOP (b7): each result is the mean of two conversions with exchanged inputs.
             chop,
-            /// Sets CHOP.
+            /// Sets CHOP (b7): `true` = each result is the mean of two conversions (F-31).
             with_chop;
         0x7F "FW" FilterWord;
     }
@@ -309,9 +309,9 @@ byte_value! {
             "powered down",
         ]);
         0x10 "CLKDIS" Bit(["the clock is given out", "the clock is not given out"]),
-            /// CLKDIS (b4): the clock is not given out.
+            /// CLKDIS (b4): the converter does not put out its clock.
             clkdis,
-            /// Sets CLKDIS.
+            /// Sets CLKDIS (b4): `true` = the converter does not put out its clock.
             with_clkdis;
         0x08 "DUMP" Bit(["readings come alone", "readings come with their status"]),
             /// DUMP (b3): each reading comes with its status.
@@ -327,7 +327,7 @@ byte_value! {
         0x01 "CLAMP" Bit(["a code out of range wraps (F-35)", "a code out of range stays at the end (F-35)"]),
             /// CLAMP (b0): `true` = out-of-range codes saturate, `false` = they wrap (F-35).
             clamp,
-            /// Sets CLAMP.
+            /// Sets CLAMP (b0): `true` = out-of-range codes saturate, `false` = they wrap (F-35).
             with_clamp;
     }
 }

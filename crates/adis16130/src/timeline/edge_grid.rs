@@ -12,22 +12,21 @@ pub(crate) enum Pattern {
     Mixed,
     /// Each update has its edge, and the first is a rate.
     Each,
-    /// The edges come from a counter that divides RDY. They are so far apart that each has a phase of its own, and
-    /// each is a tick.
+    /// The edges come from a counter that divides RDY. They are so far apart that no phase is followed, and each edge
+    /// is a tick.
     Divided,
 }
 
 /// The expected times of the updates: a rate update at each tick, a temperature update in between.
 #[derive(Clone, Debug)]
 pub(crate) struct EdgeGrid {
-    /// Nominal time from one tick to the next.
+    /// Nominal time from one tick to the next, in 2⁻¹⁶ ns.
     pub(super) period: i64,
     /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶. 0 if there is none.
     temp_fraction: i64,
-    /// The time by which an edge may come early and still belong to its tick: an eighth of the time from the
-    /// temperature update to the tick, or a sixteenth of the period, limited to half of that time, if that is
-    /// more. This is more than an edge shifts in a period if MCLK is off by 2 %. Edges with a phase of their own
-    /// have half a period.
+    /// The time by which an edge may come early and still belong to its tick, in 2⁻¹⁶ ns. With the period T and the
+    /// time r from the temperature update to the next tick, it is the larger of r/8 and min(T/16, r/2). This is more
+    /// than an edge shifts in a period if MCLK is off by 2 %. For divided edges it is T/2.
     pub(super) margin: i64,
     pattern: Pattern,
 }
@@ -77,8 +76,8 @@ impl EdgeGrid {
         matches!(self.pattern, Pattern::Divided)
     }
 
-    /// The highest gear. Divided edges have no phase to follow, only a period. T̂ is the mean of the gaps in an
-    /// exponential window of 1/β edges, which in gear 5 is 2048 of them. Its noise is σ·β, from the two ends of a gap.
+    /// The highest gear. Divided edges have no phase to follow, only a period. Their T̂ is the mean of the gaps in an
+    /// exponential window of 1/β edges, which are 2048 in gear 5. Its noise is σ·β, from the two ends of a gap.
     pub(super) const fn top_gear(&self) -> u32 {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
@@ -90,8 +89,8 @@ impl EdgeGrid {
         (period >> FRACTION_BITS) * self.temp_fraction
     }
 
-    /// Number of periods in a run of edges that was not interrupted by a read, after the first edge: a pair of
-    /// conversions, then one each.
+    /// Number of periods in which this many edges come while nothing is read. The first edge comes after two
+    /// conversions, each later one after one conversion.
     pub(super) fn periods_of_edges(&self, edges: u32) -> u32 {
         if self.temp_fraction > 0 { edges.div_ceil(2) } else { edges }
     }
@@ -102,8 +101,8 @@ impl EdgeGrid {
         period.max(self.period - sixteenth).min(self.period + sixteenth)
     }
 
-    /// The gap between two neighbouring edges that comes nearest to `gap`, as learned and nominal. It is a period or,
-    /// where edges announce both kinds of update, a conversion.
+    /// The regular gap between two neighbouring edges that comes nearest to `gap`, with its learned and its nominal
+    /// length. It is a period or, where edges announce both kinds of update, a conversion.
     pub(super) fn nearest_gap(&self, (period, temp): (i64, i64), gap: i64) -> (i64, i64) {
         let mut nearest = (period, self.period);
         if matches!(self.pattern, Pattern::Mixed | Pattern::Each) {
@@ -117,9 +116,9 @@ impl EdgeGrid {
         nearest
     }
 
-    /// Largest difference between a gap and a regular gap of neighbouring edges: 3/8 of a period. If edges
-    /// announce one kind of update, a gap in which the kind changes must not count as regular. So the limit is
-    /// then 3/4 of what a change adds or takes away.
+    /// The difference from a regular gap up to which a gap counts as regular: 3/8 of a period. If edges announce one
+    /// kind of update, a gap in which the kind changes must not count as regular. The limit is then 3/4 of the time
+    /// that such a change adds or takes away.
     pub(super) fn nearness(&self, (period, temp): (i64, i64)) -> i64 {
         let shift = if matches!(self.pattern, Pattern::Steady) { temp.min(period - temp) } else { period >> 1 };
         3 * (shift >> 2)
@@ -128,9 +127,9 @@ impl EdgeGrid {
     /// Whether this sum of 256 absolute errors shows that the edges do not lie on the grid.
     ///
     /// Edges that lie anywhere are off by T/4 on average, or by T/8 if the nearest of two grid points is taken. The
-    /// limits are T/6 and T/9. T/6 is two thirds of T/4, since a kind is kept for a while. T/9 is three standard
-    /// deviations of a mean of 256 below T/8. Normal jitter reaches the limits with a standard deviation of 0.21·T and
-    /// 0.14·T.
+    /// limits are T/6 and T/9. T/6 is two thirds of T/4, since the kind of the edges is not changed at once. T/9 is
+    /// three standard deviations of a mean of 256 below T/8. Normal jitter reaches the limits with a standard
+    /// deviation of 0.21·T and 0.14·T.
     pub(super) fn is_missed(&self, error_of_256: i64) -> bool {
         match self.pattern {
             Pattern::Mixed | Pattern::Each => 9 * error_of_256 > self.period << 8,
@@ -161,7 +160,7 @@ const DOUBTS: u8 = 8;
 const SURE: i64 = 48;
 
 impl EdgeKind {
-    /// The distance to the grid point of the kind that the edge is assigned to.
+    /// Assigns an edge to rate or temperature, and returns its distance from the grid point of that kind.
     pub(super) fn error(&mut self, grid: &EdgeGrid, (period, temp): (i64, i64), position: i64) -> i64 {
         let (own, to_other) = if self.is_rate { (position, -temp) } else { (position - temp, temp) };
         let own = wrapped(own, period);
@@ -182,7 +181,7 @@ impl EdgeKind {
     }
 }
 
-/// Brings a distance to within half a period.
+/// Adds or subtracts a period, so that the distance is at most half a period.
 fn wrapped(distance: i64, period: i64) -> i64 {
     if 2 * distance > period {
         distance - period

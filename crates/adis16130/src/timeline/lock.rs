@@ -14,8 +14,8 @@ pub(super) struct Gaps {
     far: bool,
 }
 
-/// The offset of the clock is kept in steps of 2⁻²⁰, about a millionth: a thousandth of the noise of 128 gaps with σ =
-/// 15 µs.
+/// The relative offset of the clock has steps of 2⁻²⁰, about 10⁻⁶. The mean of 128 gaps with σ = 15 µs has a noise
+/// that is a thousand times larger.
 const OFFSET_BITS: u32 = 20;
 
 impl Gaps {
@@ -43,18 +43,19 @@ impl Gaps {
     }
 }
 
-/// The trust in the edges.
+/// Whether the edges lie on the grid, by the last checks.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Grip {
     /// The edges lie on the grid.
     Firm,
     /// The edges did not lie on the grid, which is learned anew.
     Loose,
-    /// The edges lie anywhere. For this many more checks the period stays nominal, and the phase is hardly followed.
+    /// The edges lie on no grid. For this many more checks the period stays nominal, and the phase is followed slowly.
     Held(u8),
 }
 
-/// Checks without a lock before it learns anew: 4096 edges (0.7 s with F-31). Learning to the last gear takes as long.
+/// Number of checks in [`Grip::Held`] before the grid is learned anew: about 4096 edges (0.7 s with F-31). Learning up
+/// to the last gear takes as long.
 const HELD_CHECKS: u8 = 16;
 
 impl Grip {
@@ -69,8 +70,8 @@ impl Grip {
     }
 }
 
-/// Checks after every 256 edges (45 ms with F-31) whether they still lie on the grid. These are twice as many as the
-/// loop learns from before it begins, so that the second check at the latest finds a grid that was learned wrong.
+/// Checks after every 256 edges (45 ms with F-31) whether they still lie on the grid. 256 is twice the number of gaps
+/// that are averaged before the loop begins. So the second check at the latest finds a grid that was learned wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lock {
     edges: u8,
@@ -78,7 +79,7 @@ pub(super) struct Lock {
 }
 
 impl Lock {
-    /// Takes an error. After every 256th, returns whether the lock is lost.
+    /// Takes the error of an edge. After every 256th edge, returns whether the lock is lost.
     pub(super) fn judge(&mut self, grid: &EdgeGrid, error: i64) -> Option<bool> {
         self.error += error.abs();
         self.edges = self.edges.wrapping_add(1);

@@ -68,15 +68,15 @@ const FIRST_GEAR: u32 = 1;
 /// phase noise of gear 5, σ·√(3α/4) = 0.15·σ, no longer matters against the jitter.
 const LOOP_GEAR: u32 = 5;
 
-/// ω_n = 0.63 Hz (F-31). Below, the loop would follow MCLK too slowly when the part warms. Above, it would pass more
-/// jitter.
+/// ω_n = 0.63 Hz (F-31). With a lower ω_n the loop would follow MCLK too slowly when the part warms. With a higher one
+/// it would pass more jitter.
 const TOP_GEAR: u32 = 10;
 
-/// How well the phase is known: which edges announce rates.
+/// Whether it is known which edges announce rates.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Phase {
     Assumed,
-    /// Assumed too, and the samples count from the higher of two possible numbers.
+    /// Also assumed. The edge of the first sample had two possible numbers, and the samples count from the higher one.
     AnchoredHigh,
     Known,
 }
@@ -93,9 +93,9 @@ pub(crate) struct Timeline {
     /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 if none.
     temp: i64,
     kind: EdgeKind,
-    /// Time from the newest tick to the edge before.
+    /// Time from the newest tick to the previous edge.
     since_tick: i64,
-    /// Ticks since the tick of the sample before.
+    /// Ticks since the tick of the previous sample.
     ticks: i32,
     last: Option<Edge>,
     gear: u32,
@@ -104,7 +104,7 @@ pub(crate) struct Timeline {
     lock: Lock,
     grip: Grip,
     phase: Phase,
-    /// Whether the conversions have been started anew since the edge before.
+    /// Whether the conversions have been started anew since the previous edge.
     restarted: bool,
 }
 
@@ -153,8 +153,8 @@ impl Timeline {
         Some(self.number())
     }
 
-    /// Whether the two possible numbers differ: the edges have changed from one kind of update to the other, and it is
-    /// unknown which is which.
+    /// Whether the newest edge has two possible numbers. This is so if the edges have changed from one kind of update
+    /// to the other, and it is unknown which kind is which.
     pub(crate) fn is_ambiguous(&self) -> bool {
         self.kind.is_rate && self.phase != Phase::Known
     }
@@ -168,14 +168,14 @@ impl Timeline {
         self.ticks.saturating_sub(self.is_ambiguous().into())
     }
 
-    /// Counts from this tick on, which lies `ticks` after the one that was counted from before.
+    /// Moves the tick from which ticks are counted on by `ticks`.
     pub(crate) fn count_from(&mut self, ticks: i32) {
         self.ticks = self.ticks.saturating_sub(ticks);
     }
 
-    /// States that the edge just taken announced a rate update, not a temperature update. Only the first call
-    /// counts: from then on the phase is tracked. Returns whether one more tick passed than was counted: this edge
-    /// has the higher of two possible numbers, or the anchor had the lower.
+    /// States that the edge just taken announced a rate update, not a temperature update. Only the first call counts:
+    /// from then on the phase is tracked. Returns whether one more tick has passed than was counted: this edge has the
+    /// higher of its two possible numbers, or [`anchor`](Self::anchor) wrongly assumed the higher one.
     pub(crate) fn align(&mut self) -> bool {
         if self.phase == Phase::Known {
             return false;
@@ -301,7 +301,8 @@ impl Timeline {
 
     /// Counts the periods in a gap whose phase is lost: it is too long, conversions started anew, or the clock went
     /// back or stands. The clock counts them. The number of edges is a lower bound, since each takes at least one
-    /// conversion. Divided edges come faster while nothing is read, so they count only where the clock does not.
+    /// conversion. Divided edges come faster while nothing is read, so their number is used only if the clock shows no
+    /// period.
     #[cold]
     fn leap(&mut self, elapsed_ns: i64, edges: u32) {
         let elapsed = elapsed_ns.clamp(0, LONGEST_GAP_NS) << FRACTION_BITS;
@@ -326,7 +327,7 @@ impl Timeline {
         self.phase = if is_rate { Phase::Known } else { Phase::Assumed };
     }
 
-    /// Moves the temperature updates along with the period, which changes little by little.
+    /// Computes the time of the temperature update from the present period.
     fn settle(&mut self) {
         self.temp = self.grid.share_of_temp(self.period);
     }

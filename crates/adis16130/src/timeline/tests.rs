@@ -7,7 +7,7 @@ use super::{EdgeGrid, FIRST_GEAR, FRACTION_BITS, Grip, LOOP_GEAR, Pattern, TOP_G
 use crate::sample::Edge;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, TAU};
 
-/// Rate and temperature, 527 cycles each, at 6.000 MHz (F-31), ns.
+/// Time of a rate and a temperature conversion, 527 cycles each at 6.000 MHz (F-31), in ns.
 const PERIOD_NS: f64 = 1054.0 / 6e6 * 1e9;
 
 /// A timeline that is fed edges, each one period of the clock after the one before.
@@ -26,7 +26,7 @@ impl Bench {
         Self { timeline, seq: 0, t_ns: 1e9, period_ns: PERIOD_NS * (1.0 + ppm * 1e-6) }
     }
 
-    /// A timeline whose loop has run so long that nothing is left of its start, held in this gear from then on.
+    /// A timeline in this gear, after 5000 edges, so that nothing is left of its start.
     fn in_gear(gear: u32) -> Self {
         let mut bench = Self::new(0.0);
         (0..5_000).for_each(|_| bench.step(0.0));
@@ -35,7 +35,7 @@ impl Bench {
         bench
     }
 
-    /// The next edge, late by this much. The gear stays where it is from [`LOOP_GEAR`] on.
+    /// Takes the next edge, which is late by `late_ns`.
     fn step(&mut self, late_ns: f64) {
         let t_ns = (self.t_ns + late_ns).round() as u64;
         self.timeline.advance(Edge { t_ns, seq: self.seq });
@@ -43,6 +43,7 @@ impl Bench {
         self.t_ns += self.period_ns;
     }
 
+    /// Takes an edge as [`step`](Self::step) does, but stays in the present gear.
     fn stay(&mut self, late_ns: f64) {
         let gear = self.timeline.gear;
         self.step(late_ns);
@@ -185,7 +186,7 @@ fn the_noise_of_the_period_is_as_claimed() {
                 }
             }
         }
-        // 480 000 edges are 120 time constants of gear 10, so the noise measured there is good to some 8 %
+        // 480 000 edges are only some 120 times 4/α in gear 10, so the noise measured there is good to some 8 %
         let tolerance = 0.05 + 4.0 * alpha(gear).sqrt();
         assert_near((sum / f64::from(count)).sqrt(), JITTER_NS * claimed, tolerance, &std::format!("gear {gear}"));
     }

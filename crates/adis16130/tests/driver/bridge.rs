@@ -1,5 +1,5 @@
-//! The bridge against bytes that were put together by hand from `docs/formats/bridge.md`, and against the hand-written
-//! part.
+//! The bridge, with the mock of `part.rs` as its gyroscope. Its frames are compared with bytes that were put together
+//! by hand from `docs/formats/bridge.md`.
 
 use std::time::Duration;
 
@@ -62,7 +62,7 @@ const MESSAGES: [(Message<'_>, &[u8]); 4] = [
     (Message::Ended, &[0x06, 0x02, 0xA1, 0x8E, 0x0C, 0x3C, 0x00]),
 ];
 
-/// The messages among bytes, as `Debug` prints them.
+/// Decodes bytes, and returns the messages as `Debug` prints them.
 macro_rules! decoded {
     ($message:ty, $bytes:expr) => {{
         let mut decoder = Decoder::new();
@@ -85,7 +85,7 @@ fn frames_are_those_of_the_specification() {
     }
 }
 
-/// The client's next step in a request at this many milliseconds, after these bytes.
+/// Polls the client at `ms` milliseconds with these received bytes. Returns its next step.
 fn asked(client: &mut Client, pending: &mut Pending<'_>, ms: u64, bytes: &[u8]) -> Result<Step<()>, RequestError> {
     client.poll(pending, &mut bytes.iter().copied(), Duration::from_millis(ms), Answer::Started.only())
 }
@@ -330,7 +330,7 @@ fn sampling_goes_on_after_a_failed_transfer_which_is_counted() {
 #[test]
 fn missing_samples_are_counted_once() {
     let mut continuity = Continuity::default();
-    // two lost before the first; then one lost by the bridge and three on the way
+    // The bridge lost two samples before the first and one later. Three more were lost on the link.
     let readings = [(0, 2), (1, 2), (5, 3), (6, 3)];
     let samples = readings.map(|(number, lost)| continuity.sample(&WireSample { number, lost, ..READING }));
     assert_eq!(samples.map(|sample| sample.lost), [2, 0, 4, 0]);

@@ -17,7 +17,8 @@ use embedded_hal::spi::Operation;
 
 use crate::part::now;
 
-/// Steps until the bus stalls for ever. The beginning of a transaction, each byte, and the end are one step each.
+/// Number of steps until the bus stalls for ever. The beginning of a transaction, each byte, and the end are one step
+/// each.
 #[derive(Clone)]
 struct Steps(Rc<Cell<usize>>);
 
@@ -50,7 +51,7 @@ impl embedded_hal_async::spi::SpiDevice for Bus {
             Operation::TransferInPlace(bytes) => (bytes.to_vec(), Some(bytes)),
             other => panic!("{other:?}"),
         };
-        // the twin takes whole frames: as many bytes of this one as there will be steps
+        // The twin takes whole frames, so it is sent only the bytes for which steps are left.
         let sent = copy.len().min(self.steps.0.get());
         embedded_hal::spi::SpiDevice::transfer_in_place(&mut self.spi, &mut copy[..sent])?;
         for _ in 0..copy.len() {
@@ -73,7 +74,7 @@ struct Bench {
 
 impl Bench {
     fn new(config: Config) -> Self {
-        // −3 °/s and a warm part are far from the values that bytes out of step give
+        // With −3 °/s, a reading of shifted bytes is far from the truth.
         let twin = Twin::new(Spec { bias_dps: -3.0, ..Spec::from_seed(5) });
         let steps = Steps(Rc::new(Cell::new(usize::MAX)));
         let bus = Bus { spi: twin.spi(), steps: steps.clone() };
@@ -83,7 +84,8 @@ impl Bench {
         bench
     }
 
-    /// Reads until both channels have converted: the first edge may be an old one.
+    /// Restarts the part, and waits for two edges. The first may be an old one, so only after the second edge have
+    /// both channels converted.
     fn restart(&mut self) {
         now(self.gyro.restart()).unwrap();
         self.sampler.restarted();
@@ -91,7 +93,7 @@ impl Bench {
         self.wait();
     }
 
-    /// The next edge, or a glitch of the line where the part does not convert.
+    /// The next edge. If the part does not convert, this is an edge that it did not make.
     fn wait(&mut self) -> Edge {
         match self.twin.next_falling_edge(1_000_000) {
             Some(edge) => Edge { t_ns: edge.t_ns, seq: edge.seq },
@@ -99,7 +101,7 @@ impl Bench {
         }
     }
 
-    /// Begins a call that gets this many steps, and drops it; `true` = it has ended before.
+    /// Begins a call that gets this many steps, and drops its future. Returns whether the call had ended before.
     fn drop_after(&mut self, steps: usize, call: Call) -> bool {
         let edge = self.wait();
         self.steps.0.set(steps);
@@ -111,7 +113,8 @@ impl Bench {
         ended
     }
 
-    /// Within 1.5 °/s and 1 °C, which is six times the noise of a single reading (F-02, F-03).
+    /// Asserts that the rate is right to 1.5 °/s, six times the noise of a single reading (F-02, F-03), and the
+    /// temperature to 1 °C.
     fn assert_true(&self, rate: RateCode, temp: Option<TempCode>, what: &str) {
         let truth = self.twin.truth();
         let error_dps = f64::from(rate.to_dps()) + truth.pbc_dps(truth.sensor_c);
@@ -146,7 +149,7 @@ impl Bench {
 type Call =
     for<'a> fn(&'a mut Adis16130<Bus, ()>, &'a mut Sampler, Edge) -> std::pin::Pin<Box<dyn Future<Output = ()> + 'a>>;
 
-/// Every call that uses the bus.
+/// The calls that these tests drop.
 const CALLS: [(&str, Call); 14] = [
     ("reset", |gyro, _, _| Box::pin(async { _ = gyro.reset().await })),
     ("init", |gyro, _, _| Box::pin(async { _ = gyro.init().await })),

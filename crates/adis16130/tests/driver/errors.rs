@@ -15,7 +15,7 @@ use crate::part::{Delay, Line, Part, Pin, Wire};
 type Any<SPI, RDY, PIN> =
     Error<<SPI as spi::ErrorType>::Error, <RDY as digital::ErrorType>::Error, <PIN as digital::ErrorType>::Error>;
 
-/// A function that does every operation and returns one type of error.
+/// Calls one operation for each type of error. `?` converts them all to [`Error`].
 fn all<SPI: SpiDevice, RDY: InputPin, PIN: OutputPin>(
     gyro: &mut Adis16130<SPI, RDY>,
     pin: &mut PIN,
@@ -47,7 +47,7 @@ fn outcome(
 
 #[test]
 fn the_error_of_each_operation_converts_to_error() {
-    // the registers take F-30, but the data registers have their old values: nothing converts in this part
+    // the mock takes the configuration but converts nothing, so no call of `all` can succeed
     assert!(matches!(outcome(Line::Low, 0, None), Err(Error::Init(_))));
     assert!(matches!(outcome(Line::Good, u32::MAX, None), Err(Error::Wait(WaitError::TimedOut { timeout_us: 100 }))));
     assert!(matches!(outcome(Line::Good, 0, Some(true)), Err(Error::SelfTest(_))));

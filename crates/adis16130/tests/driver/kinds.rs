@@ -3,7 +3,7 @@
 
 use adis16130::{Channels, Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
-/// A sampler, and the period of the rate.
+/// A sampler, and the true period of the rate.
 struct Bench {
     sampler: Sampler,
     period_ns: f64,
@@ -18,7 +18,7 @@ impl Bench {
         Self { sampler: Sampler::new(sampling, &config, MCLK_HZ), period_ns, seq: 0 }
     }
 
-    /// The edge at this time, in periods, after others that were not seen.
+    /// The edge at this time, in periods. `missed` edges before it were not seen.
     fn edge(&mut self, periods: f64, missed: u32) -> Edge {
         self.seq += 1 + missed;
         Edge { t_ns: 1_000_000_000 + (periods * self.period_ns) as u64, seq: self.seq }
@@ -49,7 +49,7 @@ fn a_change_of_the_kind_leaves_the_period_alone() {
     let end = [(22.154, 6), (23.526, 0), (24.526, 0), (25.526, 0), (26.526, 0)];
     let edges: Vec<_> = temps.chain(rates).chain(end).collect();
     let lost: Vec<u32> = edges.into_iter().map(|(periods, missed)| bench.lost(periods, missed)).collect();
-    // readings 1 to 25, of which 5, two before the late one, and one at each change are missing
+    // Four rates are lost: one before the edge at 5.526 periods, and three between the edges at 18.526 and 23.526.
     assert_eq!(lost.iter().sum::<u32>(), 4, "{lost:?}");
 }
 

@@ -11,7 +11,8 @@ use std::{cell::RefCell, rc::Rc};
 
 type Gyro = Adis16130<Wire, Pin>;
 
-/// Every framing and width, and each level of SDO in a third byte that a part of 16 bits does not fill.
+/// All framings and widths, with several values that SDO may have in a third byte, which a part of 16 bits does not
+/// send.
 fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     let framings = [Framing::PerByte, Framing::Command];
     let widths = [Width::Bits24, Width::Bits16];
@@ -66,7 +67,7 @@ fn a_reading_needs_a_conversion() {
     for (part, mut gyro, config) in benches() {
         for _ in 0..2 {
             gyro.restart().unwrap();
-            // the width has grown to 24 bits, the code has not been converted
+            // The data registers hold their reset value in the new width: nothing has been converted.
             convert(&part, config, 0x80_0000, 0x80_0000);
             part.borrow_mut().set(0x20, 0x00);
             part.borrow_mut().set(0x22, 0x40);
@@ -126,7 +127,7 @@ fn after_a_brown_out_the_configuration_is_lost() {
             assert!(gyro.read_temp().is_err_and(lost));
             assert!(gyro.read_both().is_err_and(lost));
         }
-        gyro.init().unwrap(); // without a reset, and without looking
+        gyro.init().unwrap(); // neither resets the part nor reads anything back
         assert_no_reading(&mut gyro, config.mode());
     }
 }

@@ -1,4 +1,5 @@
-//! The mock: a register file on a wire, from docs/facts.md sections 2 and 3, not from the driver.
+//! A mock of the part: its registers behind an SPI bus. It is written from docs/facts.md sections 2 and 3, not from
+//! the driver.
 
 use std::cell::RefCell;
 use std::collections::{HashMap, VecDeque};
@@ -48,14 +49,14 @@ pub struct Part {
     pub deaf_at: Option<u8>,
     /// The bus fails once this many transfers have gone through.
     pub fails_after: Option<usize>,
-    /// The bus works again after one failure.
+    /// Whether the bus works again after one failure.
     pub fails_once: bool,
     /// The rates that reads of RATEDATA return in turn, each ready at once.
     pub rates: VecDeque<u32>,
-    /// A read of a data register wipes RDY of its channel status, as docs/facts.md says. Otherwise a status stays as
+    /// Whether a read of a data register clears RDY in its channel status, as in the part. Otherwise a status stays as
     /// it was set.
     pub wipes_ready: bool,
-    /// The level of SDO outside a read.
+    /// The byte on SDO outside a read.
     pub idle: u8,
     checksum: u16,
     ones: u32,
@@ -84,7 +85,7 @@ impl Part {
         self.registers[&address]
     }
 
-    /// All bytes written since the last call, in any frames.
+    /// All bytes from the host since the last call, without the borders of the frames.
     pub fn take_bytes(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.frames).concat()
     }
@@ -137,7 +138,7 @@ impl Part {
     fn proceed(&mut self, com: u8, data: u32, left: usize, byte: u8) -> u8 {
         let address = com & 0x3F;
         if com == 0 {
-            // a write to COM: what follows is a COM byte again, or belongs to the reset
+            // After a write to COM the next byte is another COM byte, or belongs to the software reset.
             match byte {
                 0xFF => self.command = Some((0, 0, 1)),
                 _ => self.start(byte),
@@ -239,7 +240,7 @@ impl SpiDevice for Wire {
     }
 }
 
-/// A RDY pin that turns low after this many looks, and an output that remembers its levels.
+/// A pin. As an input it is low after `looks_until_low` reads. As an output it records its levels.
 #[derive(Clone, Debug, Default)]
 pub struct Pin(pub Rc<RefCell<PinState>>);
 
@@ -248,7 +249,7 @@ pub struct PinState {
     pub looks_until_low: u32,
     pub looks: u32,
     pub levels: Vec<bool>,
-    /// Setting the pin this way fails.
+    /// Setting the pin to this level fails.
     pub refuses: Option<bool>,
 }
 

@@ -29,7 +29,7 @@ fn at(periods: f64, seq: u32) -> Edge {
     Edge { t_ns: 1_000_000_000 + (periods * PAIR_NS) as u64, seq }
 }
 
-/// Handles an edge and takes the due readings: `None` = none was due.
+/// Passes an edge, and takes the readings that are due. Returns the losses, or `None` if nothing was due.
 fn take(sampler: &mut Sampler, edge: Edge) -> Option<u32> {
     let due = sampler.edge(edge)?;
     Some(sampler.taken(&due))
@@ -138,7 +138,7 @@ fn learns_the_period_once_the_edges_can_be_believed_again() {
     let times: Vec<f64> = disturbed.chain((3_002..20_000).map(|k| f64::from(k) * scale)).collect();
     let mut sampler = sampler(SamplerConfig::new());
     let lost = losses(&mut sampler, times);
-    // 16 checks of 256 edges each until it learns anew
+    // The sampler learns anew after some 17 checks of 256 edges each.
     assert_eq!(lost[3_000 + 18 * 256..].iter().sum::<u32>(), 0);
     let error = sampler.rate_period_ns() / (PAIR_NS * scale) - 1.0;
     assert!(error.abs() < 2e-7, "{error:e}");
@@ -156,7 +156,7 @@ fn jitter_of_the_timestamps_neither_adds_nor_hides_losses() {
             let dropped = 20_000 - times.len() as u32;
             let mut sampler = sampler(SamplerConfig::new().with_every_temp(every_temp));
             let lost: u32 = losses(&mut sampler, times).iter().sum();
-            // The last of them may still be unreported, and one may be too many.
+            // The last loss may still be unreported, and one loss too many may be reported.
             assert!(
                 (dropped - 1..=dropped + 1).contains(&lost),
                 "{lost} of {dropped}, seed {seed}, every {every_temp}"
@@ -188,8 +188,8 @@ fn a_change_between_rate_and_temperature_edges_is_counted_by_what_it_costs() {
     // F-33). At the first change the sampler tells the two kinds apart, and then reports the losses.
     let times = [0.0, 1.0, 2.0, 3.5, 4.5, 5.5, 7.0, 8.0, 9.5, 10.5];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 1, 0, 0, 1, 0]);
-    // From rate edges on: after a sample without temperature the next rate comes half a period later, and nothing is
-    // lost. The last change goes back to rate edges, and costs a rate.
+    // These edges begin with rates. After a sample without temperature the next rate comes half a period later, and
+    // nothing is lost. The last change goes back to rate edges, and a rate is lost.
     let times = [0.0, 1.0, 2.0, 3.5, 4.0, 5.0, 6.5, 7.5, 9.0, 10.0];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 0, 0, 0, 1, 0]);
 }
@@ -293,8 +293,8 @@ fn a_missed_reading_behind_a_divider_is_one_loss() {
     assert_eq!(take(&mut sampler, at(51.5 + 51.0, 203)), Some(1));
 }
 
-/// RDY behind a counter that lets every N-th edge through, in conversions: the first edge after a read of both comes
-/// two conversions later, then one per conversion (F-32).
+/// RDY behind a counter that lets every N-th edge through. After a read of both channels the first edge comes two
+/// conversions later, then one comes per conversion (F-32).
 struct DividedRdy {
     sampler: Sampler,
     edges: u32,
@@ -359,7 +359,7 @@ fn a_missing_edge_of_a_counter_is_one_loss() {
         part.miss(1);
         assert_eq!(part.take(300), (300, 1), "every {edges}");
         part.miss(3);
-        // unread, the edges come every N conversions, readings every N + 1
+        // While nothing is read, the counter gives an edge every N conversions, with readings every N + 1.
         let conversions = f64::from(4 * edges + 1);
         let readings = (conversions / f64::from(edges + 1)).round() as u32;
         assert_eq!(part.take(300), (300, readings - 1), "every {edges}");
@@ -432,7 +432,7 @@ fn a_new_initialisation_has_a_new_phase_and_costs_what_it_took() {
 fn silence_is_found_within_its_bound() {
     let bound_ns = sampler(SamplerConfig::new()).silence_ns();
     assert_eq!(bound_ns, (64.0 * PAIR_NS) as u64);
-    // the clock wraps in the middle of the second
+    // with the last of these starts the clock wraps during the test
     for start_ns in [0, 1_000_000_000, u64::MAX - 5_000_000] {
         let mut sampler = sampler(SamplerConfig::new());
         let at = |ns: u64| start_ns.wrapping_add(ns);

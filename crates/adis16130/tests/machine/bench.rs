@@ -1,4 +1,4 @@
-//! A driver, a sampler and a unit of the twin, on which steps are carried out.
+//! Carries out the steps of a run on a driver, a sampler and a twin.
 
 use adis16130::registers::{ChannelSetup, Iop, Mode, RateConv, RateData, TempCs};
 use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig, SelfTestPlan, WaitBound};
@@ -164,7 +164,7 @@ impl Bench {
         Ok(())
     }
 
-    /// Discards old edges, and tells the sampler of a restart. A sampler that was misled is replaced.
+    /// Discards old edges, and tells the sampler of a restart. A sampler that was given false edges is replaced.
     fn tell_sampler(&mut self) {
         self.next_edge_within(0);
         self.newest = None;
@@ -210,7 +210,7 @@ impl Bench {
         self.judge.begin();
         let gyro = &mut self.gyro;
         match register {
-            // DUMP and CONTRD are not for this driver
+            // the driver does not read with DUMP or CONTRD set
             WritableRegister::Mode => _ = call!(*gyro, write_register::<Mode>(Mode::new(value & !0x0C))),
             WritableRegister::Iop => _ = call!(*gyro, write_register::<Iop>(Iop::new(value))),
             WritableRegister::RateConv => _ = call!(*gyro, write_register::<RateConv>(ConversionTime::new(value))),

@@ -15,8 +15,8 @@ pub enum Trouble {
     Fault(Fault),
 }
 
-/// The trouble that is to come, with the number of bytes until then, and the trouble that has happened. The bus and
-/// the test share it.
+/// The trouble that is planned, with the number of bytes before it, and the trouble that has happened. The bus and the
+/// test share this record.
 #[derive(Clone, Default)]
 pub struct Ahead(Rc<RefCell<Troubles>>);
 
@@ -70,8 +70,8 @@ impl Bus {
         Self { spi: twin.spi(), twin: twin.clone(), ahead: ahead.clone() }
     }
 
-    /// Carries out one operation, as far as it goes. The frame of a reset stays whole: only the trouble before it
-    /// counts.
+    /// Carries out one operation, up to the trouble if it happens there. The frame of a reset is not split: trouble
+    /// within it happens before its first byte.
     fn carry_out(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         let [operation] = operations else { panic!("one operation per transaction: {operations:?}") };
         let (length, splits) = match operation {

@@ -42,7 +42,7 @@ macro_rules! call {
     };
 }
 
-/// Uses the driver without its bus, by code that is the same for the blocking and the async driver.
+/// Evaluates an expression on the blocking or the async driver, whichever is in use.
 macro_rules! on {
     ($gyro:expr, $it:ident => $use:expr) => {
         match $gyro {

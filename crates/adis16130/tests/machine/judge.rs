@@ -6,7 +6,7 @@ use adis16130_twin::{Conversion, Fault, Reading, Twin};
 use crate::bus::Trouble;
 use crate::ledger::{Ledger, SampleRecord};
 
-/// The error names the rule that was broken.
+/// The outcome of a check. The error names the rule that was broken.
 pub type Verdict = Result<(), String>;
 
 pub struct Judge {
@@ -14,15 +14,16 @@ pub struct Judge {
     mclk_hz: f64,
     period_ns: f64,
     sampling: SamplerConfig,
-    /// The SPI clock is at least [`MIN_SCLK_HZ`] (F-33).
+    /// Whether the SPI clock is at least [`MIN_SCLK_HZ`] (F-33).
     is_fast: bool,
-    /// `lost` counts samples, the bus is fast, and each conversion takes at least a quarter of the period. The edges
-    /// of a shorter one cannot be told from those of the other channel before the period is learned.
+    /// Whether `lost` is checked: there is no divider, the bus is fast, and each conversion takes at least a quarter
+    /// of the period. The edges of a shorter conversion cannot be told from those of the other channel before the
+    /// period is learned.
     counts: bool,
-    /// The sampler finds out which edges announce rates.
+    /// Whether the sampler finds out which edges announce rates.
     knows_edges: bool,
     ledger: Ledger,
-    /// Numbers of the rate and of the temperature that the last sample had.
+    /// Numbers of the conversions from which the last sample had its rate and its temperature.
     handed: (u64, u64),
     fault: Fault,
     /// Bits were flipped, or bytes were sent past the driver. Part and driver may disagree until a restart.
@@ -36,7 +37,7 @@ pub struct Judge {
     bewildered: bool,
     /// A call was cut short, so nothing may be sent until a reset.
     interrupted: bool,
-    /// A fault set in during this call. The driver cannot detect it if it spoils a reading in its middle.
+    /// A fault set in during this call. The driver cannot detect a fault that begins in the middle of a reading.
     struck: bool,
     /// The start of a call that may send nothing, in ns of the twin's time.
     silent_from_ns: Option<u64>,
@@ -69,7 +70,7 @@ impl Judge {
 
     // ---- events ----
 
-    /// Notes a new sampler for another configuration.
+    /// Notes another configuration, for which there is a new sampler.
     pub fn configure(&mut self, config: &Config, sampling: SamplerConfig) {
         let (rate, temp) = cycles(config);
         self.period_ns = (rate + temp) * 1e9 / self.mclk_hz;

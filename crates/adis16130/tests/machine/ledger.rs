@@ -1,8 +1,8 @@
 //! Checks `lost`: the sum must be the conversions that the twin made, less the samples that were handed out.
 //!
 //! The documentation of `Sampler` promises that each reported loss is real, and that each loss is reported within five
-//! samples. A host that reads late gets a newer conversion than its edge announced, so these five are samples that
-//! were read at once. The driver cannot know more than this:
+//! samples. A host that reads late gets a newer conversion than its edge announced. So only samples that were read at
+//! once count among these five. The driver cannot know more than this:
 //!
 //! * A gap that is too long for the learned period is counted by the clock, to within one at either end.
 //! * A restart stops the conversions. The loss is counted by the clock, to within three.
@@ -12,7 +12,7 @@
 //! * A first sample that was read late counts from its edge, or from its reading. An edge whose data is gone looks as
 //!   if it had been late, so what is missing between the first two samples need not be reported.
 //!
-//! Once all losses are reported, the sum of reported less true losses stays within two of its value then.
+//! Once all losses are reported, the difference between reported and true losses changes by at most two.
 
 use adis16130_twin::Conversion;
 
@@ -23,14 +23,15 @@ const REPORTED_WITHIN: u32 = 5;
 /// one less between conversions.
 const REACH_AT_FIRST: f64 = 8.0 - 1.0;
 
-/// The limit after [`SAMPLES_TO_LEARN`] samples without a longer gap: 4/α = 128 periods in gear 5, less one.
+/// A gap of this many periods is counted exactly after [`SAMPLES_TO_LEARN`] samples without a longer gap: 4/α = 128
+/// periods in gear 5, less one.
 const REACH: f64 = 128.0 - 1.0;
 const SAMPLES_TO_LEARN: u32 = 300;
 
 /// How early an edge may come, in periods: the margin of the edge grid with F-30.
 const MARGIN: f64 = 1.0 / 16.0;
 
-/// Periods over which the phase follows the clock: twice 1/α in gear 1.
+/// Number of periods over which an offset of the clock adds up in the phase: twice 1/α in gear 1.
 const LAG: f64 = 4.0;
 
 /// The true period over the nominal one, or its inverse, with the master clock off by 6 %.
@@ -63,14 +64,14 @@ pub struct Ledger {
     samples: u64,
     /// Samples since a gap that was counted by the clock.
     learned: u32,
-    /// The largest error of the learned period since the last sample.
+    /// The largest relative error of the learned period since the last sample.
     clock_off: f64,
     restarted: bool,
     read_beside: bool,
 }
 
 impl Ledger {
-    /// Begins with a sampler. `knows_edges` says whether it finds out which edges announce rates.
+    /// Makes the ledger of a new sampler. `knows_edges` says whether the sampler finds out which edges announce rates.
     pub fn new(knows_edges: bool) -> Self {
         let mut ledger = Self::default();
         ledger.doubt(if knows_edges { 0.0 } else { 1.0 });
@@ -82,12 +83,12 @@ impl Ledger {
         self.restarted = true;
     }
 
-    /// Notes that a call outside the sampler may have read.
+    /// Notes that a call outside the sampler may have read a data register.
     pub fn read_beside(&mut self) {
         self.read_beside = true;
     }
 
-    /// Notes the true period and the sampler's, before each edge.
+    /// Notes the true period and the sampler's period, in ns. Called before each edge.
     pub fn period(&mut self, period_ns: f64, learned_ns: f64) {
         self.clock_off = self.clock_off.max((period_ns / learned_ns - 1.0).abs());
     }

@@ -1,4 +1,5 @@
-//! The steps of a run, and how they are drawn. Shrinking a failed run leaves steps out, and makes numbers small.
+//! The steps of a run, and how they are drawn. If a run fails, proptest leaves steps out and makes numbers small as
+//! long as it still fails.
 
 use std::fmt;
 
@@ -37,7 +38,7 @@ pub enum Step {
     Configure(Config, SamplerConfig),
     SelfTest,
     Write(WritableRegister, u8),
-    /// Sends these bytes past the driver.
+    /// Sends these bytes on the bus without the driver's knowledge.
     Raw(Vec<u8>),
     /// The driver gives the bus back, and another one takes it.
     Release,
@@ -49,7 +50,7 @@ pub enum Step {
     Ahead(u8, Trouble),
 }
 
-/// Calls that read.
+/// Calls of the driver that read registers.
 #[derive(Copy, Clone, Debug)]
 pub enum ReadCall {
     Rate,
@@ -67,7 +68,7 @@ pub enum ReadCall {
     Diagnose,
 }
 
-/// Calls that start the part.
+/// Calls of the driver that reset or initialise the part.
 #[derive(Copy, Clone, Debug)]
 pub enum Start {
     Restart,
@@ -79,7 +80,7 @@ pub enum Start {
     InitChecksummed,
 }
 
-/// Registers that a host may write.
+/// The registers that a step may write.
 #[derive(Copy, Clone, Debug)]
 pub enum WritableRegister {
     Mode,
@@ -100,7 +101,7 @@ pub struct Plan {
     pub rdy: RdyOutput,
     pub config: Config,
     pub sampling: SamplerConfig,
-    /// First value of the host's clock, in ns; `seq` is that of its count of edges.
+    /// Start value of the host's clock, in ns. `seq` is the start value of its count of edges.
     pub t_ns: u64,
     pub seq: u32,
     pub steps: Vec<Step>,

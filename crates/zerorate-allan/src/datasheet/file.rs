@@ -45,7 +45,7 @@ impl DataSheet {
     }
 }
 
-/// An error in the file of a data sheet.
+/// The reason why the file of a data sheet is not valid. `Display` states the line, the problem and what is valid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataSheetError(EntryError);
 
@@ -102,7 +102,6 @@ struct Accelerometer {
     _bandwidth_hz: Option<IgnoredAny>,
 }
 
-/// The entry of one figure in a data sheet.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FigureEntry {

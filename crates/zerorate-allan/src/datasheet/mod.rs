@@ -16,9 +16,9 @@ pub struct DataSheet {
     pub name: String,
     /// The document that prints the lines.
     pub source: Option<String>,
-    /// Lines of the gyroscopes.
+    /// Noise figures of the gyroscopes; empty if the data sheet states none.
     pub gyroscope: Vec<Line>,
-    /// Lines of the accelerometers.
+    /// Noise figures of the accelerometers; empty if the data sheet states none.
     pub accelerometer: Vec<Line>,
 }
 
@@ -61,7 +61,7 @@ pub enum Figure {
 pub struct Comparison {
     /// Value and 95 % interval. `None` if the model is missing or rejected; the curve minimum needs no model.
     pub measured: Option<Estimate>,
-    /// The verdict on the sensor.
+    /// What the comparison says about the sensor. [`Verdict::Open`] if nothing was measured.
     pub verdict: Verdict,
 }
 
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn a_sensor_is_as_stated_better_worse_or_not_told() {
         let (fit, analysis) = white();
-        // 0.1 °/√s is 6 °/√h, and 0.1414 °/s/√Hz on one side
+        // 0.1 °/√s is 6 °/√h, and a one-sided density of 0.1414 °/s/√Hz
         for (line, verdict) in [
             ("angle_random_walk = { typical = 6.0, unit = \"°/√h\" }", Verdict::Within),
             ("angle_random_walk = { typical = 5, unit = \"°/√h\" }", Verdict::Worse),
@@ -166,7 +166,7 @@ mod tests {
             ("noise_density = { typical = 0.141, unit = \"°/s/√Hz\" }", Verdict::Within),
             ("noise_density = { typical = 0.100, unit = \"°/s/√Hz\" }", Verdict::Worse),
             ("noise_density = { typical = 508, unit = \"deg/h/sqrt(Hz)\" }", Verdict::Within),
-            // white noise has neither flicker nor a minimum: a statement beyond the record's limit stays open
+            // white noise has neither flicker nor a minimum, so a value below the record's upper limit stays open
             ("bias_instability = { typical = 0.1, unit = \"°/h\" }", Verdict::Open),
             ("bias_instability = { typical = 0.1, unit = \"°/h\", means = \"B\" }", Verdict::Open),
             ("bias_instability = { typical = 5, unit = \"°/s\" }", Verdict::Better),

@@ -27,7 +27,6 @@ const AGREE: f64 = 3.5;
 /// Least variance of a difference of ln N, as a share of the variance at the lower end.
 const LEAST_DIFFERENCE: f64 = 0.04;
 
-/// A fit up to one frequency.
 struct FitUpTo {
     top_hz: f64,
     /// ln N and its variance.
@@ -42,7 +41,7 @@ struct FitUpTo {
 }
 
 /// The upper end of the model, Hz. Seen from low frequencies, a Gauss–Markov term looks like a filter. So a scan with
-/// one counts only if the term is worth its price up to the end found, and the white noise is seen beside it.
+/// such a term counts only if the term lowers −2 ln L by more than its price, and if white noise shows beside it.
 pub(super) fn top_hz(table: &Table) -> f64 {
     let tops = tops(table);
     let &[lowest, .., full] = &tops[..] else { return table.top_hz };
@@ -141,8 +140,8 @@ fn sees_plateau(problem: &Problem, found: &Optimum) -> bool {
     white(&problem.local(found), found, at) > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
 }
 
-/// The model with as many cosines, up to `most`, as are worth their price in likelihood. The best of `starts`,
-/// which have no cosines, counts.
+/// The model with the lowest price from any of `starts`, which have no cosines. Cosines are added, up to `most`, while
+/// they lower the price. A second-order low-pass replaces them if its price is lower.
 fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> Option<PricedModel> {
     let from = |slow: &Vec<f64>| {
         let cosines = fewest_cosines(problem);
@@ -182,7 +181,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// Looks at steps of an octave from 1 Hz on, each with ln N and its standard deviation.
+    /// Fits up to 1, 2, 4 … Hz, each with its ln N and the standard deviation of ln N.
     fn looks(all: &[(f64, f64)]) -> Vec<FitUpTo> {
         let look = |(step, &(ln_n, sigma)): (i32, &(f64, f64))| FitUpTo {
             top_hz: libm::exp2(f64::from(step)),

@@ -37,7 +37,7 @@ impl Response {
 const LEAST_DENSITY: f64 = 1e-3;
 
 impl Bin {
-    /// Whether the bin is one coefficient, in which the phase of a drift shows.
+    /// Whether the bin has one coefficient. A drift is fitted to such bins only, because it determines the sign.
     pub(super) fn is_single(&self) -> bool {
         self.end - self.first == 1
     }
@@ -47,7 +47,7 @@ impl Bin {
         ((self.power - self.response.offset) / self.response.gain).max(LEAST_DENSITY * self.power)
     }
 
-    /// The middle of the bin, in coefficients.
+    /// Mean index of the coefficients in the bin.
     pub(super) fn middle(&self) -> f64 {
         (self.first + self.end - 1) as f64 / 2.0
     }

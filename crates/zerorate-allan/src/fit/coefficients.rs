@@ -11,7 +11,6 @@ use super::{Corner, Estimate, MOST_ERROR, Term};
 use crate::Coefficient;
 use alloc::vec::Vec;
 
-/// Makes coefficients with their intervals from parameters.
 pub(super) struct Coefficients<'a> {
     /// Length of the record, in samples.
     pub(super) samples: usize,
@@ -42,15 +41,16 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N, and a second interpretation of the spectrum if one fits as well. The interval allows for an unsteady
-    /// record, and includes N with and without the tail of a resonance.
+    /// N, and a second explanation of the spectrum if one fits as well. The interval allows for `unsteady`, the
+    /// standard deviation of ln N because the noise varies, and for `tail`, the density that a resonance may add at
+    /// frequency 0.
     pub(super) fn n(&self, unsteady: f64, tail: f64) -> (Coefficient, Option<Other>) {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
         let doubt = tail / (2.0 * self.chosen.found.at[N2]);
         let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
         let wide = Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n };
-        // white noise below the model error of the other noise is not identified
+        // white noise that is nowhere a tenth of the density is not identified: the model may be off by as much
         let is_hidden = white_share(&self.chosen.problem, &self.chosen.found) < MOST_ERROR && !self.is_rejected;
         let needed_s = n.needed_s.or(is_hidden.then_some(f64::INFINITY));
         let own = if is_hidden { Coefficient { lo: 0.0, identified: false, needed_s, ..wide } } else { wide };
@@ -58,7 +58,7 @@ impl Coefficients<'_> {
         (other.map_or(own, |other| own.or(other.n)), other)
     }
 
-    /// K, which rests on few coefficients. So K² is the mean of its confidence distribution.
+    /// K rests on few coefficients of the spectrum. So K² is the mean of its confidence distribution.
     pub(super) fn k(&self) -> Coefficient {
         let profile = self.square(K2);
         let (lo, hi) = profile.interval();
@@ -119,7 +119,8 @@ impl Estimate {
 }
 
 impl Coefficient {
-    /// The coefficient if another value explains the record as well. A longer record would not decide between them.
+    /// The coefficient if the value `other` explains the record as well. The interval includes both values, and a
+    /// longer record would not decide between them.
     pub(super) fn or(self, other: f64) -> Self {
         Self { lo: self.lo.min(other), hi: self.hi.max(other), identified: false, needed_s: None, ..self }
     }

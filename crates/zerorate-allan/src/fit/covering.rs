@@ -70,7 +70,8 @@ impl Fit {
     /// one if that is outside the 95 % band of the model. The default horizon is a third of the record, and at most
     /// the horizon of the usage. `None` if no averaging time lies in the range.
     ///
-    /// docs/imu.md shows how sure a filter is with these numbers, and with the fitted ones.
+    /// docs/imu.md compares the errors of estimators with the errors that they expect, with these numbers and with the
+    /// fitted ones.
     #[must_use]
     pub fn covering(&self, usage: Usage, horizon_s: Option<f64>) -> Option<Covering> {
         let (dt_s, half_s) = self.span_s;

@@ -7,7 +7,7 @@ use core::ops::Range;
 
 /// Number of parts of a record that are compared.
 pub(super) const BLOCKS: usize = 8;
-/// Length of a block over the length of its longest average.
+/// Length of a part divided by the length of its longest average.
 const LONGEST_IN_BLOCK: usize = 16;
 /// A longer record without gaps is thinned for averages of at least `THINNED` samples. They then begin only at every
 /// `STEP`-th sample, which costs no degrees of freedom.
@@ -15,7 +15,7 @@ const LONG: usize = 1 << 20;
 const THINNED: u64 = 256;
 const STEP: usize = 16;
 
-/// The curves of the parts of a record.
+/// The overlapping Allan deviations of the parts of a record.
 pub(super) struct Curves<'a> {
     pub(super) rate: &'a [f64],
     pub(super) rate_hz: f64,
@@ -53,7 +53,7 @@ impl<'a> Curves<'a> {
         self.lengths.iter().filter_map(joined).chain(long).collect()
     }
 
-    /// The curve of the record.
+    /// The overlapping Allan deviations of the record.
     pub(super) fn whole(&self) -> Vec<Deviation> {
         self.of_parts(0..BLOCKS)
     }

@@ -7,7 +7,7 @@ use core::f64::consts::PI;
 
 /// Largest number of cosines of the band shape.
 pub(super) const MOST_COSINES: usize = 6;
-/// Number of coefficients in which the phase of a drift is used.
+/// Largest number of coefficients to which a drift is fitted, with their signs.
 pub(super) const LOW: usize = 64;
 /// E(c_k²) of 1/f noise over its density at f_k, k = 1, 2 …, and 1 beyond: ∫|Φ_k|²/f df, where Φ_k is the transform of
 /// the cosine.
@@ -73,7 +73,7 @@ impl Table {
         !is_below(self.rate_hz / 2.0, self.top_hz)
     }
 
-    /// Joins the rows of several records, from the lowest frequency on. The phase of drifts is not used.
+    /// Joins the rows of several records, from the lowest frequency on. No drift can be fitted to the result.
     pub(super) fn pooled(tables: &[&Self]) -> Self {
         let mut rows: Vec<BinRow> = tables.iter().flat_map(|table| table.rows.iter().cloned()).collect();
         rows.sort_by(|a, b| a.f_hz.total_cmp(&b.f_hz));
@@ -89,7 +89,7 @@ impl Table {
         for row in 0..self.singles() {
             let k = self.rows[row].bin.first - 1;
             let rest = self.low[k] - size * template[k];
-            // the rest of a coefficient is never exactly zero
+            // the logarithm of the power must be finite
             self.rows[row].bin.power = (rest * rest).max(f64::MIN_POSITIVE);
         }
     }

@@ -35,9 +35,10 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Windows beyond this share of the limit show whether the tail of the noise extends to the limit.
 const TAIL: f64 = 0.75;
-/// Windows beyond the limit are cut as glitches below this share of all windows. More would matter to N.
+/// If less than this share of all windows is beyond the limit, these windows are cut as glitches. Cutting more would
+/// change N.
 const OFTEN: f64 = 1e-4;
-/// Share of the records of normal noise whose tail seems to extend.
+/// Share of the records of normal noise whose tail seems, by chance, to extend to the limit.
 const HEAVY_BY_CHANCE: f64 = 1e-3;
 /// Share of the heavy-tailed records in which a gap within the tail is mistaken for one that isolates glitches.
 const GAP_BY_CHANCE: f64 = 0.05;
@@ -168,8 +169,9 @@ impl Windows<'_> {
         })
     }
 
-    /// The windows whose difference is above `limit` standard deviations of their class, or above a gap in the sizes
-    /// if the noise has a heavy tail, and is the largest within two widths to either side.
+    /// The windows whose difference is above `limit` standard deviations of their class. If the noise has a heavy
+    /// tail, the difference must be above a gap in the sizes instead. Only the largest difference within two widths to
+    /// either side counts.
     fn beyond(&self, limit: f64) -> Vec<usize> {
         let scales = self.scales();
         let reach = 2 * self.width;
@@ -203,7 +205,8 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     sizes.sort_unstable_by(f64::total_cmp);
     let beyond = sizes.len() - sizes.partition_point(|size| *size <= 1.0);
     let below = sizes.len() - beyond;
-    // the normal tail; the probability of this count or more is the tail of a Poisson distribution, by χ²
+    // Normal noise has this many windows beyond `TAIL` on average. The probability of `below` or more is the tail of
+    // a Poisson distribution, which is that of χ².
     let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
     let by_chance = || 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
     let are_rare = (beyond as f64) < OFTEN * windows;
@@ -219,7 +222,8 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     first.map_or(f64::INFINITY, |at| sizes[at - 1])
 }
 
-/// The standard deviation of values within [`CLIP`] of it. (A median is off by up to half a step for coarse codes.)
+/// The standard deviation of the values, without those beyond [`CLIP`] standard deviations. A median alone would be
+/// off by up to half a step for coarse codes.
 fn scale(d: &[f64]) -> f64 {
     let every = d.len().div_ceil(MEDIAN_OF).max(1);
     let sizes = d.iter().step_by(every).map(|d| libm::fabs(*d)).collect();

@@ -13,7 +13,7 @@ use core::ops::Range;
 pub struct Line {
     /// Frequency, Hz. A disturbance above half the rate appears at its alias.
     pub frequency_hz: f64,
-    /// Width, Hz.
+    /// Width, Hz: for a broad line, of the band that holds the middle half of its power.
     pub width_hz: f64,
     /// Root mean square, in the unit of the rate.
     pub rms: f64,
@@ -21,14 +21,14 @@ pub struct Line {
 
 /// Expected number of false lines per record.
 const ALARM: f64 = 0.01;
-/// First coefficient of a line. An excess below it is slow noise.
+/// Lowest coefficient in which a line is sought. An excess below it is taken for slow noise.
 const FIRST: usize = 48;
 /// The factor by which a bin must exceed chance, because the base line is an estimate.
 const MARGIN: f64 = 1.15;
 /// Number of coefficients that are tested together for narrow lines, and the margin for them.
 const GROUP: usize = 4;
 const NARROW_MARGIN: f64 = 1.1;
-/// Number of coefficients that are removed before the first coefficient of such a group, and from it on.
+/// Number of coefficients that are removed before the first coefficient of a group with a line, and from it on.
 const BEFORE: usize = 2;
 const AFTER: usize = 6;
 
@@ -77,7 +77,7 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
     let middle: f64 = power.iter().zip(from..).map(|(p, i)| p * (i + 1) as f64).sum::<f64>() / weight;
     let variance = (excess * 2.0 * hz).max(0.0);
     let line = Line { frequency_hz: middle * hz, width_hz: (to - from) as f64 * hz, rms: libm::sqrt(variance) };
-    // where the sum reaches an eighth of the power, three eighths …
+    // the frequency at which the sum of powers reaches the share `part`
     let at = |part: f64| {
         let mut sum = 0.0;
         let below = |p: &&f64| {
@@ -127,7 +127,7 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// The mask of bins that stand out of the base line, with their shoulders.
+/// The mask of bins that stand out of the base line, and of the bins beside them that are still above it.
 fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
     let alarm = ALARM / bins.len() as f64;
     let mut limit = Memo::new(|freedom| MARGIN * chi2_quantile(1.0 - alarm, freedom) / freedom);

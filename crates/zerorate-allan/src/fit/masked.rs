@@ -17,7 +17,7 @@ pub(super) struct MaskedBins {
     sines: Vec<Vec<(f64, f64)>>,
     /// The first coefficient of each line, and one past its last.
     runs: Vec<(usize, usize)>,
-    /// The share of the density at frequency 0 that comes from the tails of broad lines near the upper end.
+    /// Density at frequency 0 of the tails of broad lines near the upper end, unit²/Hz.
     pub(super) tail_at_zero: f64,
 }
 
@@ -29,8 +29,9 @@ const LEAST_REACH: f64 = 1.0;
 /// A line stands out within a quarter of its period if its power is above this factor times frequency times N².
 const SEEN: f64 = 8.0;
 
-/// The coefficients of all lines, as the first and one past the last, if one line stands out of the noise within a
-/// quarter of its period: its ends look like steps. Some lines are its tails, so all lines count.
+/// The coefficients of each line, as the first and one past the last. The result is empty unless one line stands out
+/// of the noise within a quarter of its period. Such a line looks like steps where it begins and ends. Other lines
+/// may be its tails, so all are returned.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
     let narrow = spectrum.narrow.iter().filter(|narrow| !narrow.is_gone).map(|narrow| {
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
@@ -72,7 +73,7 @@ impl WholeLine {
 
 impl MaskedBins {
     /// All lines of the record with their sines. A sine that begins and ends with the record leaks into coefficients
-    /// further on. That power belongs to the line of the sine, not to a line of its own.
+    /// far from its frequency. The leaked power is added to the line of the sine and forms no line of its own.
     pub(super) fn with_narrow(self, narrow: &[Narrow]) -> Vec<WholeLine> {
         let own = narrow.iter().map(|narrow| WholeLine {
             line: narrow.line,
@@ -128,9 +129,9 @@ impl MaskedBins {
 const MOST_LEAKAGE: f64 = 0.02;
 const MOST_SLOW_LEAKAGE: f64 = 0.1;
 
-/// The strongest line that may leak into the rows of the fit, and the mean share of the rows' power that may be
-/// leakage. The share is of all rows, or of the rows up to half the line's frequency, on which B and K rest, if it is
-/// larger there. `None` if it is small.
+/// The strongest line that may leak into the rows of the fit, and the share of the rows' power that may be leakage.
+/// The share is the mean over all rows. B and K rest on the rows up to half the line's frequency. If their mean is
+/// larger and above [`MOST_SLOW_LEAKAGE`], it counts instead. `None` for a share of at most [`MOST_LEAKAGE`].
 pub(super) fn leakage(lines: &[WholeLine], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
     let strongest = lines.iter().filter(|whole| whole.leaks);
     let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
@@ -163,7 +164,7 @@ fn leak((first, end): (usize, usize), (from, to): (usize, usize)) -> f64 {
     if near < 1.0 { 1.0 } else { 2.0 / (PI * PI) * (1.0 / (near - 0.5) - 1.0 / (far - 0.5)) }
 }
 
-/// A masked bin as four sines.
+/// Variance and frequency of four sines that stand for a masked bin.
 fn sines((variance, bin): &(f64, Bin), hz: f64) -> [(f64, f64); 4] {
     let (from, width) = (bin.first as f64 - 0.5, (bin.end - bin.first) as f64);
     [0.125, 0.375, 0.625, 0.875].map(|part| (variance / 4.0, (from + part * width) * hz))
@@ -190,8 +191,8 @@ fn variance_of(run: &[(f64, Bin)]) -> f64 {
 
 /// Density of a resonance at frequency 0: P·w/(π(f² + w²)), with half width w and power P.
 ///
-/// The line knows only the power within `reach_hz`. With x = reach/w that is the share (2/π)·atan x of P, and half of
-/// it lies within w′ = reach/(1 + √(1 + x²)).
+/// `line.rms` includes only the power within `reach_hz`. With x = reach/w, this is the share (2/π)·atan x of P. Half
+/// of this power lies within w′ = reach/(1 + √(1 + x²)).
 fn tail(line: &Line, reach_hz: f64, rate_hz: f64) -> f64 {
     if line.frequency_hz <= rate_hz / 2.0 / libm::exp2(NEAR_THE_END) {
         return 0.0;

@@ -48,7 +48,7 @@ impl OffCurve {
         Some(Self { tau_s: worst.m as f64 / curves.rate_hz, ratio: ratio(worst), octaves: off.len() })
     }
 
-    /// The deviation from the model, as a share.
+    /// The largest error of the curve, as a share of the modelled deviation.
     pub(super) fn error(self) -> f64 {
         libm::fabs(self.ratio - 1.0)
     }

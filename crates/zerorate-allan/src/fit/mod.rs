@@ -176,12 +176,13 @@ pub struct Fit {
     pub q: Option<Coefficient>,
     /// Rate ramp R, unit/s, with the Allan variance R²τ²/2; only if significant.
     pub r: Option<Coefficient>,
-    /// The other terms.
+    /// The other terms: Gauss–Markov terms, the band shape, a warm-up and lines, in this order.
     pub terms: Vec<Term>,
     /// The Allan variance that the terms predict.
     pub model: Model,
     /// Model error ε: the spectrum scatters about the model as if the model were wrong by this share. 0 if chance
-    /// explains the scatter. The error of the curve beyond chance counts instead if it is larger.
+    /// explains the scatter. The error of the curve beyond chance counts instead if it is larger. If the sensor moves,
+    /// so does the ratio of the standard deviations of its loud and quiet windows.
     pub model_error: f64,
     /// Probability of a larger scatter than the measured one, if the model with ε is right.
     pub p_value: f64,
@@ -199,14 +200,14 @@ pub struct Fit {
     pub span_s: (f64, f64),
     /// The glitches and steps that were removed before the fit.
     pub cleaned: Cleaning,
-    /// The warnings about this record.
+    /// Warnings about the record and the model. Each states what was seen and what to do.
     pub warnings: Vec<AllanWarning>,
 }
 
 /// The prediction of a model for one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
-    /// The fitted deviation. In a record with gaps, averages run over the samples that exist.
+    /// The expected deviation. For a record with gaps, [`Fit::expected`] allows for the samples that averages lack.
     pub dev: f64,
     /// Lower end of the band in which the model expects 95 % of the measured deviations.
     pub lo: f64,
@@ -245,7 +246,7 @@ impl Fit {
         }
         let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
         let doubt = self.model.doubt(m);
-        // of ln σ: the variances of chance and of the fit add up, and the unsteadiness of the record adds linearly
+        // half width in ln σ: the variances of chance and of the fit add up, and the unsteadiness adds linearly
         let limit = |p: f64| {
             let chance = libm::log(chi2_quantile(p, edf) / edf);
             let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);
@@ -272,12 +273,12 @@ const STEP_LIMIT: f64 = 5.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
-    /// Too few samples.
+    /// Fewer than [`FEWEST_SAMPLES`] samples are present.
     TooShort {
         /// Samples that are present.
         samples: u64,
     },
-    /// Most of the record is missing.
+    /// More than three quarters of the samples are missing.
     Gaps {
         /// Samples that are present.
         present: u64,
@@ -418,7 +419,7 @@ fn selected(rate: &[f64], rate_hz: f64, max_freq_hz: Option<f64>) -> Result<(Spe
     }
     let priced = |top_hz: f64, price: f64| select::select(table.below(top_hz), price).ok_or(FitError::NotFinite);
     let up_to = |top_hz: f64| priced(top_hz, SHAPE_PRICE);
-    // most records have no filter, and a false one makes N a sixth less certain
+    // most records show no filter, so cosines cost more in the first try: a false filter makes N a sixth less certain
     let plain_price = libm::log(spectrum.samples as f64);
     let selection = match max_freq_hz {
         Some(max_freq_hz) => up_to(max_freq_hz.min(rate_hz / 2.0))?,

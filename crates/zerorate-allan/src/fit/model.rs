@@ -113,8 +113,9 @@ impl Model {
         Ok(model)
     }
 
-    /// The density of flicker, random walk and Gauss–Markov terms in samples that are averages over their interval, as
-    /// [`allan_variance`](Self::allan_variance) takes them: Σ S(|f + k/T₀|) sinc²((f + k/T₀) T₀).
+    /// The density of flicker, random walk and Gauss–Markov terms in samples that are averages over the sample
+    /// interval T₀, as [`allan_variance`](Self::allan_variance) takes them: Σ S(|f + k/T₀|) sinc²((f + k/T₀) T₀) over
+    /// all k.
     fn slow_density(&self, f_hz: f64) -> f64 {
         let u = f_hz / self.rate_hz;
         let square = libm::pow(libm::sin(PI * u), 2.0);
@@ -284,7 +285,7 @@ impl Model {
     }
 }
 
-/// Σ (x + k)⁻³ from k = 0 on, the last terms by their integral.
+/// Σ (x + k)⁻³ over all k from 0 on. An integral stands for the terms from k = 8 on.
 fn inverse_cubes(x: f64) -> f64 {
     const TERMS: u32 = 8;
     let rest = x + f64::from(TERMS) - 0.5;
@@ -305,7 +306,7 @@ fn add_cosine(cells: &mut [f64], variance: f64, angle: f64) {
 mod tests {
     use super::*;
 
-    /// The Allan variance of single samples is 4/T₀ ∫ S sin²(πu) du from u = 0 to ½.
+    /// The Allan variance of single samples is 4/T₀ ∫ S sin²(πu) du from u = 0 to ½, with u = f·T₀.
     #[test]
     fn the_density_of_slow_noise_has_its_allan_variance() {
         let silent = Model {

@@ -63,8 +63,8 @@ fn together(axes: &[&Fit], kind: MotionKind, near_s: f64, times_s: impl Fn(&Fit)
     moments.filter(|motion| motion.axes.len() > 1).collect()
 }
 
-/// The probability of this many pairs, or more, if the glitches of the axes are independent. It is the tail of a
-/// Poisson distribution, which is a χ² distribution with twice the degrees of freedom.
+/// The probability of this many pairs, or more, if the glitches of the axes are independent. The number of pairs has a
+/// Poisson distribution, whose tail is that of χ² with 2·`pairs` degrees of freedom.
 fn by_chance(axes: &[&Fit], near_s: f64, pairs: usize) -> f64 {
     let count = |fit: &&Fit| fit.cleaned.glitches as f64;
     let sum: f64 = axes.iter().map(count).sum();

@@ -1,8 +1,8 @@
 //! Fits one model to several records of one type. The terms are common, and the likelihoods are added.
 //!
 //! Units of one type differ, and a sum of likelihoods that ignores this gives intervals that are too narrow. So the
-//! spread between the records is reported, and the intervals include it (Guerrier, Skaloud et al. ask the same of
-//! several calibrations of one sensor: mgmwm).
+//! spread between the records is reported, and the intervals include it. The R package mgmwm (Guerrier, Skaloud et
+//! al.) treats several calibrations of one sensor in this way.
 
 use super::coefficients::Coefficients;
 use super::curve::Curves;
@@ -51,9 +51,9 @@ pub struct Spread {
     pub records: usize,
     /// Standard deviation of the coefficient's logarithm beyond the records' intervals; 0 if these explain all of it.
     pub relative: f64,
-    /// Smallest value among the records.
+    /// Smallest value among the records that identify the coefficient.
     pub least: f64,
-    /// Largest value among the records.
+    /// Largest value among the records that identify the coefficient.
     pub largest: f64,
 }
 
@@ -98,7 +98,7 @@ pub enum PoolError {
         /// The number of records given.
         records: usize,
     },
-    /// The sample rates differ. The band of a sensor goes with its rate.
+    /// The sample rates differ, and so may the filters of the sensors.
     Rates {
         /// Rate of the first record.
         first_hz: f64,
@@ -216,7 +216,7 @@ fn parts(record: &PoolRecord<'_>, top_hz: f64) -> Result<Parts, FitError> {
     Ok(Parts { table: table.below(top_hz), above: spectrum.above(top_hz, record.rate_hz) })
 }
 
-/// The records whose own models are rejected or have another N.
+/// The records whose own models are rejected, or whose N is off the median by more than [`MOST_ERROR`].
 fn outliers_by_own_model(records: &[PoolRecord<'_>]) -> Vec<Outlier> {
     let valid = records.iter().filter(|record| !record.fit.is_rejected);
     let middle = median(valid.map(|record| record.fit.n.value).collect());
@@ -232,7 +232,7 @@ fn outliers_by_own_model(records: &[PoolRecord<'_>]) -> Vec<Outlier> {
     records.iter().enumerate().filter_map(of).collect()
 }
 
-/// A record with values of its own for the common terms.
+/// A record to which the terms of the common model were fitted again.
 struct RecordFit {
     record: usize,
     problem: Problem,
@@ -250,7 +250,7 @@ impl RecordFit {
         Self { record, own: problem.descend(form, &at, None, DESCENT), problem, common }
     }
 
-    /// The gain in −2 ln L of the slow noise from the record's own values, compared with this expected power.
+    /// The gain in −2 ln L of the slow noise from the record's own values, compared with the expected power `density`.
     fn gain(&self, density: &[f64]) -> f64 {
         let deviance = |density: &[f64]| {
             let rows = self.problem.table.rows.iter().zip(density).zip(&self.problem.nu);

@@ -69,7 +69,7 @@ fn own_variance(
         Ok(lengths.iter().map(by_length).map(|change| change / SMALL).collect::<Vec<f64>>())
     };
     let slopes = free.iter().map(slope).collect::<Result<Vec<Vec<f64>>, FftError>>()?;
-    // in standard deviations of each parameter alone
+    // the curvature with each parameter in units of its standard deviation if the others are held
     let cell = |a: usize, b: usize| {
         let (i, j) = (free[a], free[b]);
         curvature.at(i, j) * deviation(i) * deviation(j) / 2.0 + if a == b { 1e-9 } else { 0.0 }

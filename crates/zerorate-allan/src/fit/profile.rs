@@ -8,14 +8,16 @@ use super::select::DESCENT;
 use crate::linear::Square;
 use alloc::vec::Vec;
 
-/// Precision of an end of the interval, and the largest numbers of steps to find it and of doublings to enclose it.
+/// Precision of an end of the interval, in standard deviations, and the largest numbers of steps to find it and of
+/// doublings to enclose it.
 const NEAR: f64 = 2e-3;
 const STEPS: usize = 16;
 const DOUBLINGS: usize = 40;
-/// The confidence distribution is integrated in this many cells, up to this multiple of the interval's upper end.
+/// The confidence distribution of a square is integrated over its root, in this many cells and up to this multiple of
+/// the root of the interval's upper end.
 const CELLS: u32 = 30;
 const BEYOND_THE_INTERVAL: f64 = 2.0;
-/// Steps and final gain of a descent near the best parameters.
+/// Largest number of steps of a descent near the best parameters, and the gain in −2 ln L below which it ends.
 const BESIDE: (usize, f64) = (30, 1e-5);
 /// Smallest |r| that [`Profile::score`] corrects, and the largest correction, both in standard deviations.
 const LEAST_ROOT: f64 = 0.05;
@@ -98,7 +100,7 @@ impl<'a> Profile<'a> {
     fn end(&self, step: f64) -> f64 {
         let bound = if step < 0.0 { self.bounds.0 } else { self.bounds.1 };
         let within = |value: f64| value.clamp(self.bounds.0, self.bounds.1);
-        // positive on the far side of the best value
+        // distance of `value` from the best value in the direction of `step`, in standard deviations
         let beyond = |value: f64| if step < 0.0 { self.score(value) } else { -self.score(value) };
         let (mut inside, mut inside_score) = (self.value(), 0.0);
         let mut reach = TWO_SIDED_95 * step;

@@ -18,8 +18,9 @@ pub(super) struct Raw {
 /// Halves of a record that differ by less than this share need no warning.
 const CHANGE: f64 = 0.05;
 
-/// Number of samples that show the band of a sensor. With it, all of 100 simulated records show the band of each axis
-/// of the ADIS16405. With 1000 samples 93 to 100 records show it, with 300 samples 41 to 85.
+/// Number of samples in which the fit recognises the filter of a sensor. With this number, it recognises the filter of
+/// each axis of the ADIS16405 in all of 100 simulated records. With 1000 samples these are 93 to 100 records, with 300
+/// samples 41 to 85.
 const BAND_IS_SEEN: u64 = 2000;
 
 pub(super) fn remarks(

@@ -84,7 +84,8 @@ impl ModelForm {
     }
 }
 
-/// A Gauss–Markov term shorter than this, in samples, belongs to the band shape, unless the reading is `Short`.
+/// Shortest correlation time of a Gauss–Markov term, in samples, except for [`Explanation::Short`]. The band shape
+/// describes shorter ones.
 pub(super) const SHORTEST: f64 = 20.0;
 const SHORTEST_OF_ALL: f64 = 2.0;
 /// A Gauss–Markov term longer than this share of the record is a random walk.

@@ -16,15 +16,16 @@ const MARKOV_PRICE: f64 = 9.21;
 /// Added to the price of a Gauss–Markov term that leaves no identified flicker. A few Gauss–Markov terms look like
 /// flicker, and if both fit, flicker is preferred.
 const INSTEAD_OF_FLICKER: f64 = 9.0;
-/// Added to the price of a Gauss–Markov term that may be the sensor's low-pass. Cosines can follow a filter at this
-/// price; a spectrum that they cannot follow costs thousands.
+/// Added to the price of a Gauss–Markov term that may be the sensor's low-pass. Cosines that follow a filter cost no
+/// more than this. If they cannot follow it, the misfit raises −2 ln L by thousands.
 const INSTEAD_OF_LOW_PASS: f64 = 50.0;
 /// The 5 % point of χ² with one degree of freedom: the least gain of an identified coefficient.
 const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
 const MOST_MARKOVS: usize = 2;
-/// Start values of T, from `FIRST_START` samples to `LAST_START` of the record: the deviance has several minima.
+/// Number of start values of T, from `FIRST_START` samples to the share `LAST_START` of the record. The deviance has
+/// several minima.
 const STARTS: u32 = 18;
 const FIRST_START: f64 = 25.0;
 const LAST_START: f64 = 1.0 / 6.0;
@@ -42,20 +43,20 @@ pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
 const ERROR_ABOVE: f64 = 1.0 / 64.0;
 /// Numbers of adjacent bins that may share one model error.
 const RUNS: [usize; 5] = [1, 2, 4, 8, 16];
-/// Standard deviations of the scatter beyond which the model is in error.
+/// A model has an error if χ² of its upper bins is above the expected value by this many standard deviations.
 const ERROR_LIMIT: f64 = 3.0;
 /// Added to the limit, because χ² of few bins is skew.
 const SKEW: f64 = 2.0;
-/// Share of the records in which a correct model would be rejected for the scatter of runs of one length.
+/// Share of the records in which a correct model would be rejected by the means over one number of bins in [`RUNS`].
 const REJECTED_BY_CHANCE: f64 = 1e-4;
 /// Two choices of terms that differ by less in price cannot be told apart.
 pub(super) const CLOSE: f64 = 6.0;
 /// Both N are given if their squares differ by this factor or more.
 const OTHER_N: f64 = 1.5;
-/// A Gauss–Markov term within this factor of a bound is dropped.
+/// A model with a correlation time within this factor of its bound is not selected.
 const AT_BOUND: f64 = 1.1;
 
-/// The selected model.
+/// The selected model, the data to which it was fitted, and other models that explain these data nearly as well.
 #[derive(Clone, Debug)]
 pub(super) struct Selection {
     pub(super) problem: Problem,
@@ -76,7 +77,7 @@ pub(super) struct Other {
 }
 
 impl Other {
-    /// A candidate whose N differs from the chosen N by more than [`OTHER_N`].
+    /// The candidate as another explanation. `None` if the two N² differ by a factor below [`OTHER_N`].
     fn of(problem: &Problem, chosen: &Optimum, candidate: &Optimum) -> Option<Self> {
         let (own, n2) = (chosen.at[N2], candidate.at[N2]);
         if own.max(n2) < OTHER_N * own.min(n2) {
@@ -94,7 +95,8 @@ impl Other {
 }
 
 impl Selection {
-    /// Whether the model holds without cosines, which can follow any filter over a part of the spectrum.
+    /// Whether the model explains the whole spectrum: it has no cosines, which could follow any filter over a part of
+    /// the spectrum, or it adds the slow noise after the filter and has a small error.
     pub(super) fn has_plain_form(&self) -> bool {
         let form = &self.found.form;
         match form.reading {
@@ -124,7 +126,6 @@ impl Selection {
     }
 }
 
-/// A model and its price.
 #[derive(Clone, Debug)]
 pub(super) struct PricedModel {
     pub(super) found: Optimum,
@@ -220,7 +221,7 @@ fn families(problem: &Problem) -> Vec<PricedModel> {
     found
 }
 
-/// Tries shapes of growing order, until two in a row are not worth their price.
+/// Tries shapes with more and more cosines, until two in a row do not lower the price.
 fn family(problem: &Problem, markovs: usize, fewer: &[Optimum]) -> (Option<PricedModel>, Vec<Optimum>) {
     let mut all: Vec<Optimum> = Vec::new();
     let mut best: Option<PricedModel> = None;
@@ -308,7 +309,8 @@ pub(super) fn level_near(table: &Table, f_hz: f64) -> f64 {
     part.iter().map(|row| row.bin.power).sum::<f64>() / part.len().max(1) as f64
 }
 
-/// Variants with a pole or quantisation of the angle in place of cosines, and each of these with a drift.
+/// The cheaper variants with a low-pass or quantisation of the angle in place of cosines, and the cheapest of all
+/// these models with each kind of drift.
 fn variants(problem: &Problem, best: &PricedModel) -> Vec<PricedModel> {
     let shapes = other_shapes(problem, &best.found).into_iter().map(|found| priced(problem, found));
     let shapes: Vec<PricedModel> = shapes.filter(|other| other.price < best.price).collect();
@@ -339,7 +341,7 @@ fn with_refined_warm_up(problem: &Problem, coarse: Optimum, tau_s: f64) -> Optim
     best.0
 }
 
-/// Up to this many cosines, no pole and no other reading is tried in their place.
+/// Up to this many cosines, no pole and no other explanation of the spectrum is tried in their place.
 const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Optimum) -> Vec<Optimum> {

@@ -16,7 +16,7 @@ const FEWEST_IN_WINDOW: usize = 20;
 const FEWEST_WINDOWS: usize = 10;
 /// The share of the windows that is left out at either end.
 const OUTSIDE: f64 = 0.1;
-/// A sensor moves if the standard deviations of the windows have more than this ratio.
+/// A sensor moves if the largest standard deviation of the remaining windows exceeds the smallest by this factor.
 const MOVES: f64 = 10.0;
 
 /// The ratio of the largest to the smallest standard deviation in windows of ten seconds, without the loudest and the
@@ -45,7 +45,8 @@ fn about_line(window: &[f64]) -> Option<f64> {
     (2.0 * count > window.len() as f64).then(|| libm::sqrt((vv - tv * tv / tt).max(0.0) / count))
 }
 
-/// The smallest non-zero difference of adjacent samples: coarse codes do not change in many windows.
+/// The smallest non-zero difference of adjacent samples; 0 if none differ. Coarse codes may hardly change in a window,
+/// so no standard deviation below this counts as quiet.
 fn step(rate: &[f64]) -> f64 {
     let steps = rate.windows(2).map(|pair| libm::fabs(pair[1] - pair[0])).filter(|step| *step > 0.0);
     let least = steps.fold(f64::INFINITY, f64::min);

@@ -16,7 +16,7 @@ use realfft::FftError;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Step {
-    /// The time, s from the start of the record. It is known to some tenths of a second at best; the size is certain.
+    /// The time, s from the start of the record. It is known to some tenths of a second at best.
     pub at_s: f64,
     /// The size, in the unit of the rate.
     pub size: f64,
@@ -40,8 +40,8 @@ const MOST_MISSING: f64 = 0.02;
 const FEWEST_SLOTS: usize = 64;
 
 /// The step with the largest score under the noise of the model, with flicker and random walk. The size at every time
-/// is a generalised least squares estimate, by one transform. With c_k, d_k = 2 sin(πk/2n) and the density S_k per
-/// sample, a unit step at t has the coefficients −√(2/n) sin(πkt/n)/d_k. Loud lines are left out.
+/// is a generalised least squares estimate, by one transform of the coefficients c_k and their densities S_k. With
+/// d_k = 2 sin(πk/2n), a unit step at t has the coefficients −√(2/n) sin(πkt/n)/d_k. [`loud`] lines are left out.
 pub(super) fn largest(
     rate: &[f64],
     rate_hz: f64,
@@ -65,7 +65,7 @@ pub(super) fn largest(
     let table = &chosen.problem.table;
     let fitted = table.rows.iter().map(|row| row.f_hz).zip(chosen.found.density.iter().copied());
     let hz = rate_hz / (2 * n) as f64;
-    // a filter weakens a step as much as the noise, so less noise there proves nothing
+    // a filter weakens a step as much as the noise, so a density below N² counts as N²
     let whole = fitted.chain(spectrum.above(table.top_hz, rate_hz));
     let known: Vec<(f64, f64)> = whole.map(|(f_hz, density)| (f_hz, density.max(chosen.found.at[N2]))).collect();
     let densities: Vec<f64> = known.iter().map(|(_, density)| *density).collect();
@@ -118,7 +118,8 @@ fn scan(x: &[f64], density: &[f64], left_out: &[(usize, usize)]) -> Result<Optio
     let mean = x.iter().sum::<f64>() / n.max(1) as f64;
     let coefficients = cosine_transform(&x.iter().map(|x| x - mean).collect::<Vec<f64>>())?;
     let half_angle = PI / (2 * n) as f64;
-    // One transform of both. Without this scale, c·d would vanish beside 1 if the unit of the rate is large.
+    // Both sums come from one transform. Without this scale, one of them would lose its digits beside the other if the
+    // unit of the rate is large.
     let unit = libm::sqrt(density.iter().sum::<f64>() / n as f64);
     let weigh = |(k, (c, s)): (usize, (&f64, &f64))| {
         let d = 2.0 * libm::sin(half_angle * (k + 1) as f64);

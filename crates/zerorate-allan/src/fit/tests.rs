@@ -79,7 +79,7 @@ fn codes(fit: &Fit) -> Vec<&'static str> {
     fit.warnings.iter().map(AllanWarning::code).collect()
 }
 
-/// Only the signs are random: the powers equal the densities, for any length and unit.
+/// Only the signs of the coefficients are random, so each power equals its density. The unit of the rate is arbitrary.
 #[test]
 fn a_spectrum_without_scatter_gives_its_coefficients() {
     let mut draw = uniform(1);
@@ -114,7 +114,7 @@ fn the_upper_limit_of_an_absent_coefficient_is_above_zero() {
     for seed in 90..102 {
         let rate = Truth { n: 0.01, ..Truth::default() }.noise(30_000, seed);
         let fit = of(&rate);
-        // white noise of 300 s bounds B to some N/√(300 s), and K to that over √(300 s)
+        // white noise of 300 s bounds B to the order of N/√(300 s), and K to the order of N/(300 s)
         assert!(fit.b.hi > 1e-4 && fit.k.hi > 1e-5, "{:?} {:?}", fit.b, fit.k);
     }
 }
@@ -245,7 +245,7 @@ fn lost_samples_do_not_change_n() {
     assert!(gappy.n.lo < HOUR.n && HOUR.n < gappy.n.hi && gappy.n.hi - gappy.n.lo > whole.n.hi - whole.n.lo);
     assert!(!codes(&gappy).contains(&"glitches"), "lines across gaps scatter less than noise");
     assert!(codes(&gappy).contains(&"gaps") && near(gappy.b.value, whole.b.value, 0.4), "{gappy:?}");
-    // codes with gaps are the same record
+    // the same record as codes with gaps has the same N
     let there: Vec<usize> = (0..rate.len()).filter(|&i| !rate[i].is_nan()).collect();
     let codes: Vec<i32> = there.iter().map(|&i| (rate[i] * 1e6) as i32).collect();
     let mut gaps = Vec::new();
@@ -398,7 +398,8 @@ fn a_sine_and_a_resonance_are_left_out() {
     assert!(fit.n.lo < HOUR.n && HOUR.n < fit.n.hi && near(fit.n.value, HOUR.n, 0.015), "{:?}", fit.n);
 }
 
-/// Ten minutes of warm-up are not identified as a random walk without a warning, and a ramp is reported as R.
+/// A warm-up with a time constant of ten minutes is reported, and not taken for a random walk. A ramp is reported as
+/// R.
 #[test]
 fn a_warm_up_and_a_ramp_are_reported() {
     let still = Truth { k: 0.0, ..HOUR }.noise(360_000, 12);
@@ -418,8 +419,8 @@ fn a_warm_up_and_a_ramp_are_reported() {
     assert!(codes(&fit).contains(&"drift"));
 }
 
-/// An echo has a comb as its spectrum, which no term follows at any frequency: rejected, nothing identified, no
-/// advice.
+/// The spectrum of an echo is a comb, which no term follows at any frequency. So the model is rejected, nothing is
+/// identified, and there is no advice.
 #[test]
 fn a_model_that_does_not_hold_is_rejected() {
     let white = Truth { n: 0.01, ..Truth::default() }.noise(200_000, 13);
@@ -449,8 +450,7 @@ fn the_measured_curve_is_in_the_band() {
     assert!(inside + 2 >= all, "{inside} of {all}");
 }
 
-/// The band for another record is wider than the band of its own. It holds for a record of the same noise, but not for
-/// a louder one.
+/// The band for another record holds for a record of the same noise, but not for one with 3 % more white noise.
 #[test]
 fn another_record_is_predicted() {
     let fit = of(&HOUR.noise(200_000, 35));
@@ -466,12 +466,12 @@ fn another_record_is_predicted() {
     assert!(same.len() == 11 && same.iter().filter(|holds| **holds).count() >= 10, "{same:?}");
     let louder = inside(&Truth { n: 1.03 * HOUR.n, ..HOUR }.noise(200_000, 37));
     assert!(louder[..6].iter().all(|holds| !holds), "{louder:?}");
-    // half as long a record knows an octave half as well
+    // deviations of a record half as long scatter more
     let width = |samples| fit.predicted(1024, samples).map_or(0.0, |band| band.hi / band.lo);
     assert!(width(100_000) > width(200_000));
 }
 
-/// F-51, F-53: the minimum of N and K is at √3·N/K.
+/// The Allan deviation of N and K alone has its minimum at √3·N/K (F-51, F-53).
 #[test]
 fn advice_is_read_off_the_model() {
     let rate = Truth { n: 0.00884, k: 1e-3, b: 0.0, ..HOUR }.noise(360_000, 15);
@@ -481,7 +481,8 @@ fn advice_is_read_off_the_model() {
     assert!(advice.an1042.iter().all(Option::is_some));
 }
 
-/// The end of a warm-up is flat, but no better to average over than a short while.
+/// For a record with a warm-up, the advised average is shorter than 100 s, and its deviation is within 10 % of the
+/// lowest measured one.
 #[test]
 fn a_warm_up_does_not_lengthen_the_average_for_the_bias() {
     let settling = |i: usize| -0.2 * (-(i as f64) / RATE_HZ / 216.0).exp();
@@ -530,7 +531,7 @@ fn unusable_input_is_an_error() {
     }
 }
 
-/// Records of every length, with anything in them, never panic.
+/// Short records do not panic, whether they are white noise, coarse codes, spikes, losses or a parabola.
 #[test]
 fn records_of_any_length_do_not_panic() {
     let mut draw = normal(20);

@@ -9,14 +9,15 @@ use alloc::vec::Vec;
 
 /// An average counts if this share of its samples is present.
 const COUNTS: f64 = 0.5;
-/// Number of lags with correlation, and the longest average that is computed. Longer averages have its factor.
+/// Number of lags at which the short noise may be correlated, and the longest average with a factor of its own, in
+/// samples. Longer averages have the factor of that average.
 const LAGS: usize = 128;
 const LONGEST: usize = 4096;
 /// Number of samples examined for each length, and the least and largest number of pairs of averages.
 const LOOKED_AT: usize = 1 << 16;
 const LOOKS: (usize, usize) = (8, 512);
 
-/// The effect of gaps on the Allan variance of the short noise.
+/// The effect of gaps on the Allan variance of the short noise: white noise and quantisation behind the filter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Thinning {
     /// Factors on the Allan variance of the short noise, for averages of 1, 2, 4 … samples; empty without gaps.
@@ -37,7 +38,8 @@ impl Thinning {
         Self { factors: lengths.map(|m| factor(&is_there, m, covariance)).collect(), missing }
     }
 
-    /// The variance that gaps add to averages of `m` samples. The deviations subtract it.
+    /// The variance that gaps add to averages of `m` samples, as a share of that of the short noise. The deviations
+    /// subtract it.
     pub(super) fn added(&self, m: u64) -> f64 {
         let present = (1.0 - self.missing).max(COUNTS);
         if m > 1 { 1.0 / present - 1.0 } else { 0.0 }

@@ -217,7 +217,7 @@ impl Present {
             let mean = sum / c;
             let excess = match count {
                 _ if c == m => Some(0.0),
-                // as for a sample without replacement
+                // variance of the mean of c values that are drawn from m without replacement
                 2.. => Some((squares - sum * mean).max(0.0) / (c - 1.0) * (1.0 / c - 1.0 / m)),
                 _ => None,
             };

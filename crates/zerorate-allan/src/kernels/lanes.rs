@@ -98,7 +98,7 @@ pub(super) fn reach(line: Line, first: usize, x: &[f64]) -> Reach {
 /// The level of a point, rounded to whole steps.
 #[inline(always)]
 fn steps(line: Line, per_step: f64, first: f64, i: usize, x: f64) -> i64 {
-    /// From here on, f64 has only whole numbers.
+    /// 2^52. Every f64 above is a whole number.
     const WHOLE: f64 = 4_503_599_627_370_496.0;
     let exact = line.level(first, i, x) * per_step;
     let whole = WHOLE.copysign(exact);
@@ -210,7 +210,7 @@ pub(super) fn third_i32(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum 
 
 /// Number of values below 2^56 whose squares fit in parts into sums of 64 bits.
 const LONG_RUN: usize = 128;
-/// The bit at which these values are split.
+/// Values below 2^56 are split in two at this bit, before they are squared.
 const SPLIT: u32 = 28;
 
 /// A sum of squares of values that are split in two.

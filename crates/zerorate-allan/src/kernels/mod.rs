@@ -1,6 +1,7 @@
 //! Computes the deviations.
 //!
-//! Each kind of record has its own kernel, and each kernel makes one [`Squares`] for each averaging time.
+//! Codes, rates in f64 and records with gaps have their own functions. Each returns one [`Squares`] for each averaging
+//! time.
 
 mod array;
 mod codes;
@@ -40,7 +41,7 @@ struct Squares {
     sum: f64,
     /// Number of terms.
     n: u64,
-    /// The factor from differences of averages to these differences.
+    /// A squared difference is the square of a difference of averages times this.
     per: f64,
 }
 
@@ -114,7 +115,7 @@ fn whole_squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Option<Vec<R
     }
 }
 
-/// The factor from a difference in units of the record's step to the unit of the deviation.
+/// The factor from a difference of averages, in the unit of the record (for phase: per sample), to the deviation.
 fn scale(factor: Factor, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
     let per_second = if is_phase { rate_hz } else { 1.0 };
     match factor {

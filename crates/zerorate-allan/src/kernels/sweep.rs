@@ -13,13 +13,15 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Starts in a block. The first cache holds some streams of a block, the second cache those of all averaging times.
+/// Number of starts in a block. What one averaging time reads for a block fits into the first-level cache, and what
+/// all of them read into the second-level cache.
 const BLOCK: usize = 2048;
 /// Starts that one thread takes at a time.
 const PIECE: usize = 64 * BLOCK;
-/// Averages of this many samples reach beyond the second cache.
+/// Averages of a multiple of this many samples are computed by columns: what they share does not stay in the
+/// second-level cache otherwise.
 const ROW: usize = 1 << 16;
-/// Bytes of a row that are taken at a time. The second cache holds nearly all rows of 10^8 samples.
+/// Bytes of each row that are taken at a time. The second-level cache holds them for nearly all rows of 10^8 samples.
 const COLUMN_BYTES: usize = 2048;
 
 /// Forms differences of a running sum, and sums their squares.
@@ -121,7 +123,8 @@ fn strided<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize
     }
 }
 
-/// As [`sums`], for the reflected record: plain within it, and reflected around the points within m of its ends.
+/// Sum of the squared second differences of the reflected record, for each of `m`. Around points within m of the ends
+/// of the record, they include reflected points.
 pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Sum> {
     let mut sums = sums::<T>(x, Plain::WITHIN, m);
     let last = x.len() - 1;
@@ -139,7 +142,8 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
     sums
 }
 
-/// Sum over the terms around `middles`. All or none are within m of the start; a cut makes this hold for the end.
+/// Sum over the terms around the points `middles`. The caller passes points of which all or none are within m of the
+/// start. A cut makes this true for the end as well.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
     let mut sum = T::Sum::default();

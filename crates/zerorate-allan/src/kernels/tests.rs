@@ -156,7 +156,7 @@ fn phase_and_time_deviation_know_the_rate() {
     assert_close(time, 0.2 * modified / 3f64.sqrt(), 1e-15, "tau is 10 / 50 s");
 }
 
-/// One missing sample among averages of four, by hand.
+/// Three samples are missing. The averages of one, two and four samples are worked out by hand.
 #[test]
 fn gaps_are_left_out() {
     let rate = [1.0, 3.0, 2.0, 4.0, f64::NAN, 5.0, 9.0, f64::NAN, f64::NAN];
@@ -171,7 +171,7 @@ fn gaps_are_left_out() {
         let two = deviations(&input, 1.0, Stat::Oadev, &[2])[0].unwrap();
         assert_eq!(two.n, 1);
         assert_close(two.dev, 0.5f64.sqrt(), 1e-15, "m = 2");
-        // averages of four: 2.5, and 7 of two samples with the variance 8; 3 of three with the variance 1, and that 7
+        // averages of four: 2.5 before 7 (two samples, variance 8), then 3 (three samples, variance 1) before that 7
         let four = deviations(&input, 1.0, Stat::Oadev, &[4])[0].unwrap();
         assert_eq!(four.n, 2);
         let squares = (20.25 - 8.0 / 4.0) + (16.0 - 1.0 / 12.0 - 8.0 / 4.0);
@@ -201,7 +201,7 @@ fn losses_do_not_add_to_the_deviation() {
     }
 }
 
-/// A whole record is the limit of one with gaps: one missing sample at the end, where no average needs it.
+/// The functions for records with gaps give a whole record the same deviations as the functions for whole records.
 #[test]
 fn gaps_path_agrees_with_the_whole_record() {
     let rate = nbs14();
@@ -253,7 +253,7 @@ fn extreme_codes_do_not_overflow() {
     }
 }
 
-/// Pseudo-random codes of `bits` bits, long enough for several pieces where asked for.
+/// Pseudo-random codes of `bits` bits.
 fn noise(len: usize, bits: u32) -> Vec<i32> {
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut next = || {

@@ -3,26 +3,26 @@
 
 use alloc::vec::Vec;
 
-/// The results of both closures.
+/// Runs both closures, at the same time if a thread is free, and returns their results.
 #[cfg(all(feature = "std", not(target_family = "wasm")))]
 pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
 }
 
-/// The results of both closures.
+/// Runs both closures, one after the other, and returns their results.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     (a(), b())
 }
 
-/// The results of `f(0)`, `f(1)` … in this order.
+/// Runs `f(0)`, `f(1)` … on all threads, and returns their results in this order.
 #[cfg(all(feature = "std", not(target_family = "wasm")))]
 pub fn map<R: Send>(pieces: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
     use rayon::prelude::*;
     (0..pieces).into_par_iter().map(f).collect()
 }
 
-/// The results of `f(0)`, `f(1)` … in this order.
+/// Runs `f(0)`, `f(1)` … one after the other, and returns their results in this order.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
     (0..pieces).map(f).collect()

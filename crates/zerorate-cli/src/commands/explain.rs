@@ -78,7 +78,7 @@ mod tests {
     use crate::cli::Cli;
     use clap::{CommandFactory, Parser};
 
-    /// Splits a line as a shell does, for the quotes that the table has.
+    /// Splits an example command into its arguments. Quotes may only enclose a single word.
     fn words(line: &str) -> Vec<String> {
         line.split(' ').map(|word| word.trim_matches('\'').to_owned()).collect()
     }

@@ -5,7 +5,7 @@ use crate::output::print;
 use clap_mangen::Man;
 use std::io::{self, Write};
 
-/// Prints one manual page: the program, a section for each command, and the addresses of devices.
+/// Prints one manual page: the program, a section for each command except `help`, and the addresses of devices.
 pub fn man(mut root: clap::Command) -> anyhow::Result<()> {
     root.build();
     let man = Man::new(root.clone());

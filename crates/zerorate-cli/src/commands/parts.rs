@@ -31,7 +31,7 @@ struct All {
     parts: Vec<Table>,
 }
 
-/// A row of the list.
+/// The fields of a part file that the list shows, besides its noise.
 #[derive(Deserialize)]
 struct Row {
     name: String,
@@ -138,13 +138,13 @@ mod tests {
             }
             match part {
                 Ok(part) => assert!(part.axes.iter().all(|axis| axis.axis.range_dps.is_some()), "{file}"),
-                // it gives values instead of codes, or the scale of its temperature is unknown
+                // the part gives values instead of codes, or the scale of its temperature is unknown
                 Err(why) => assert!(why.to_string().contains("it has no [temperature]"), "{file}: {why}"),
             }
         }
     }
 
-    /// Codes of 16 bits reach the full scale, and hardly farther: a scale of another range would show.
+    /// Each full scale takes 15 % to 101 % of the codes. More would mean that the scale belongs to another range.
     #[test]
     fn every_full_scale_fits_its_codes() {
         for (file, text) in FILES {

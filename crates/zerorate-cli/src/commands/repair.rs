@@ -63,10 +63,10 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     print(&format!("{name}: {} rows kept; {what}\n", intact.rows))
 }
 
-/// The undamaged part of a capture.
+/// How much of a capture can be kept, and what is missing.
 struct IntactPart {
     rows: u64,
-    /// What is missing or damaged after it; `None` if the capture is complete.
+    /// What is missing or damaged after these rows; `None` if the capture is complete.
     missing: Option<String>,
 }
 

@@ -7,7 +7,7 @@ use zerorate::Calibration;
 use zerorate::calibration::Notes;
 use zerorate_view::SessionWarning;
 
-/// Parses a text that must be a single line.
+/// Checks a text of the user: one line, not empty, without control characters. Returns it unchanged.
 pub fn one_line(text: &str) -> Result<String, String> {
     match text.trim() {
         "" => Err("it is empty; leave the option out".to_owned()),

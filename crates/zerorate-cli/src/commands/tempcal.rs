@@ -130,7 +130,7 @@ struct Report<'a> {
     warnings: &'a [String],
 }
 
-/// The name of the part in a calibration, since no option states it.
+/// The name of the part in every calibration that this command writes.
 const PART: &str = "gyroscope";
 
 pub fn run(args: &TempcalArgs) -> Result<()> {

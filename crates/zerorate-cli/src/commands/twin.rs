@@ -4,7 +4,7 @@ use crate::output::print;
 use adis16130_twin::{KEYS, Key};
 use anyhow::Result;
 
-/// Lists the keys.
+/// Prints all keys of `--device twin:` to stdout, with their defaults.
 pub fn run() -> Result<()> {
     print(&(keys_help() + "\n"))
 }

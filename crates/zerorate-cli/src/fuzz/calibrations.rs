@@ -3,7 +3,7 @@
 use super::edited;
 use zerorate::Calibration;
 
-/// A calibration with every possible field.
+/// A calibration of one axis with most of the fields that a file may have.
 const CALIBRATION: &str = r#"schema = 1
 part = "ADIS16130"
 serial = "A17"
@@ -67,7 +67,7 @@ earth_dps = 0.003
 assume_linear = false
 "#;
 
-/// A calibration with two axes, one with as few fields as possible and one with all.
+/// A calibration of two axes. The first has only the required fields.
 const AXES: &str = r#"schema = 2
 part = "ADIS16405"
 axis = [{ name = "x", correction = { pbc_dps = 1, btc_dps_per_c = 0, t3_c = 3 } }, { name = "y", warnings = ["one"],

@@ -1,4 +1,5 @@
-//! Fuzz tests: damaged input into every decoder of the program. None may panic. `zerorate-record` has the harness.
+//! Fuzz tests of calibrations, of messages of a bridge, and of words of the command line: damaged input causes no
+//! panic. `zerorate-record` has the harness.
 
 mod calibrations;
 #[path = "../../../zerorate-record/src/fuzz/edit.rs"]

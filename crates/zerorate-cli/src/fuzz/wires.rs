@@ -32,7 +32,6 @@ fn bridge_messages() {
     });
 }
 
-/// Requests to a bridge.
 #[test]
 fn bridge_requests() {
     let requests = vec![

@@ -23,14 +23,14 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
-/// Prints warnings to stderr.
+/// Prints each warning to stderr as a line that begins with `warning: `.
 pub fn warn<T: Display>(warnings: &[T]) {
     for warning in warnings {
         say(format_args!("warning: {warning}"));
     }
 }
 
-/// The command line as the user typed it, for a page.
+/// The arguments of this process after the name `zerorate`, joined by spaces, for a page. Quotes are lost.
 pub fn command_line() -> String {
     std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
 }

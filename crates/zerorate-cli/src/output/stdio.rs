@@ -19,7 +19,7 @@ fn bar() -> MutexGuard<'static, Option<ProgressBar>> {
     BAR.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Shows a progress bar. From here on lines are printed above it.
+/// Shows a progress bar. Lines that [`say`] prints afterwards appear above it.
 pub fn show(new: &ProgressBar) {
     *bar() = Some(new.clone());
 }

@@ -1,4 +1,4 @@
-//! [`super::Outputs`] knows every input of a command, because nothing else opens a file.
+//! Only [`super::Outputs`] and the exceptions below open files. So `Outputs` knows all inputs of the other commands.
 
 use std::fs;
 use std::path::{Path, PathBuf};

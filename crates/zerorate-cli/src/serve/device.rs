@@ -22,7 +22,7 @@ pub struct Opener {
     pub setup: Setup,
     /// The serial number of the part, if the user gave it.
     pub serial: Option<String>,
-    /// The stop of the whole server.
+    /// Requests the end of the whole server, also while the device is being opened.
     pub stop: Stop,
 }
 
@@ -34,7 +34,7 @@ pub struct OpenDevice {
 }
 
 impl Opener {
-    /// Opens the device and checks it like `zerorate probe`.
+    /// Opens the device, and makes the checks of `zerorate probe` that need no samples.
     pub fn open(&self) -> Result<OpenDevice> {
         let hub = Hub::open(&self.spec, self.setup.clone(), &self.stop)?;
         let revision = hub.with(|source| source.initialise())?;
@@ -84,7 +84,7 @@ impl Opening {
     }
 }
 
-/// The samples for the session: all of them, except that a real part is never made to wait.
+/// How the session gets its samples: without loss, or without delaying a real part.
 pub enum SampleFeed {
     /// Simulated or replayed time waits for the session.
     LosslessReader(LosslessReader),
@@ -114,7 +114,7 @@ impl SampleFeed {
     }
 }
 
-/// Starts reading the device at this speed.
+/// Starts to read the device. Simulated or replayed time runs at `speed` times real time.
 pub fn begin(hub: &Hub, speed: f64) -> Result<(), DeviceError> {
     hub.read(Pace::RealTime, Vec::new())?;
     hub.speed().set(speed);

@@ -20,7 +20,7 @@ pub struct Folder {
     known: HashSet<String>,
     /// The files of each id in the folder.
     files: HashMap<String, Vec<PathBuf>>,
-    /// The session's number of changes up to which the folder is up to date.
+    /// The session's count of changes when the folder was last brought up to date.
     seen: u64,
 }
 

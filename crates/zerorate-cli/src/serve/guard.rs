@@ -80,7 +80,8 @@ const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 const FETCH_MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
 
 impl Guard {
-    /// The checks for a server at `address`. A token is required if other machines can reach it.
+    /// The checks for a server at `address` that is also reached by `names`. With a `token`, clients
+    /// must show it to get samples.
     pub fn new(address: SocketAddr, token: Option<Token>, names: Vec<String>) -> Self {
         let cookie = format!("zerorate_{}", address.port());
         Self { token, is_local: address.ip().is_loopback(), names, cookie }
@@ -91,7 +92,7 @@ impl Guard {
         self.token.as_ref()
     }
 
-    /// Checks what every request must fulfil: our own name, our own page, a known method and no body.
+    /// Checks what every request must fulfil: our own name, our own page, a known method, and no body but a token.
     pub fn check(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
         let host = self.own_name(headers)?;
         // a host in the request line takes precedence over the header (RFC 9112, 3.2.2)
@@ -107,7 +108,8 @@ impl Guard {
         }
     }
 
-    /// The cookie that stores the token. The browser sends it to this server only, and scripts cannot read it.
+    /// The cookie that stores the token. Scripts cannot read it, and browsers do not send it with requests that pages
+    /// of other sites make.
     pub fn cookie(&self) -> Option<HeaderValue> {
         let token = self.token.as_ref()?.reveal();
         HeaderValue::try_from(format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", self.cookie)).ok()
@@ -122,7 +124,8 @@ impl Guard {
     }
 
     /// Protects against DNS rebinding: if another site points its name to this machine, the request has that name.
-    /// IP addresses are accepted. The port is not compared, since it may be forwarded.
+    /// IP addresses are accepted, but only loopback ones if the server listens at one. The port is not compared, since
+    /// it may be forwarded.
     fn own_name<'a>(&self, headers: &'a HeaderMap) -> Result<&'a str, Refusal> {
         let mut all = headers.get_all(header::HOST).iter();
         let (Some(host), None) = (all.next().and_then(|host| host.to_str().ok()), all.next()) else {

@@ -1,4 +1,4 @@
-//! The files of the page, which are embedded in the program. A request can only name a file of this table.
+//! The files of the page, which are embedded in the program. A request cannot get any other file.
 
 use super::answer::{self, Answer};
 use flate2::read::GzDecoder;
@@ -9,7 +9,7 @@ use std::io::Read;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::NoticeText;
 
-/// An embedded file, compressed by gzip. Unlike brotli, browsers accept gzip from any host over plain HTTP.
+/// An embedded file, compressed by gzip. Browsers accept gzip from any host over plain HTTP, but not brotli.
 struct Asset {
     name: &'static str,
     /// A hash of the content, as the ETag for caches.

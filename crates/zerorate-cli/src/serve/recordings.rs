@@ -36,7 +36,7 @@ impl Recordings {
         let (begun, waits) = channel();
         let body = move || {
             let mut open = first.map(|file| OpenRecording::create(file, &info)).transpose()?;
-            // the receiver waits for this
+            // tells `begin`, which waits for it, that the first file is there
             let _ = begun.send(());
             while let Ok(Some(batch)) = everything.next() {
                 if batch.rows.is_empty() {
@@ -53,7 +53,7 @@ impl Recordings {
         let thread =
             thread::Builder::new().name("recorder".to_owned()).spawn(body).context("starting the recorder")?;
         self.running = Some(thread);
-        // the thread drops the sender if it could not start
+        // if the file cannot be created, the thread drops the sender, and `end` returns the error
         waits.recv().or_else(|_| self.end())
     }
 

@@ -35,7 +35,7 @@ const HEADERS: usize = 64;
 /// Largest number of requests at once on a connection, and per second in the long run.
 const BURST: u32 = 100;
 const REQUESTS_PER_S: f64 = 20.0;
-/// Largest token, bytes.
+/// Largest body of a request that sends a token, bytes.
 const TOKEN: usize = 1 << 10;
 /// Period of the checks for a stop.
 const POLL: Duration = Duration::from_millis(50);
@@ -88,7 +88,7 @@ impl Server {
         Self { requests, seats: Arc::new(Semaphore::new(SEATS)), limits, guard, trials: Trials::new(Instant::now()) }
     }
 
-    /// Checks the token, if one is required. Needed for samples and commands.
+    /// Checks the token, if one is required. Every request for samples or commands must pass this check.
     fn admit(&self, headers: &HeaderMap) -> Result<(), Refusal> {
         let Some(token) = self.guard.token() else { return Ok(()) };
         self.trials.admit(token, self.guard.shown(headers), Instant::now())

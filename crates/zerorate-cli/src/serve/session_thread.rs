@@ -250,7 +250,7 @@ impl SessionThread {
         }
     }
 
-    /// Handles the end of a recording, or a failure of the device.
+    /// Handles the end of a replay, or a failure of the device.
     fn end_reading(&mut self) {
         let Device::Reading(reading) = &self.device else { return };
         let hub = Arc::clone(&reading.hub);
@@ -265,7 +265,8 @@ impl SessionThread {
         }
     }
 
-    /// Handles a device that cannot be read. The reason is printed only when it changes, however often it is opened.
+    /// Handles a device that cannot be read. The reason is printed only when it changes, although the device is opened
+    /// again and again.
     fn gone(&mut self, error: &anyhow::Error, look_again: bool) {
         let hub = match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
             Device::Over { hub, .. } => hub,
@@ -309,7 +310,7 @@ impl SessionThread {
                 self.session = self.session.reopened(about);
                 self.note_standing();
                 self.failed = None;
-                // the page still shows the part
+                // without its recording, the part is still read and shown
                 if let Err(error) = self.recordings.begin(&hub, &self.session.about().info) {
                     self.note_failure(error);
                 }

@@ -17,7 +17,7 @@ pub async fn small_page(server: &Server) -> Answer {
 fn filled(metrics: Option<&str>) -> String {
     let Some(metrics) = metrics else { return PAGE.replace("{numbers}", "The device is not read any more.") };
     let numbers = metrics.lines().filter_map(|line| line.strip_prefix("zerorate_"));
-    // the name of an axis comes from a file
+    // the name of an axis comes from a file, so it may contain HTML
     let escaped = |line: &str| line.replace('&', "&amp;").replace('<', "&lt;");
     PAGE.replace("{numbers}", &numbers.map(escaped).collect::<Vec<_>>().join("\n"))
 }

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of different tokens that may be tried at once, and per second in the long run.
+/// Number of different wrong tokens that may be tried at once, and per second in the long run.
 const AT_ONCE: u32 = 5;
 const PER_S: f64 = 0.5;
 /// Number of wrong tokens that are remembered and not counted again. A page that was left open repeats its old
@@ -63,7 +63,7 @@ impl TrialLog {
         if token.is(shown) {
             return Ok(true);
         }
-        // `has_one` was true
+        // this cannot fail, because `has_one` was true
         let _ = self.bucket.take(now);
         if self.wrong.len() == REMEMBERED {
             self.wrong.pop_front();

@@ -21,7 +21,7 @@ use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message};
 
-/// Time without receiving after which a viewer is dropped. It then reconnects.
+/// Time in which a viewer must receive a message. Otherwise its connection is closed, and the page connects again.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Largest message of a page, bytes: a calibration file, with a margin.
 const MESSAGE: usize = 1 << 20;

@@ -15,7 +15,7 @@ use std::thread;
 /// Faults of the cable or of the bridge.
 #[derive(Clone, Copy, Default)]
 struct Cable {
-    /// Flips a bit in every frame of this number: the N-th, the 2N-th and so on.
+    /// Flips a bit in every N-th frame, where N is this number.
     damages_every: Option<u64>,
     pulled_after: Option<u64>,
     /// Replaces the bridge's clock: time from one sample to the next, ns.
@@ -129,11 +129,11 @@ fn a_bridge_takes_the_options_of_the_part() {
     let arguments = ["probe", "--device", &options, "--duration", "1s", "--json", "--self-test"];
     let found = zerorate(&arguments).ended_with(0).json();
     assert_eq!((&found["framing"], &found["lost_samples"]), (&"byte".into(), &0.into()));
-    // a filter word of 9 makes a conversion take 783 cycles (F-31), and a sample two conversions
+    // a filter word of 9 makes a conversion take 783 cycles of the master clock (F-31); a sample is two conversions
     assert!((found["rate_hz"].as_f64().expect("a rate") / (6e6 / 1566.0) - 1.0).abs() < 0.02, "{found}");
     let shift_dps = found["self_test"]["shift_dps"].as_f64().expect("a shift");
     assert!((shift_dps - 20.0).abs() < 2.0, "the twin's is 20 °/s, and its sensitivity is off by 3 %: {found}");
-    // the pin is released: the same rate as before
+    // the pin is released, so the self-test does not shift the rate any more
     assert!(found["rate_dps"].as_f64().expect("a rate").abs() < 5.0, "{found}");
     let refused = format!("{device}?edge=rising");
     zerorate(&["probe", "--device", &refused]).ended_with(1).saying(&["cannot hear the edge", "leave edge= out"]);

@@ -63,7 +63,7 @@ fn a_simulated_calibration_says_so() {
     assert!(header.contains("measured     SIMULATED"), "{header}");
 }
 
-/// `--latitude` subtracts the Earth's rotation of F-16.
+/// `--latitude` subtracts the Earth's rotation, 0.00418 °/s times the sine of the latitude (F-16).
 #[test]
 fn the_latitude_gives_the_earths_rotation() {
     let earth = |given: &[&str]| {
@@ -81,7 +81,7 @@ fn the_latitude_gives_the_earths_rotation() {
     calibrate(&["--latitude", "1", "--earth-dps", "0"]).ended_with(2);
 }
 
-/// `recalibrate` without durations uses the whole recording, and writes the same file.
+/// `recalibrate` without durations uses the whole recording, and finds the same curve.
 #[test]
 fn a_recorded_warm_up_gives_the_same_file() {
     let bench = Bench::new();
@@ -98,7 +98,7 @@ fn a_recorded_warm_up_gives_the_same_file() {
     assert!(shown.iter().all(|part| page.contains(part)), "{page}");
     bench.zerorate("capture --device twin:seed=4 --samples 900 -o other.arrows").ended_with(0);
     bench.zerorate("report live.toml --capture other.arrows -o b.html").ended_with(1).saying(&["is not the capture"]);
-    // a capture that is longer than the calibration
+    // this calibration uses only the beginning of the capture
     let short = "--average 2s --warmup 30s --settle 5s --offset 5s --max-u-btc 1";
     bench.zerorate(&format!("recalibrate log.arrows {short} -o part.toml")).ok();
     bench.zerorate("report part.toml --capture log.arrows -o part.html").ended_with(0);

@@ -25,7 +25,7 @@ const MOST: Duration = Duration::from_secs(120);
 enum Ending {
     /// The measurement ends by itself. The fault begins before its end.
     Running,
-    /// The measurement ends by itself. The fault begins with the safe set point.
+    /// The measurement ends by itself. The fault begins with the command that sets the safe temperature.
     Ended,
     CtrlC,
     CtrlCTwice,
@@ -61,7 +61,7 @@ impl Cell {
         if self.ending == Ending::Ended { AT_END } else { "20" }
     }
 
-    /// Time for retries, s. A fault that passes gets long enough for a busy machine.
+    /// Time for retries, s. It is short if the fault must end the measurement, and otherwise long, for a busy machine.
     fn retry_s(&self) -> u32 {
         let comes_back = self.fault == "fails-thrice";
         if self.ending == Ending::Running && !comes_back { 1 } else { 60 }

@@ -1,5 +1,5 @@
-//! A run without a result: the reason on stderr, the exit code, nothing on stdout, and no file. The tests of the
-//! individual faults are in `zerorate-jobs/tests/jobs/`.
+//! A run without a result prints the reason to stderr and nothing to stdout, has its exit code, and leaves no file.
+//! The tests of the individual faults are in `zerorate-jobs/tests/jobs/`.
 
 use crate::harness::{Bench, SHORT};
 

@@ -19,7 +19,8 @@ fn track(bench: &Bench, duration: &str, more: &str) -> Run {
     bench.zerorate(format!("{line} --track --state state.toml {more}").trim_end())
 }
 
-/// A stream that is ahead of its reader by a few thousand rows at most, because its pipe is full.
+/// A stream whose rows the test reads when it wants to. The stream gets ahead by a few thousand rows at most, because
+/// its pipe is then full.
 struct HaltedRun {
     child: Child,
     rows: BufReader<ChildStdout>,
@@ -82,8 +83,8 @@ fn a_stream_that_was_killed_leaves_its_state_free() {
     assert_eq!(bench.names().len(), 2);
 }
 
-/// The folder of the state vanishes, as with a full disk. No row is lost. If the folder comes back, the state is
-/// written and the run succeeds.
+/// The folder of the state is renamed, so that the state cannot be written. No row is lost. If the folder comes back,
+/// the state is written and the run succeeds.
 #[cfg(unix)]
 #[test]
 fn a_state_that_cannot_be_written_ends_no_stream() {

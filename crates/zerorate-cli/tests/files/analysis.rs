@@ -73,7 +73,7 @@ fn log_with(samples: usize, changed: impl Fn(usize, f64, f64) -> (f64, f64)) -> 
     rows.fold("t_s,gz_dps\n".to_owned(), |log, (t_s, rate_dps)| log + &format!("{t_s:.2},{rate_dps:e}\n"))
 }
 
-/// Too few samples, 90 % missing samples, or a single impossible value: the model is refused.
+/// Too few samples, 99 % missing samples, or a single impossible value: the model is refused.
 #[test]
 fn a_record_without_a_model_is_refused_in_every_mode() {
     let bench = Bench::new();

@@ -115,7 +115,7 @@ fn another_part_is_calibrated_corrected_and_exported() {
     bench.zerorate("report unit.toml -o unit.html").ok();
 }
 
-/// Without the part file the numbers are the same, and a warning names the checks that could not be made.
+/// Without the part file the noise of the part is unknown, so a warning says that its rest could not be judged.
 #[test]
 fn a_sensor_without_stated_noise_is_not_judged() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! Correcting a capture with the right calibration. The numbers are in `zerorate-jobs/tests/jobs/correct.rs`.
+//! Correcting a capture with the right calibration. `zerorate-jobs/tests/jobs/correct.rs` tests the numbers.
 
 use super::{Bench, calibration, calibration_of, capture};
 

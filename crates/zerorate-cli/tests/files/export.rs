@@ -43,7 +43,8 @@ fn json_has_coefficients_and_table() {
     }
 }
 
-/// A curve adds its terms, the integer form of order 3, and a table along the curve. A line has none of these.
+/// In JSON, a curve has its quadratic and cubic terms and an integer form of order 3; a line does not. The table
+/// follows the curve.
 #[test]
 fn json_and_csv_hold_a_curve() {
     let bench = Bench::new();
@@ -67,7 +68,8 @@ fn json_and_csv_hold_a_curve() {
         let found: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
         assert!((found - wanted).abs() < 1e-11 && row["correction_dps"] == found, "{line}: {wanted}");
     }
-    // the steepest slope is 0.044 °/s/°C, half a step of 0.5 °C from the nearest row; second derivative 0.00107
+    // the nearest row is up to 0.25 °C away, and the steepest slope is 0.044144 °/s/°C; interpolation between rows
+    // that are 0.5 °C apart leaves step²/8 times the largest second derivative, 0.001072 °/s/°C²
     assert!((json["table"]["nearest_dps"].as_f64().unwrap() - 0.25 * 0.044_144).abs() < 1e-6, "{}", json["table"]);
     assert!((json["table"]["linear_dps"].as_f64().unwrap() - 0.25 / 8.0 * 0.001_072).abs() < 1e-9, "{text}");
     bench.write("line.toml", measured(&CORRECTIONS[0]));
@@ -97,7 +99,7 @@ const CORRECTIONS: [Correction; 5] = [
     Correction { btc2_dps_per_c2: -0.01, btc3_dps_per_c3: 1e-4, ..Correction::line(249.9, -0.9, -40.0) },
 ];
 
-/// A calibration that holds from 3.2 °C below T3, where the table of the tests ends at 2 °C, to 0.7 °C above it.
+/// A calibration that holds from 3.2 °C below T3 to 0.7 °C above T3. The table of the tests spans 2 °C on both sides.
 fn measured(correction: &Correction) -> String {
     let text = calibration(correction.pbc_dps, correction.btc_dps_per_c, correction.t3_c);
     let (mut calibration, _) = Calibration::parse(&text).unwrap();
@@ -112,7 +114,7 @@ fn curved_axes() -> String {
     let file = super::AXES.replace("schema = 2", "schema = 3");
     let file = file.replace("t3_c = 31.25", "t3_c = 31.25, btc2_dps_per_c2 = 0.0015, btc3_dps_per_c3 = -2e-5");
     let file = file.replace("-0.01, t3_c = 31.5", "-0.01, t3_c = 31.5, btc3_dps_per_c3 = 3e-6");
-    // 31.5 °C is half-way between two rows at 25 °C, which is a code
+    // with T3 = 31.5 °C, the code of 25 °C would lie half-way between two rows of the table
     file.replace("t3_c = 31.5", "t3_c = 31.53")
 }
 
@@ -158,13 +160,13 @@ fn random() -> impl FnMut() -> i64 {
     }
 }
 
-/// 10 000 random codes of 24 bits, and all extremes.
+/// 10 000 random pairs of codes of 24 bits, and all pairs of extreme codes.
 fn codes() -> Vec<Vec<i64>> {
     let mut random = random();
     let extremes = [0, 1, 8_388_607, 8_388_608, 8_388_609, 16_777_214, 16_777_215];
     let corners = extremes.iter().flat_map(|rate| extremes.map(|temp| vec![temp, *rate]));
     let mut code = move || random() % 16_777_216;
-    // temperatures near T3, where the table has its rows, then over the whole range
+    // temperatures from 25 to 39 °C, which include the rows of tables around 31.5 °C, then over the whole range
     let near: Vec<_> = (0..5_000).map(|_| vec![8_388_608 + code() % 200_000, code()]).collect();
     corners.chain(near).chain((0..5_000).map(|_| vec![code(), code()])).collect()
 }
@@ -178,10 +180,11 @@ fn codes_of_axes() -> Vec<Vec<i64>> {
 }
 
 impl Trial {
-    /// The expected output. It begins with whether core and calibration cover the temperature. For each axis it has
-    /// the corrected code, the nearest row of the table, whether that row is valid, and the corrected code at the
-    /// nearest temperature that the calibration covers. Codes come from the core, which is tested against exact
-    /// arithmetic. No temperature code lies half-way between two rows.
+    /// The expected output, a line for each row of codes. It begins with 1 if the temperature is a code of the part
+    /// that the calibration covers, otherwise with 0. For each axis follow the corrected code, the nearest row of the
+    /// table, 1 if that row is valid, and the corrected code at the nearest temperature that the calibration covers.
+    /// Codes come from the core, which is tested against exact arithmetic. No temperature code lies half-way between
+    /// two rows.
     fn expected(&self) -> String {
         let (calibration, _) = Calibration::parse(&self.file).unwrap();
         let (temp_scale, validity) = (calibration.temp.unwrap(), calibration.validity.unwrap());
@@ -454,8 +457,8 @@ fn csv_and_json_hold_three_axes() {
     let names: Vec<_> = json["axes"].as_array().unwrap().iter().map(|axis| axis["name"].clone()).collect();
     assert_eq!((names, &json["part"]), (vec!["x".into(), "y".into(), "z".into()], &"ADIS16405".into()));
     let y = &json["axes"][1];
-    // the temperature code of 12 bits gets 6 fractional bits: BTC · 20 / 7.14 · 2¹⁸. PBC · 20 · 2¹⁸ includes the
-    // fraction of the code of T3 = 31.25 °C
+    // with temperature codes of 12 bits, the coefficients have 12 + 6 = 18 fraction bits: BTC · 20 / 7.14 · 2¹⁸. The
+    // offset is PBC · 20 · 2¹⁸, moved from T3 = 31.25 °C to the nearest temperature code
     let (slope, t3): (f64, f64) = (0.02 * 20.0 / 7.14 * 262_144.0, 6.25 * 7.14);
     assert_eq!((&y["integer"]["q"], &y["integer"]["t3_code"]), (&18.into(), &45.into()));
     assert_eq!(y["integer"]["slope_q"], slope.round() as i64);

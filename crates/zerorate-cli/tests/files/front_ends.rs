@@ -12,7 +12,8 @@ use zerorate_view::PlusMinus;
 const LENGTH_S: usize = 600;
 const RATE_HZ: usize = 10;
 
-/// Records a part with a curved bias. It warms by 8 °C in five minutes, then stays warm or cools.
+/// Records a part with a curved bias. It warms by 8 °C with a time constant of 150 s. If `cools` is true, it instead
+/// warms evenly for five minutes and cools for five.
 fn record(bench: &Bench, name: &str, cools: bool) {
     let path = bench.path(name);
     let info = CaptureInfo::adis16130(Converter { width: Width::Bits24, rate_conversion: 5, temp_conversion: 5 });

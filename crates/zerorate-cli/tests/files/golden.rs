@@ -49,13 +49,11 @@ fn captures_do_not_change() {
     unchanged_lines("captures.sha256", &hashes, is_built_in);
 }
 
-/// Compares with the file of this name, or writes it where the environment asks for that.
 /// Compares with the file of this name, or writes the file if the environment asks for it.
 fn unchanged(name: &str, now: &str) {
     unchanged_lines(name, now, |_| true);
 }
 
-/// The same of some lines of the file; only where these are all is it written.
 /// Compares the lines of the file for which `is_there` holds. Writes the file only if it holds for all.
 fn unchanged_lines(name: &str, now: &str, is_there: impl Fn(&str) -> bool) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);

@@ -203,7 +203,7 @@ fn whatever_is_read_whole_has_a_bound() {
     }
 }
 
-/// Opening a pipe would wait for its other end.
+/// A log must not be a pipe, because opening it would wait for its other end. A text file may be one.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_pipe_in_place_of_a_file_is_refused_or_read_within_bounds() {

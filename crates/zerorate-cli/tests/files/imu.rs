@@ -116,7 +116,7 @@ fn axes_are_compared_with_a_data_sheet() {
     assert!(run.contains("Beside the data sheet of ADIS16405") && run.contains("typical 0.05 °/s/√Hz"), "{run}");
 }
 
-/// A rotation of 30 °/s about one axis for 6 s is reported as motion, and not only as bit errors.
+/// 30 m/s² on one axis of the accelerometer for 6 s is reported as motion, and not only as bit errors.
 #[test]
 fn a_slow_turn_is_motion() {
     let bench = Bench::new();

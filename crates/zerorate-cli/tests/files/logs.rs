@@ -64,7 +64,7 @@ fn an_unstated_unit_is_reported() {
     run.ok();
 }
 
-/// The folder of a ROS 2 bag, read in the order of its description.
+/// The files of a ROS 2 bag are read in the order in which its metadata.yaml lists them.
 #[test]
 fn a_bag_in_a_folder_is_read() {
     let bench = Bench::new();
@@ -125,7 +125,7 @@ fn a_log_is_read_from_standard_input() {
     assert_eq!(said(&bag, "--column z")["rate_hz"], 200.0);
 }
 
-/// Gravity reveals a wrong unit of the accelerometers. No gyroscope has a bias of hundreds of °/s.
+/// Measured gravity shows a wrong unit of the accelerometers. A mean of hundreds of °/s shows one of a gyroscope.
 #[test]
 fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
     let bench = imu::bench();

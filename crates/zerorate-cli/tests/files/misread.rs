@@ -292,7 +292,7 @@ fn k_is_never_next_to_zero_where_n_covers_the_curve() {
     }
 }
 
-/// A reader of the file does not see the warnings of the program, so the file repeats them.
+/// A reader of the file does not see the warnings of the program, so the file repeats those that concern its numbers.
 #[test]
 fn warnings_that_matter_stand_in_the_file() {
     let bench = Bench::new();
@@ -309,7 +309,7 @@ fn warnings_that_matter_stand_in_the_file() {
     }
 }
 
-/// Angle and velocity increments, as KF-GINS and ADIS sensors give them.
+/// Increments of angle and velocity in place of rates, as in data for KF-GINS and of ADIS sensors.
 #[test]
 fn increments_are_asked_about_and_read() {
     let bench = Bench::new();

@@ -1,8 +1,8 @@
 //! Noise models of real sensors at rest, against an independent implementation.
 //!
 //! The numbers come from the prototype in Python with numpy and scipy, which uses the same mathematics with other code
-//! and another solver (logarithms as parameters). `python3 reference.py` in the folder of the reference data prints
-//! them, after a change: it must look for the narrowest glitches first and replace them before it looks again.
+//! and another solver (logarithms as parameters). `reference.py` in the folder of the reference data prints them, once
+//! it is changed so that it replaces the narrowest glitches before it looks for wider ones.
 
 use super::allan::reference_data;
 use super::{Bench, raw, white};
@@ -73,7 +73,8 @@ fn near(value: &Value, truth: f64, relative: f64) -> bool {
 }
 
 /// Requirements: N within 1 % of the plateau, and 96 % of all octaves inside the band. The other numbers come from the
-/// prototype. Its model had no upper frequency, and its N had no cosines beyond the selected ones.
+/// prototype. Unlike this program, it fitted up to half the sample rate, and described the sensor's filter by only as
+/// many cosines as the selection chose, so N differs by up to 0.6 %.
 #[test]
 fn seven_real_axes_get_the_models_of_the_prototype() {
     let Some(folder) = reference_data() else { return };
@@ -153,7 +154,7 @@ impl PredictionCount {
     }
 }
 
-/// The samples in the unit of the log, times the scale.
+/// The samples as the file holds them. The scale of the options is not applied.
 fn samples(axis: &Axis, folder: &Path) -> Vec<f64> {
     let mut bytes = Vec::new();
     XzReader::new(File::open(folder.join(&axis.file)).unwrap(), true).read_to_end(&mut bytes).unwrap();
@@ -165,7 +166,7 @@ fn samples(axis: &Axis, folder: &Path) -> Vec<f64> {
     }
 }
 
-/// White noise, 15 minutes at 100 Hz, with a glitch, a step and losses.
+/// White noise, 15 minutes at 100 Hz, with a glitch and a step.
 #[test]
 fn removed_glitches_and_steps_are_reported_and_can_be_kept() {
     let bench = Bench::new();

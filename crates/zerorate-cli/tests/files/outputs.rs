@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 const ROWS: &str = "1000,1,8623488,8,8402701,0\n2000,2,8388608,8,,0\n3000,5,8153728,,8388608,1\n";
 const LOG: &str = "gz\n1\n2\n1\n3\n2\n1\n2\n3\n";
 
-/// A part of one axis, with its column in logs and its noise by the data sheet.
+/// A part of one axis, with the names of its columns in logs.
 const PART: &str = r#"schema = 1
 name = "G1"
 axis = [{ name = "z", column = "gz_dps" }]
@@ -59,8 +59,8 @@ fn refused(bench: &Bench, line: &str, reason: &str) {
     assert_eq!(content(bench.dir.path()), before, "zerorate {line} changed a file");
 }
 
-/// Each command with an output, which `OUT` stands for, and the inputs that it reads. The durations of the
-/// calibrations do not match these files: they would fail, but must be refused before.
+/// Commands with an output, written as `OUT`, and the inputs that each command reads. The recordings are too short for
+/// the calibrations, but a wrong output must be refused before that is noticed.
 fn commands() -> Vec<(String, &'static [&'static str])> {
     let line = |line: &str| line.to_owned();
     vec![
@@ -171,7 +171,8 @@ fn two_outputs_are_two_files() {
     }
 }
 
-/// Commands that write without `--force`, and files whose names the program makes.
+/// Some commands replace a file without `--force`, and the program itself makes the names of some files. These files
+/// must not be inputs either.
 #[test]
 fn no_input_of_a_command_is_its_state_its_recording_or_a_file_beside_its_output() {
     let bench = bench();

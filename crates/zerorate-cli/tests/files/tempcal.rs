@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 const RATE_HZ: f64 = 20.0;
 const ROWS: usize = 24_000;
-/// Standard deviation of a sample, °/s.
+/// Standard deviation of a sample of each axis, °/s or m/s².
 const SIGMA: f64 = 0.01;
 /// Acceleration of the sensor at rest: gravity along z, m/s².
 const GRAVITY: [f64; 3] = [0.0, 0.0, 9.806_65];
@@ -74,7 +74,7 @@ fn the_curves_of_a_table_are_the_true_ones() {
         assert!(points.len() >= 9);
         for point in points {
             let number = |key: &str| point[key].as_f64().unwrap();
-            // the bias of an accelerometer is relative to the reference temperature
+            // the bias of an accelerometer is stated relative to that at the reference temperature, 25 °C
             let truth = bias(terms, number("temp_c")) - if is_gyro { 0.0 } else { bias(terms, 25.0) };
             let off = (number(bias_key) - truth).abs();
             assert!(off < 4.0 * number(u_key) + 1e-5 && off < 0.005, "{}: {point} {truth}", axis["name"]);
@@ -134,7 +134,8 @@ fn logs_of_one_unit_are_fitted_together() {
     bench.zerorate("tempcal log.csv other.csv").fails(2, &["give logs of the same unit"]);
 }
 
-/// A DataFlash log with the messages FMT, PARM and IMU of two sensors. The first was already corrected.
+/// A DataFlash log with the messages FMT, PARM and IMU of two sensors. ArduPilot corrected the first one from the
+/// beginning. By the parameters, it corrects the second one from `enabled_after`, s.
 fn dataflash(enabled_after: Option<f64>) -> Vec<u8> {
     let mut log = Vec::new();
     let form = |log: &mut Vec<u8>, id: u8, length: usize, name: &str, letters: &str, labels: &str| {
@@ -183,7 +184,7 @@ const PARAMETERS: [(&str, f32); 6] = [
     ("INS_GYR1_CALTEMP", 20.0),
 ];
 
-/// The rate about x that these parameters subtract, rad/s.
+/// The rate about x that ArduPilot subtracts with [`PARAMETERS`], rad/s.
 fn corrected_before(temp_c: f64) -> f64 {
     300e-6 * (temp_c.clamp(10.0, 40.0) - 20.0)
 }

@@ -7,7 +7,7 @@ fn codes(report: &serde_json::Value) -> Vec<&str> {
     warnings.filter_map(|warning| warning.split(": ").next()).collect()
 }
 
-/// A twin with seed 4, for 40 minutes from power-on.
+/// The twin is recorded for 40 minutes from power-on, while it warms.
 #[test]
 fn a_rate_that_follows_the_temperature_is_reported() {
     let bench = Bench::new();

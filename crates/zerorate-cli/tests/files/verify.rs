@@ -1,4 +1,4 @@
-//! `verify` and `repair` on complete, torn, damaged and old files.
+//! `verify` and `repair` on complete, torn, damaged and joined files.
 
 use super::{Bench, FORMS, calibration};
 use serde_json::Value;
@@ -116,7 +116,8 @@ fn samples(bench: &Bench, file: &str) -> Vec<String> {
     text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect()
 }
 
-/// A second capture was appended with `cat`. It is reported, and the file is not complete.
+/// A second capture was appended, as `cat` does. The file counts as damaged, and the message says that
+/// captures were joined.
 #[test]
 fn captures_that_were_joined_are_not_whole() {
     let bench = bench();

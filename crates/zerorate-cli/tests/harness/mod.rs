@@ -28,7 +28,7 @@ pub fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
     )
 }
 
-/// The same for the part with this serial number.
+/// A calibration written by hand, for the part with this serial number.
 pub fn calibration_of(serial: &str, pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
     let head = format!("serial = {serial:?}\n[correction]");
     calibration(pbc_dps, btc_dps_per_c, t3_c).replace("[correction]", &head)
@@ -87,7 +87,7 @@ impl Bench {
         fs::read_to_string(self.path(name)).expect(name)
     }
 
-    /// What the folder holds, in the order of the names.
+    /// The sorted names of all files and folders in this folder.
     pub fn names(&self) -> Vec<String> {
         names(self.dir.path())
     }

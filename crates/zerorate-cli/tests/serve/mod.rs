@@ -48,7 +48,7 @@ impl TestServer {
         Self::at(bench, "127.0.0.1", arguments)
     }
 
-    /// Waits until stderr says this.
+    /// Waits for a line on stderr that contains this text. Returns the line.
     fn says(&self, text: &str) -> String {
         wait_for(&self.said(), text)
     }

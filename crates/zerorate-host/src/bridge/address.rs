@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// The address of a part behind a bridge: `bridge:PORT` or `tcp:HOST:PORT`, with options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeAddress {
-    /// The port or the connection of the bridge.
+    /// The serial port or the TCP address of the bridge.
     pub port: Port,
     /// SPI clock of the bridge, Hz.
     pub hz: u32,

@@ -6,7 +6,7 @@ use embedded_hal::spi::ErrorKind;
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// The error of a request.
+/// The reason why a request has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
     #[error("the connection to the bridge ended")]
@@ -21,7 +21,7 @@ impl embedded_hal::spi::Error for LinkError {
     }
 }
 
-/// The connection to a bridge.
+/// The connection to a bridge, with the bytes that were received and not yet decoded.
 pub struct Link {
     wire: Wire,
     client: Client,
@@ -80,7 +80,7 @@ impl Link {
         self.gone.clone()
     }
 
-    /// Waits for bytes. Returns false if none come before the deadline.
+    /// Waits for bytes until the deadline. Returns false, without waiting, if the deadline has passed.
     fn read(&mut self, deadline: Instant) -> Result<bool, LinkError> {
         let patience = deadline.saturating_duration_since(Instant::now());
         if patience.is_zero() {

@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
-/// Opens the port, stops what the bridge was doing, and sets its SPI clock.
+/// Opens the port, stops a running measurement of the bridge, and sends its SPI clock and the settings of the part.
 fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<BridgePart>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
@@ -217,7 +217,7 @@ impl SharedLink {
     }
 }
 
-/// The SPI bus behind the bridge. Each SPI transaction is one transfer.
+/// The SPI bus behind the bridge. Each operation with bytes is one request to the bridge.
 struct Transfers(SharedLink);
 
 impl ErrorType for Transfers {

@@ -97,8 +97,9 @@ impl ProfileFollower {
         Self { profile, stop: stop.clone(), until_ns: 0, last_ns: None }
     }
 
-    /// Call this before each sample. Waits for the next segment if the last sample is beyond the last segment. `first`
-    /// gives the clock that all units share. The sample's time decides, not the clock: the writer only sees samples.
+    /// Call this before each sample. Waits for the next segment if the last sample is beyond the last segment.
+    /// `first` gives the clock that all units share. The time of the last sample decides, not the clock, because the
+    /// writer of the profile sees only samples.
     #[inline]
     pub fn before_sample<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
         if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {

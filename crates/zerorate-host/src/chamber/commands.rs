@@ -50,7 +50,6 @@ impl ChamberCommands {
     }
 }
 
-/// Time limits.
 struct Limits {
     /// Time limit of a command.
     command: Duration,
@@ -67,14 +66,15 @@ const LIMITS: Limits =
 pub(super) struct CommandedChamber {
     commands: ChamberCommands,
     limits: Limits,
-    /// The stop of the user, and the stop of this chamber's owner. Either one ends every wait.
+    /// The stop of the user, and the stop of this chamber alone ([`Chamber::halt`]). Either one ends every wait,
+    /// except in [`Chamber::end`].
     stops: [Stop; 2],
     /// True if a set command was run. Even if it failed, the chamber may have followed it.
     is_touched: bool,
     air_c: Option<f64>,
 }
 
-/// The error of a command.
+/// The command that failed and the reason, as a text.
 struct Failure(String);
 
 impl Failure {

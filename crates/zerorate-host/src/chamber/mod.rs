@@ -39,7 +39,7 @@ pub trait Chamber: Send {
     /// Returns an error if the temperature cannot be read within the time for retries.
     fn read_c(&mut self) -> Result<Option<f64>>;
 
-    /// Lets simulated time pass.
+    /// Lets this many seconds of simulated time pass. Does nothing in a real chamber.
     fn pass(&mut self, _seconds: f64) {}
 
     /// A stop of this chamber alone. Once requested, it ends every wait except in [`Chamber::end`].
@@ -85,7 +85,8 @@ impl FromStr for ChamberSpec {
 }
 
 impl ChamberSpec {
-    /// Makes the chamber; no command is run yet. `None` if set by hand. After `stop` only [`Chamber::end`] may wait.
+    /// Makes the chamber; no command is run yet. `None` if set by hand. Once `stop` is requested, only
+    /// [`Chamber::end`] still waits.
     #[must_use]
     pub fn chamber(&self, stop: &Stop) -> Option<Box<dyn Chamber>> {
         match self {

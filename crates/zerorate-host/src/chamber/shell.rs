@@ -15,7 +15,6 @@ const SLICE: Duration = Duration::from_millis(20);
 /// How long the pipes are read after the command ended. A process that it left behind may keep them open.
 const AFTERMATH: Duration = Duration::from_secs(1);
 
-/// The error of a shell command.
 #[derive(Debug, thiserror::Error)]
 pub enum ShellError {
     #[error("the shell cannot be started: {0}")]
@@ -78,7 +77,7 @@ fn shell(command: &str) -> Command {
     shell
 }
 
-/// Kills the process group of the command.
+/// Kills the command, and on Unix its whole process group.
 fn kill(mut child: Child) {
     #[cfg(unix)]
     let _ =
@@ -119,7 +118,7 @@ fn forward(
     thread::Builder::new().name("pipe".to_owned()).spawn(body).map(drop)
 }
 
-/// The output that is kept.
+/// The start of stdout and the end of stderr, up to [`KEPT`] bytes of each.
 #[derive(Default)]
 struct Output {
     stdout: Vec<u8>,

@@ -5,9 +5,9 @@ use crate::Result;
 
 /// A simulated chamber: its air follows the set point as a damped oscillator, and its door can open once.
 ///
-/// a″ = ω²(s − a) − 2ζω a′ with ω = 1/`lag_s` and the damping ζ for which a step overshoots by `overshoot`:
-/// ln(overshoot) = −πζ/√(1 − ζ²). While the door is open, the air approaches the room temperature with a time
-/// constant of 60 s instead.
+/// The air temperature a follows the set point s by a″ = ω²(s − a) − 2ζω a′, where ω = 1/`lag_s`. With the damping ζ,
+/// a step overshoots by `overshoot`: ln(overshoot) = −πζ/√(1 − ζ²). With a lag below 1 s, the air is at the set
+/// point. While the door is open, the air approaches the room temperature with a time constant of 60 s instead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedChamber {
     lag_s: f64,
@@ -21,8 +21,9 @@ pub struct SimulatedChamber {
     now_s: f64,
 }
 
-/// Time step of the simulation, and time constant through the open door, s.
+/// Longest time step of the simulation, s.
 const STEP_S: f64 = 0.5;
+/// Time constant of the air while the door is open, s.
 const DOOR_S: f64 = 60.0;
 
 const KEYS: &str = "lag_s, overshoot, door_at_s, door_for_s, room_c, start_c";

@@ -12,8 +12,8 @@ const PERIOD: Duration = Duration::from_secs(5);
 /// Period of the checks that the thread still runs.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// A chamber in its own thread, which sets and reads it every 5 s. [`Chamber::read_c`] returns each reading once.
-/// [`Chamber::set`] reports a failure of the chamber some seconds later.
+/// A chamber in its own thread, which sets and reads it every 5 s. [`Chamber::read_c`] returns each reading once. A
+/// failure of the chamber is returned by a later call of [`Chamber::set`] or [`Chamber::read_c`].
 pub struct ChamberThread {
     shared: Arc<SharedState>,
     halt: Stop,

@@ -79,7 +79,7 @@ impl Source for Adis16130 {
     }
 }
 
-/// Checks the scale. Returns the number that converts raw readings to codes whose zero is `zero`.
+/// Checks the scale. Returns the number to add to raw readings, so that they become codes with the zero code `zero`.
 fn shift(folder: &Path, channel: &str, expected_scale: f64, zero: i64) -> Result<i64> {
     let scale: f64 = read(folder, &format!("{channel}_scale"))?;
     let offset: i64 = read(folder, &format!("{channel}_offset"))?;

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use zerorate::Scale;
 
-/// A channel of a device.
+/// A channel of an IIO device: a rate, or the temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// The common prefix of the channel's attributes: `in_anglvel_x`.
@@ -40,10 +40,10 @@ impl Channel {
         ensure!(scale.is_finite() && scale != 0.0, "{name}_scale is {scale}, with which nothing can be converted");
         let offset: f64 = number("offset")?.unwrap_or(0.0);
         let element = Element::read(folder, name)?;
-        // without a stated type, any width for which the distance to the zero code fits into 32 bits
+        // the driver states no width: take the largest one whose distance to the zero code fits into 32 bits
         let untyped = if offset == 0.0 { (32, true) } else { (31, true) };
         let (width_bits, signed) = element.map_or(untyped, |element| (element.bits.min(32) as u8, element.signed));
-        // (raw + offset) · scale, in the kernel's unit
+        // the value in the kernel's unit is (raw + offset) · scale
         let scale = Scale {
             lsb_per_unit: per_unit / scale,
             zero_code: (-offset).round() as i64,

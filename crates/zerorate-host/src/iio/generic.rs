@@ -21,7 +21,7 @@ use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// Number of scans that the kernel queues.
 const BUFFERED: u32 = 4096;
-/// Silence for this time and for [`SILENT_PERIODS`] sample periods is an error.
+/// Silence is an error if it lasts this long, and also [`SILENT_PERIODS`] sample periods.
 const SILENCE: Duration = Duration::from_secs(1);
 const SILENT_PERIODS: f64 = 20.0;
 /// Silence for this time is an error if the driver does not state its sample rate.
@@ -171,7 +171,7 @@ struct BufferedScans {
 impl BufferedScans {
     fn open(device: Device, file: &Path, stop: &Stop) -> Result<Self> {
         let folder = device.folder.clone();
-        // opened before anything is set, because the kernel allows only one program at a time
+        // the device is opened before its attributes are set: the kernel lets one program open it, and refuses others
         let scans = File::open(file).map_err(|error| why_not_open(file, error))?;
         let time = Element::read(&folder, "in_timestamp")?;
         let time = time.context("its driver stamps no scan with its time; poll it with ?hz=N")?;
@@ -211,7 +211,7 @@ impl BufferedScans {
         let t_ns = u64::try_from(value(&self.time)).context("a time stamp before the beginning of time")?;
         let codes: Vec<i64> = self.rates.iter().map(value).collect();
         let passed_ns = self.last_ns.map_or(0, |last_ns| t_ns.saturating_sub(last_ns));
-        // the kernel does not count scans that did not fit into its queue
+        // the kernel does not count scans that its queue dropped, so the losses are computed from the time
         let periods = self.period_ns.map_or(1.0, |period_ns| (passed_ns as f64 / period_ns).round());
         let lost = (periods - 1.0).max(0.0) as u32;
         self.last_ns = Some(t_ns);
@@ -234,7 +234,8 @@ impl BufferedScans {
         Ok(false)
     }
 
-    /// Checks that the device still exists. The kernel does not wake a program that waits for a removed device.
+    /// Checks that the device still exists, and that it is not silent for too long. The kernel does not wake a
+    /// program that waits for a removed device.
     fn require_alive(&self, silent: Duration) -> Result<()> {
         ensure!(self.device.folder.exists(), gone());
         if silent < self.silence {
@@ -285,7 +286,8 @@ fn gone() -> UserError {
     )
 }
 
-/// Checks that a trigger is set, because only a trigger fills a buffer. Some drivers set one of their own.
+/// Checks that a trigger is set if the device has triggers, because then only a trigger fills the buffer. Some
+/// drivers set one themselves.
 fn require_trigger(folder: &Path) -> Result<()> {
     if !folder.join("trigger/current_trigger").exists() {
         return Ok(());

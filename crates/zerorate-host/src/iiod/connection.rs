@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 /// Largest length of a line, bytes.
 const LONGEST_LINE: usize = 1024;
-/// Time limit for the rest of a line or a value whose start has arrived.
+/// Time limit for the rest of a line whose start has arrived, and for a value.
 const LONGEST_LINE_TIME: Duration = Duration::from_secs(10);
 /// Time without a request after which a client counts as gone.
 const LONGEST_SILENCE: Duration = Duration::from_secs(3600);

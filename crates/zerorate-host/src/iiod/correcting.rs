@@ -13,7 +13,7 @@ pub struct Correcting {
 }
 
 impl Correcting {
-    /// Starts the correction of a part with these axes, before the first row.
+    /// Makes the correction of a part with these axes. It has received no row yet.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Corrector<Vec<Correction>>) -> Self {
         let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
         Self { layout: layout.clone(), axes, corrector }

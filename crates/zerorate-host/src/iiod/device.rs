@@ -22,7 +22,7 @@ pub const BUFFER_ATTRIBUTES: [&str; 1] = ["samples_lost"];
 /// The only attribute that can be written, if writing is allowed.
 const WRITABLE: &str = "calibbias";
 
-/// A bound that no part's bias exceeds, rad/s.
+/// Largest bias that a client may write, rad/s. No part has a larger one.
 const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
 
 /// The device as clients see it.
@@ -32,7 +32,7 @@ pub struct Device {
     pub name: String,
     /// The attributes of the libiio context.
     pub context: Vec<(&'static str, String)>,
-    /// The channels.
+    /// The channels, in the order of the description.
     pub table: Table,
     /// The layout and scales of the codes.
     pub layout: Layout,
@@ -49,7 +49,7 @@ pub struct Device {
 struct Live {
     scanner: Scanner,
     scan: Option<Scan>,
-    /// Counts of samples. Samples that this reader did not see count as lost.
+    /// Counts of samples, from which the sample rate is computed. Samples that the server missed count as lost here.
     tally: Tally,
     /// Number of samples that were lost between the part and the hub.
     lost: u64,
@@ -122,7 +122,7 @@ impl Device {
         self.live().trims_dps
     }
 
-    /// Adds rows. Rows that did not fit into this watcher's own queue were read: they count for the rate, not as lost.
+    /// Adds rows. Rows that the queue of the server dropped count for the sample rate, but not as lost.
     pub fn take(&self, watched: &WatchedBatch) {
         let live = &mut *self.live();
         let (mut missed, mut lost) = (watched.missed, watched.lost);
@@ -171,7 +171,7 @@ impl Device {
         }
     }
 
-    /// The attributes of a place, in the order of the description.
+    /// The attributes of a place, in their order in the XML description.
     pub fn attributes(&self, place: Place<'_>) -> &'static [&'static str] {
         match place {
             Place::Device => &ATTRIBUTES,
@@ -272,7 +272,8 @@ impl Device {
         Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
     }
 
-    /// Sets the correction at the current temperature, by an added offset. It still follows the temperature.
+    /// Sets the correction of an axis at the current temperature to `value`, rad/s, by adding a constant. The
+    /// correction still follows the temperature.
     fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
         let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
         let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;

@@ -29,7 +29,7 @@ use zerorate::calibration::OtherPart;
 /// The TCP port of libiio servers.
 pub const PORT: u16 = 30431;
 
-/// Largest number of simultaneous connections. A client has one, and another one for a buffer.
+/// Largest number of simultaneous connections. A client uses one, and a second one for a buffer.
 const MOST_CONNECTIONS: usize = 64;
 /// Interval between two checks for new connections.
 const POLL: Duration = Duration::from_millis(20);

@@ -163,7 +163,8 @@ impl<'a> Words<'a> {
         Ok((ms > 0).then(|| Duration::from_millis(ms.into())))
     }
 
-    /// Parses the object of an attribute. The device itself has no such word; the attribute is returned instead.
+    /// Parses the object of an attribute. Without a word for the object, the attribute belongs to the device and is
+    /// returned as well.
     fn place(&mut self) -> Result<(Place<'a>, Option<&'a str>), Errno> {
         let Some(word) = self.0.next() else { return Ok((Place::Device, None)) };
         Ok(match Keyword::of(word).0.as_str() {

@@ -27,7 +27,7 @@ pub struct Scanner {
 }
 
 impl Scanner {
-    /// Starts before the first row.
+    /// Makes a scanner that has received no row yet.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
         let correcting = corrector.map(|corrector| Correcting::new(layout, axes, corrector));
         Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }

@@ -155,7 +155,7 @@ impl<'a> Session<'a> {
         if bytes > LONGEST_VALUE {
             return Step::HangUp(refusal(Errno::TOO_LARGE));
         }
-        // any other device has no attributes, so the write will be refused
+        // an unknown device gets the place `Debug`, which has no attributes, so that the write is refused
         let place = if self.device.is_called(device) { OwnedPlace::of(place) } else { OwnedPlace::Debug };
         self.writing = Some((place, attribute.to_owned()));
         Step::Take(bytes)
@@ -216,7 +216,8 @@ impl OwnedPlace {
     }
 }
 
-/// True if the line is an HTTP request: a web page may have sent a browser here, and would choose the next lines.
+/// True if the line is an HTTP request: a web page can make a browser send one, with requests of the page in the
+/// lines after it.
 fn is_http(line: &[u8]) -> bool {
     line.windows(7).any(|word| word == b" HTTP/1")
 }

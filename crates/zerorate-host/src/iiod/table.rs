@@ -8,14 +8,13 @@ use zerorate_record::Layout;
 #[derive(Clone, Debug)]
 pub struct Table(Vec<Channel>);
 
-/// A channel.
 #[derive(Clone, Debug)]
 pub struct Channel {
     /// The id in libiio, which begins with the type of the channel: `anglvel_z`.
     pub id: String,
-    /// An additional name, if the id is not enough.
+    /// A second name of the channel, if the id does not tell what it holds.
     pub name: Option<&'static str>,
-    /// The quantity of the channel.
+    /// What the values of the channel mean.
     pub quantity: Quantity,
     /// The layout in the buffer: `le:u24/32>>0`.
     pub format: String,
@@ -25,7 +24,7 @@ pub struct Channel {
     pub attributes: &'static [&'static str],
 }
 
-/// The quantity of a channel.
+/// What the values of a channel mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The code of an axis, as measured.
@@ -40,7 +39,7 @@ pub enum Quantity {
     Time,
 }
 
-/// The unit of corrected rates in a buffer, rad/s. It is finer than a code of any part.
+/// The unit of corrected rates in a buffer, rad/s. A code of an ADIS16130 is 740 times as large (F-40).
 pub const CORRECTED_RAD_PER_S: f64 = 1e-9;
 
 /// The mask of all channels fits into 32 bits.

@@ -98,8 +98,8 @@ fn samples_that_the_server_missed_are_not_lost() {
     assert!((hz / (21.0 / 0.020) - 1.0).abs() < 1e-12, "{hz}");
 }
 
-/// The temperature is read with every 57th sample at most. A buffer opened in between still has corrected rates at
-/// once, because it begins with the last known temperature.
+/// Only some samples have a temperature. A buffer that is opened between two of them has corrected rates at once,
+/// because it begins with the last known temperature.
 #[test]
 fn a_buffer_begins_with_the_temperature_that_is_known() {
     let device = device("twin:", Some(CALIBRATION)).expect("of this part");

@@ -154,7 +154,7 @@ fn python_gets_the_bytes_of_the_hub() {
     served.check(&output.stdout, 100_000);
 }
 
-/// The generic class of pyadi-iio, which all its devices with a buffer are made of.
+/// Reads samples through the class of pyadi-iio on which its devices with a buffer are based.
 const ADI_SCRIPT: &str = "
 import sys
 import numpy

@@ -13,7 +13,7 @@ use zerorate_host::{Hub, Pace, Setup, Stop};
 
 /// All channels of an ADIS16130 with a calibration: rate, temperature, corrected rate, lost samples, time.
 const ALL: &str = "0000001f";
-/// Bytes of a sample with all of them.
+/// Size of a sample with all channels, bytes.
 const SAMPLE: usize = 32;
 
 #[test]
@@ -121,7 +121,7 @@ fn a_server_ends_while_clients_are_there() {
 /// The part is unplugged after 120 s. The client gets the samples before that, then an error.
 #[test]
 fn a_lost_device_is_reported() {
-    // the twin does not wait for a client: a slow host connects within the first 100 s of its time
+    // the twin does not wait for a client, but even a slow client connects within the first 100 s of simulated time
     let served = TestServer::of("twin:seed=9,fault=unplug,fault_at_s=120");
     let mut client = Raw::connect(&served);
     client.open(ALL);

@@ -107,7 +107,7 @@ impl TestServer {
     }
 
     /// Checks that samples with all channels are rows of the hub, in order, and that every missing row is counted.
-    /// Returns the number of samples.
+    /// Returns the number of missing rows.
     pub fn check(&self, bytes: &[u8], samples: usize) -> u64 {
         assert_eq!(bytes.len(), samples * super::SAMPLE);
         self.wait_for(field(bytes.rchunks(super::SAMPLE).next().expect("a sample"), 24));
@@ -134,7 +134,7 @@ impl TestServer {
     }
 }
 
-/// Checks the corrected rate: F-40, F-41 and F-50 applied again.
+/// Checks the corrected rate against one that is computed here by F-40, F-41 and F-50.
 fn check_corrected(code: i64, temp_code: Option<i64>, corrected: i64, at: usize) {
     let temp_c = (temp_code.expect("a temperature") - 8_388_608) as f64 / 14_093.0 + 25.0;
     let [pbc, btc, t3] = CORRECTION;

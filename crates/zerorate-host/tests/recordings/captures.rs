@@ -26,7 +26,7 @@ fn read(content: &[u8], wanted: ColumnSelection<'_>) -> Result<Vec<Column>> {
     read_all(Path::new("log"), content.to_vec().into(), wanted, &options())
 }
 
-/// A capture of 2,500 samples with losses, and with status and temperature now and then.
+/// A capture of 2,500 samples. Some samples have a status or a temperature, and some are lost in between.
 fn capture(format: Format) -> Vec<u8> {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("capture");
@@ -58,7 +58,7 @@ fn several_columns_in_one_pass_are_each_by_itself() {
     }
 }
 
-/// One pass gives the same columns as two. If the temperature is the requested column, it is not also returned beside.
+/// One pass gives the same columns as two. A temperature that is itself the requested column is not returned twice.
 #[test]
 fn the_temperature_of_a_capture_comes_with_its_rate() {
     for format in FORMATS {

@@ -11,7 +11,8 @@ use zerorate_host::PartLog;
 use zerorate_logs::ColumnOptions;
 use zerorate_record::Row;
 
-/// The scales come from the data sheet. The log has no temperature, so its column is invented.
+/// A part file with the scales of the data sheet. The reference recordings have no temperature, so the tests invent
+/// one.
 const ADIS16405: &str = r#"
     schema = 1
     name = "ADIS16405"

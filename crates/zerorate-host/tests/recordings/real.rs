@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use zerorate_logs::Series;
 use zerorate_record::{CaptureReader, CaptureWriter, Format, SampleHash};
 
-/// Three gyroscope axes of a real ADIS16405 at rest.
+/// The first 30 000 codes of each gyroscope axis of an ADIS16405 at rest. `None` if the recordings are not there.
 fn reference() -> Option<Vec<Vec<i32>>> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let folder = std::env::var_os("ZERORATE_REFERENCE_DATA").map_or(beside, PathBuf::from).join("adis16405");

@@ -92,7 +92,8 @@ fn fractions_are_not_scaled_as_codes() {
     }
 }
 
-/// A table of a ROS message has zeros for a sensor that does not exist. A single axis of zeros is rather broken.
+/// A table of a ROS message has zeros for a sensor that does not exist. A single axis of zeros is more likely broken,
+/// and stays.
 #[test]
 fn a_kind_of_zeros_is_left_out_of_a_table() {
     let read = |zero: fn(usize) -> bool| {
@@ -183,7 +184,7 @@ fn units_of_kalibr_are_taken_where_gravity_fits() {
 fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
     let found = axes("t_ns,gz_dps,wheel_speed_rad_s,gyro_bias_z_dps,yaw_cmd_dps").unwrap();
     assert_eq!(found.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["gz_dps"]);
-    // an IMU on a wheel has no other axes
+    // if a log has no other axes, columns of a wheel are axes: the IMU is on the wheel
     let found = axes("t_ns,wheel_gyro_x_dps,wheel_gyro_y_dps").unwrap();
     assert_eq!(found.columns.len(), 2);
 }
@@ -253,7 +254,8 @@ fn sensors_beside_each_other_have_their_own_times() {
     }
 }
 
-/// Codes of 16 bits in hexadecimal digits. The second axis is always negative, which only the first one tells.
+/// Codes of 16 bits in hexadecimal digits. The second axis is always negative. Only the first axis shows that the
+/// codes are signed.
 #[test]
 fn an_axis_that_is_always_negative_gets_its_sign_from_another() {
     let row = |at: i16| format!("{},0x{:04X},0x{:04X},0x{:04X}\n", 10 * at, at % 9 - 4, at % 5 - 900, at % 7);

@@ -73,7 +73,7 @@ pub struct LineReport {
     pub measured_lo: Option<f64>,
     /// Upper end of the 95 % interval of `measured`.
     pub measured_hi: Option<f64>,
-    /// `within`, `better`, `worse` or `cannot be told`.
+    /// The result of the comparison: `within`, `better`, `worse` or `cannot be told`.
     pub verdict: &'static str,
 }
 
@@ -84,7 +84,7 @@ pub struct MotionReport {
     pub at_s: f64,
     /// The names of the axes.
     pub axes: Vec<String>,
-    /// `jump` or `knock`.
+    /// `jump` for a jump of the level, or `knock` for a glitch.
     pub kind: &'static str,
 }
 

@@ -16,7 +16,7 @@ use zerorate_view::Seconds;
 
 /// Receives the events of a calibration.
 pub trait Watch {
-    /// Receives the progress, every 4096 samples (1.4 times a second of the part's time). Returns false to end.
+    /// Receives the progress every 4096 samples. Returns false to end the measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
     /// Receives the uncertainties that the recording would state if it ended now. Called only with a target.
@@ -140,7 +140,8 @@ impl<'a> Measurement<'a> {
         Ok(())
     }
 
-    /// Stores the twin's true state where it was requested. With a target, checks whether it is reached.
+    /// Stores the twin's true state if it was requested for this sample. If the plan has a target uncertainty, checks
+    /// whether it is reached.
     #[inline]
     fn mark(&mut self) -> Result<()> {
         let truths = self.acquisition.truths();

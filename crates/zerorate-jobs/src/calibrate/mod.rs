@@ -26,7 +26,8 @@ use zerorate_record::{CaptureInfo, Format};
 pub struct OutputOptions {
     /// The file of the calibration.
     pub output: Option<PathBuf>,
-    /// True if a real part's calibration without an `output` goes to `calibration-<id>.toml` in the current folder.
+    /// True if the calibration of a real part is saved as `calibration-<id>.toml` in the current folder when `output`
+    /// is `None`.
     pub saves: bool,
     /// The file that records every sample.
     pub log: Option<PathBuf>,
@@ -39,7 +40,8 @@ pub struct OutputOptions {
 /// The longest recording that a method without steps uses, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// The default of [`Plan::settle_s`], s: a day if a method without steps has a capture, so that all of it is used.
+/// The default of [`Plan::settle_s`], s. For a recording and a method other than AN-1042, it is a day, so that the
+/// whole recording is used.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
@@ -54,7 +56,8 @@ pub struct Files {
 }
 
 impl Files {
-    /// Claims the files.
+    /// Claims the file of the calibration, so that no other run can write to it. The log is claimed when the run
+    /// starts.
     ///
     /// # Errors
     /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written.
@@ -99,7 +102,8 @@ pub struct Job {
     files: Files,
 }
 
-/// Prepares a measurement. Messages use `names` for the settings. A recording may state the Earth's rotation.
+/// Prepares a measurement. Messages use `names` for the settings. If the plan does not state the Earth's rotation, the
+/// value in the recording is used.
 ///
 /// # Errors
 /// Returns [`InvalidOptions`] if the plan does not fit the part.
@@ -197,7 +201,8 @@ impl DeliveryFailure {
         Self { why, rescued: rescue(name, &wanted, calibration.to_toml().as_bytes()) }
     }
 
-    /// The error text with the failure and the file that holds the calibration. `also` is appended to the file's name.
+    /// Makes the error that states why a file could not be written and where the calibration is instead. `also` is
+    /// appended to the name of that file.
     #[must_use]
     pub fn error(self, also: &str) -> anyhow::Error {
         let place = match self.rescued {

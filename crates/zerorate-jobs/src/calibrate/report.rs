@@ -47,7 +47,7 @@ pub struct CalibrationReport {
     pub rescued: Option<RescuedCalibration>,
 }
 
-/// The results of one of several axes.
+/// The results of an axis of a part with several axes.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct AxisReport {
@@ -60,11 +60,11 @@ pub struct AxisReport {
     pub remarks: Vec<CodedWarning>,
 }
 
-/// The results of an axis.
+/// The correction of one axis, its uncertainties, and the means behind it.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct AxisNumbers {
-    /// The averages of steps 4 and 6 of AN-1042; null with another method.
+    /// B1, T1, B2 and T2 are the averages of steps 4 and 6 of AN-1042; null with another method.
     pub b1_dps: Option<f64>,
     pub t1_c: Option<f64>,
     pub b2_dps: Option<f64>,
@@ -83,7 +83,7 @@ pub struct AxisNumbers {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub budget: Vec<Contribution>,
     pub impossible_readings: u64,
-    /// The final correction at evenly spaced temperatures over the measured span.
+    /// The correction at [`POINTS`] evenly spaced temperatures over the measured span.
     pub curve: Vec<CurvePoint>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<TruthReport>,
@@ -102,7 +102,7 @@ pub struct CurveTerms {
     pub bias_instability_dps: f64,
     pub rate_random_walk_dps_per_rt_s: f64,
     pub steps: Vec<StepReport>,
-    /// Posterior probability of a slow base motion.
+    /// Posterior probability that the base under the part moved slowly during the recording.
     pub sway_probability: f64,
 }
 
@@ -214,8 +214,8 @@ impl CurveTerms {
 }
 
 impl CalibrationReport {
-    /// Reports all axes of the calibration, in its order. `truths` are the twin's true states at the end of step 8,
-    /// or empty if the part is not a twin.
+    /// Reports all axes in the order of the calibration. `truths` are the twin's true states at the end of step 8, or
+    /// empty if the part is not a twin.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: SettingNames) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
         let coded = |warnings: &mut dyn Iterator<Item = &Warning>| JobWarning::remarks_apart(warnings.copied(), names);

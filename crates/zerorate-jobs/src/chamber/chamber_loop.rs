@@ -19,10 +19,11 @@ pub const TICK_NS: u64 = 1_000_000_000;
 /// A set point is sent again after it has moved by this much, °C: the resolution of chambers.
 const SET_STEP_C: f64 = 0.1;
 
-/// A running measurement. `writer` is the first field, so it is dropped before everything that waits for the profile.
+/// A running measurement. `writer` is the first field, so it is dropped first: the simulated part waits for the
+/// temperatures that it writes.
 pub struct ChamberLoop<'a> {
     writer: Option<ProfileWriter>,
-    /// A simulated chamber that follows the steps, if the sensor is simulated and the plan is set by hand.
+    /// A simulated chamber that takes the place of the person who sets the chamber, if the sensor is simulated.
     obeying: Option<SimulatedChamber>,
     control: SetPointControl,
     acquisition: Acquisition,

@@ -32,7 +32,7 @@ pub trait Watch {
     /// Receives the progress, every 4096 samples.
     fn see(&mut self, progress: &ChamberProgress);
 
-    /// A resumed measurement continues after `steps` of `all` steps. The saved steps ended `gap_s` before.
+    /// A resumed measurement continues after `steps` of `all` steps. The saved steps ended `gap_s` seconds before.
     fn resume(&mut self, steps: usize, all: usize, gap_s: f64);
 
     /// A person has to set the chamber for this step.
@@ -72,7 +72,7 @@ pub struct ChamberOptions {
 pub struct UnusableSteps {
     /// The file of the finished steps.
     pub path: PathBuf,
-    /// The difference between the measurements.
+    /// The reason why the saved steps cannot be used.
     pub why: String,
 }
 
@@ -91,7 +91,7 @@ impl Files {
     /// # Errors
     /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written.
     pub fn claim(outputs: Outputs, options: OutputOptions, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
-        // a device file has no folder for files beside it
+        // no file is put beside a device, such as /dev/null
         let output = options.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
         let mut of_calibration = calibrate::Files::claim(outputs, options)?;
         let outputs = &mut of_calibration.outputs;
@@ -101,7 +101,8 @@ impl Files {
     }
 }
 
-/// A measurement that is ready to run. `writer` is dropped first, before everything that waits for the profile.
+/// A measurement that is ready to run. `writer` is the first field, so it is dropped first: the simulated part waits
+/// for the temperatures that it writes.
 pub struct Job {
     writer: Option<ProfileWriter>,
     control: SetPointControl,
@@ -203,10 +204,10 @@ impl Job {
     }
 }
 
-/// Requests a batch boundary of the simulated part at each second, where its chamber changes the air, for the
-/// longest duration that the plan can take.
+/// Makes batches of the simulated part end at each second, where its chamber changes the air temperature. This covers
+/// the longest duration of the plan.
 fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
-    /// Two weeks: no simulated measurement takes longer.
+    /// The longest duration that is covered, s: two weeks. No simulated measurement takes longer.
     const MOST_S: f64 = 14.0 * 86_400.0;
     let plan = procedure.plan();
     let slack_s = 5.0 * (plan.settle_timeout_s + 3600.0) * plan.steps.len() as f64;
@@ -228,7 +229,7 @@ pub struct ChamberResults {
     pub report: ChamberReport,
     /// The calibration that follows from the measurement.
     pub calibration: Calibration,
-    /// The record of all measurements.
+    /// The means of rate and temperature over each second, and over each soak.
     pub record: Record,
     /// The outcome of each axis.
     pub outcomes: Vec<ChamberOutcome>,

@@ -58,7 +58,7 @@ pub struct AxisReport {
     pub play_c: f64,
     pub bias_instability_dps: f64,
     pub rate_random_walk_dps_per_rt_s: f64,
-    /// The final correction at evenly spaced temperatures over the measured span.
+    /// The correction at evenly spaced temperatures over the measured span.
     pub curve: Vec<CurvePoint>,
     pub points: Vec<Point>,
     #[serde(rename = "loop")]

@@ -12,12 +12,12 @@ pub trait AirListener {
     /// A stop was requested, and the chamber is being set to its safe temperature.
     fn leaving(&self, air: &AirState);
 
-    /// Receives the final state of the chamber and how the safe temperature was set. The second is `None` if the
-    /// chamber is set by hand. The argument is `None` if there is nothing to tell the user.
+    /// Receives the final state of the chamber and how the safe temperature was set. The latter is `None` if a person
+    /// sets the chamber. `air` is `None` if there is nothing to tell the user.
     fn settle(&self, air: Option<(&AirState, Option<&SafeEnd>)>);
 }
 
-/// The air temperature, as far as it is known.
+/// What is known about the air temperature in the chamber.
 #[derive(Clone, Debug)]
 pub struct AirState {
     /// True if a person sets the chamber by hand.
@@ -64,7 +64,8 @@ impl SetPointControl {
         let by = match spec.map(|spec| spec.chamber(stop)) {
             None => Control::Recording,
             Some(None) => Control::Hand,
-            // a real sensor is read meanwhile, so its chamber has a thread; a simulated sensor waits
+            // a slow command must not delay the reading of a real sensor, so its chamber has a thread; a simulated
+            // sensor can wait
             Some(Some(chamber)) if is_simulated => Control::Chamber(chamber),
             Some(Some(chamber)) => Control::Chamber(Box::new(ChamberThread::new(chamber)?)),
         };
@@ -73,7 +74,7 @@ impl SetPointControl {
         Ok(Self { by, has_word, state, is_left: false, stop: stop.clone(), listener })
     }
 
-    /// Checks that a chamber answers.
+    /// Checks that a chamber answers. If a person sets the chamber, tells the listener its state instead.
     ///
     /// # Errors
     /// Returns an error if the chamber does not answer.

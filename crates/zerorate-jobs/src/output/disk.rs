@@ -14,7 +14,8 @@ const ENDING: &str = ".zerorate.part";
 /// Number of random characters between the file's name and the ending.
 const RANDOM: usize = 6;
 
-/// The longest part of a name that an unfinished file's name repeats, in characters, so that the whole stays legal.
+/// The name of an unfinished file begins with at most this many characters of the final name, so that it does not
+/// become too long for the file system.
 const LONGEST_STEM: usize = 100;
 
 /// Attempts to lock a folder that another process has locked. A process holds the lock for microseconds.
@@ -123,12 +124,12 @@ pub fn lock(file: &File) -> io::Result<()> {
     use rustix::fs::{FlockOperation, flock};
     match flock(file, FlockOperation::NonBlockingLockExclusive) {
         Err(error) if error == rustix::io::Errno::WOULDBLOCK => Err(ErrorKind::WouldBlock.into()),
-        // a network file system without locks
+        // other errors come from file systems without locks, where the file is used unlocked
         _ => Ok(()),
     }
 }
 
-/// Does nothing on other systems, where a lock would also block readers.
+/// Does nothing on systems other than Unix, where a lock would also block readers.
 #[cfg(not(unix))]
 pub fn lock(_: &File) -> io::Result<()> {
     Ok(())

@@ -34,11 +34,12 @@ pub enum OutputError {
     #[error("{} is being written by another zerorate: choose another name, or wait for it to end", path.display())]
     Busy { path: PathBuf },
 
-    /// Something else took the name since this run claimed it.
+    /// Another program created a file of this name after the run had claimed it.
     #[error("{} was written by something else meanwhile, and is left as it is", path.display())]
     TakenMeanwhile { path: PathBuf },
 
-    /// The path is a link to nothing. Whoever made it may have wanted the file elsewhere than the user thinks.
+    /// The path is a symbolic link to a file that does not exist. Its maker may want the file in a place that the user
+    /// does not expect.
     #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a \
              link: name the file itself, or remove the link", path.display(), target.display())]
     Dangling { path: PathBuf, target: PathBuf },

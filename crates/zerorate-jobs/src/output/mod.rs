@@ -1,4 +1,5 @@
-//! Output files. They never overwrite an input or an existing file, nor appear half-written under their final name.
+//! Output files. They never overwrite an input, and an existing file only with `--force`. A computed file never
+//! appears half-written under its final name.
 //!
 //! [`Outputs`] knows all files of a run. A command opens every file through it, so that it knows every input. It
 //! refuses an output that is an input or another output of the same run, under any name (hard links, symbolic links,
@@ -202,7 +203,8 @@ fn refuse_capture(path: &Path) -> Result<(), OutputError> {
     if is_capture { Err(OutputError::IsCapture { path: path.to_owned() }) } else { Ok(()) }
 }
 
-/// Length of the start of a file that is searched, bytes. Every capture format has its name in it.
+/// A file is searched for [`NAME`] in this many bytes from its start. In every capture format, the first key is within
+/// them.
 const HEAD: u64 = 1 << 16;
 
 /// True if a file that cannot be read as a capture still starts like one.

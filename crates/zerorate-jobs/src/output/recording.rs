@@ -1,5 +1,5 @@
-//! An output that is recorded into. It has its final name from the start and only one writer. A thread syncs it once
-//! a second and checks that it still exists.
+//! An output that is recorded into. It has its final name from the start and only one writer. A thread checks four
+//! times a second that it still exists, and syncs it once a second.
 
 use super::OutputError;
 use super::disk::{claim, lock, open_to_lock, sync_folder};
@@ -35,7 +35,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Opens `place`, which `path` has led to.
+    /// Opens the file at `place`. `path` is the path that the user gave, for error messages.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
         let failed = |error| OutputError::io("write", path, error);
         let written = Arc::default();
@@ -115,8 +115,8 @@ impl Write for CountingWriter {
     }
 }
 
-/// A recording file and its checks. It is open for appending, so that a file that was cut stays shorter than the
-/// count.
+/// A recording file and its checks. Each write appends, so that a file that another program cuts stays shorter than
+/// `written`.
 #[derive(Debug)]
 struct RecordedFile {
     /// The final path of the file.
@@ -168,8 +168,8 @@ fn busy(path: &Path) -> OutputError {
     OutputError::Busy { path: path.to_owned() }
 }
 
-/// Checks the file and calls `fdatasync` once a second, in a separate thread, so that a slow disk does not delay
-/// reading the part. The thread ends early on an error.
+/// Checks the file four times a second and calls `fdatasync` once a second. It does so in a separate thread, so that a
+/// slow disk does not delay reading the part. The thread ends early on an error.
 #[derive(Debug)]
 struct Watch {
     stop: Sender<()>,
@@ -193,7 +193,7 @@ impl Watch {
         Ok(Self { stop, thread })
     }
 
-    /// Ends the watch, and returns its error.
+    /// Ends the checking thread, and returns its error if it has failed.
     fn finish(self) -> io::Result<()> {
         drop(self.stop);
         self.thread.join().unwrap_or_else(|_| Err(io::Error::other("the syncing thread died")))

@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 /// Number of random characters that make the name unique.
 const RANDOM: usize = 6;
 
-/// Writes `content` beside the first of `wanted` where that works, or else to the folder for temporary files, under
-/// a free name like `name`. Returns its path, or `None` if no folder could be written.
+/// Writes `content` to a new file beside one of `wanted`, or else in the folder for temporary files. The file is
+/// called like `name`, with `.rescue-` and random characters added. Returns its path, or `None` if no folder could be
+/// written.
 pub fn rescue(name: &Path, wanted: &[&Path], content: &[u8]) -> Option<PathBuf> {
-    // a device file has no folder for files beside it
+    // no file is put beside a device, such as /dev/null
     let beside = wanted.iter().filter(|path| !path.exists() || path.is_file()).map(|path| folder_of(path).to_owned());
     beside.chain([std::env::temp_dir()]).find_map(|folder| write(&folder, name, content).ok())
 }

@@ -43,7 +43,7 @@ impl Slot {
     /// The content, if it has at most `most` bytes. `None` if the file does not exist.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read.
+    /// Returns an error if the file cannot be read or is larger.
     pub fn content(&self, most: Bytes) -> io::Result<Option<String>> {
         match files::text(&self.target(), most) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
@@ -77,7 +77,7 @@ impl Slot {
         Ok(())
     }
 
-    /// Removes the file when it is no longer needed.
+    /// Removes the file, unless another program has replaced it.
     pub fn clear(&mut self) {
         if self.holds.take() == Identity::of_file(&self.target()) {
             let _ = fs::remove_file(self.target());

@@ -9,7 +9,7 @@ use std::path::Path;
 /// The name of stdout in messages.
 pub const STDOUT: &str = "stdout";
 
-/// The standard streams that are redirected to regular files, with their names.
+/// Stdout and stderr, each with its name, if they are redirected to regular files.
 #[cfg(unix)]
 pub fn files() -> Vec<(Identity, &'static str)> {
     let streams = [(metadata(io::stdout()), STDOUT), (metadata(io::stderr()), "stderr")];
@@ -37,19 +37,19 @@ fn metadata(stream: impl std::os::fd::AsFd) -> Option<std::fs::Metadata> {
     std::fs::File::from(owned).metadata().ok()
 }
 
-/// Standard streams are not compared with files on other systems.
+/// On systems other than Unix, standard streams are not compared with files.
 #[cfg(not(unix))]
 pub fn files() -> Vec<(Identity, &'static str)> {
     Vec::new()
 }
 
-/// Standard streams are not compared with files on other systems.
+/// On systems other than Unix, standard streams are not compared with files.
 #[cfg(not(unix))]
 pub fn stdout_pipe() -> Option<Identity> {
     None
 }
 
-/// Standard streams are not compared with files on other systems.
+/// On systems other than Unix, standard streams are not compared with files.
 #[cfg(not(unix))]
 pub fn stdin_file() -> Option<Identity> {
     None

@@ -14,7 +14,8 @@ fn all() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     ALL.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all temporary files right before the program exits. The list stays locked, so later ones block forever.
+/// Removes all temporary files right before the program exits. The list stays locked, so a thread that then creates a
+/// temporary file waits forever.
 pub fn remove_all_for_good() {
     let all = all();
     for path in all.iter() {
@@ -39,8 +40,9 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// Creates a file in `folder` that will be renamed. It has the permissions of an ordinary new file, and is open
-    /// for appending. Its name has `random` random characters between `start` and `end`.
+    /// Creates a file in `folder` that is meant to be kept, usually under another name. It has the permissions of an
+    /// ordinary new file, and is open for appending. Its name has `random` random characters between `start` and
+    /// `end`.
     pub fn for_keeps(folder: &Path, start: &str, end: &str, random: usize) -> io::Result<Self> {
         let mut builder = Builder::new();
         builder.prefix(start).suffix(end).rand_bytes(random).append(true);

@@ -10,7 +10,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The kernel keeps the locks: a killed process has none, and a file that is open here has one.
+/// A leftover of a killed process has no lock. A file that this process has open is locked.
 #[cfg(unix)]
 #[test]
 fn only_files_of_killed_runs_are_removed() {

@@ -22,7 +22,7 @@ pub trait Listener {
     /// Called after the last row.
     fn end(&mut self) -> Result<()>;
 
-    /// Receives a warning.
+    /// Receives a warning, while the stream runs or at its end.
     fn warn(&mut self, warning: JobWarning);
 
     /// The saved state could be written to this file again, after failures.
@@ -94,7 +94,7 @@ pub fn check_serial(
     Ok(warning.map_err(Error::msg)?.map(JobWarning::Session))
 }
 
-/// Streams the corrected rate until the part ends, the duration is over or `listener` returns an error.
+/// Streams the corrected rate until the samples end, the duration is over or `listener` returns an error.
 ///
 /// # Errors
 /// Returns [`CodedRefusal`] if the part is frozen, or an error if the part cannot be read or `listener` refuses a row.
@@ -188,8 +188,8 @@ impl<'a> RowMaker<'a> {
         Ok(Self { axes, corrector, warned_of_span: false, warned_of: Flags::NONE, tracking, listener })
     }
 
-    /// Passes on row after row until the end. If the part freezes, it is refused after the last row, since nothing
-    /// later would be a measurement.
+    /// Passes rows to the listener until the end. If the part freezes, it passes the row so far and returns a refusal,
+    /// since later readings are no measurements.
     fn follow(&mut self, acquisition: &mut Acquisition, options: StreamOptions) -> Result<()> {
         let mut mean = Mean::default();
         let mut judged = Vec::new();
@@ -218,7 +218,8 @@ impl<'a> RowMaker<'a> {
         if options.period_ns.is_none() { self.write(&mut mean) } else { Ok(()) }
     }
 
-    /// Passes on the row of these samples and empties the mean. There is no row before the first temperature.
+    /// Passes the row of these samples to the listener and empties the mean. Before the first temperature, there is no
+    /// row and the mean keeps its samples.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
         // all axes have the same temperature
         self.corrector.read(self.axes.first().and_then(|first| mean.temp.mean(&first.temp)));

@@ -13,7 +13,7 @@ use zerorate::{Calibration, CodeSum, Part, Scale};
 use zerorate_host::DeviceInfo;
 use zerorate_input::limits;
 
-/// The options of the tracking.
+/// The settings for tracking the bias, and the file for the learned state.
 #[derive(Clone, Debug)]
 pub struct TrackOptions {
     /// The file of the saved state; `None` to save nothing.
@@ -45,13 +45,13 @@ pub struct TrackedAxis {
 pub struct LearnedAxis<'a> {
     /// The name of the axis.
     pub name: &'a str,
-    /// The amount of data that it was learned from.
+    /// Counts of the data from which the bias was learned.
     pub counts: Counts,
     /// The change of its bias at the last temperature; `None` without a temperature.
     pub tracked: Option<Tracked>,
 }
 
-/// Period at which the state is saved, s of the part's time.
+/// Period at which the state is saved, s by the time stamps of the samples.
 const SAVE_EVERY_S: u64 = 60;
 const BLOCK_NS: u64 = (BLOCK_S * 1e9) as u64;
 
@@ -62,7 +62,7 @@ pub struct Tracking {
     temp_scale: Option<Scale>,
     names: Vec<String>,
     phases: Vec<Phase>,
-    /// Index of the current block.
+    /// Index of the current block of `BLOCK_S` seconds, counted from the first sample.
     block: u64,
     rates: Vec<CodeSum>,
     temp: CodeSum,
@@ -151,7 +151,7 @@ fn since(from: Option<&str>, to: Option<Timestamp>) -> Option<f64> {
     Some(to?.duration_since(from).as_secs_f64())
 }
 
-/// Restores the trackers from the file, with the uncertainty that was added since.
+/// Restores the trackers from the file. Their uncertainty grows by the time since the file was saved.
 fn taken_up(
     file: &TrackFile,
     calibration: &Calibration,

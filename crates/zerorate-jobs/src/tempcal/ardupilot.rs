@@ -9,9 +9,9 @@ use zerorate_imu::Kind;
 
 /// The reference temperature of the coefficients, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
 const REFERENCE_C: f64 = 35.0;
-/// The unit of the coefficients in a parameter (AP_InertialSensor_tempcal.cpp, SCALE_FACTOR).
+/// A coefficient is its parameter times this factor (AP_InertialSensor_tempcal.cpp, SCALE_FACTOR).
 const SCALE: f64 = 1e-6;
-/// A temperature below this means that there is none, °C (tempcal_IMU.py).
+/// ArduPilot uses temperatures below this where it has none, °C (tempcal_IMU.py).
 const NO_TEMPERATURE_C: f64 = -80.0;
 
 /// The names of the axes in the parameters.
@@ -135,7 +135,7 @@ const ORIENTATIONS: [[f64; 3]; 44] = [
     [315.0, 0.0, 0.0],
 ];
 
-/// Rz(yaw)·Ry(pitch)·Rx(roll).
+/// The rotation matrix Rz(yaw)·Ry(pitch)·Rx(roll) of angles in degrees.
 fn rotation([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let [(sr, cr), (sp, cp), (sy, cy)] = [roll, pitch, yaw].map(|angle| angle.to_radians().sin_cos());
     [

@@ -53,7 +53,7 @@ fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Res
     for axes in all_axes(log, &of_axes)? {
         let topic = axes.columns.first().and_then(|column| topic_of(&column.name));
         let temperature = temperature(log, &axes, topic.as_deref(), options)?;
-        // no warning for an unused column that is in fact the temperature
+        // the temperature column is used, so the warning that it was left out is dropped
         let is_temperature =
             |note: &LogWarning| matches!(note, LogWarning::ColumnsLeftOut { names, .. } if *names == temperature.name);
         let of_scale = assumed.iter().filter(|(kind, _)| concerns(*kind, &axes.columns)).map(|(_, said)| said);
@@ -86,8 +86,8 @@ fn parameters(log: &UnitLog) -> Result<BTreeMap<String, f64>> {
     Ok(parameters.unwrap_or_default())
 }
 
-/// Returns an error if a parameter that corrects or rotates the readings changes within the log, and tells which
-/// part to use. ArduPilot applies a calibration as soon as it has learned it.
+/// Returns an error if a parameter that corrects or rotates the readings changes within the log. The error tells
+/// before which time the log can be used. ArduPilot applies a calibration as soon as it has learned it.
 fn check_unchanged(path: &Path, options: &TempcalOptions) -> Result<()> {
     let corrects = |name: &str| name.starts_with("INS_TCAL") || name == "AHRS_ORIENTATION";
     let changed = zerorate_logs::changed_parameter(path, files::open(path)?, corrects)?;
@@ -105,7 +105,7 @@ fn device_id(log: &UnitLog, topic: &str, options: &TempcalOptions) -> Option<i64
     columns.first()?.points(log.path()).ok()?.into_iter().find(|value| value.is_finite()).map(|value| value as i64)
 }
 
-/// The axes of each IMU in the log. Flight controllers log several IMUs, and all are used.
+/// The axes of each IMU in the log, or in the topics that the options name. Flight controllers log several IMUs.
 fn all_axes(log: &UnitLog, options: &ImuOptions) -> Result<Vec<Axes>> {
     let of_topic = |topic: &String| {
         let one = ColumnOptions { topic: Some(topic.clone()), ..options.log.clone() };
@@ -133,15 +133,15 @@ fn all_axes(log: &UnitLog, options: &ImuOptions) -> Result<Vec<Axes>> {
 /// The PX4 topic with the readings of the currently selected sensors.
 const COMBINED: &str = "sensor_combined.";
 
-/// The topics that have a temperature of their own: of PX4 drivers, or ArduPilot's complete IMU messages. All topics
-/// if there are no such ones.
+/// Selects the topics that also hold a temperature: those of PX4 drivers, or the IMU messages of ArduPilot. Returns
+/// all topics if none is of these.
 fn with_temperatures(topics: Vec<String>) -> Vec<String> {
     let starting = |start: &str| topics.iter().filter(|topic| topic.starts_with(start)).cloned().collect::<Vec<_>>();
     let of_px4 = [starting("sensor_gyro"), starting("sensor_accel")].concat();
     [of_px4, starting("IMU")].into_iter().find(|some| !some.is_empty()).unwrap_or(topics)
 }
 
-/// The names of all topics with an IMU; empty if there is one only.
+/// The names of all topics with an IMU; empty if there is only one.
 fn topics(log: &UnitLog, options: &ImuOptions) -> Result<Vec<String>> {
     let none = ColumnOptions { topic: Some(String::new()), ..options.log.clone() };
     match log.columns(ColumnSelection::All, &none) {
@@ -151,7 +151,8 @@ fn topics(log: &UnitLog, options: &ImuOptions) -> Result<Vec<String>> {
     }
 }
 
-/// Finds the temperature of an IMU.
+/// Finds the temperature column of an IMU: the one that the user names, or the only one beside the axes, or one with a
+/// usual name.
 fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &TempcalOptions) -> Result<Column> {
     let names = options.axes.log.names;
     let option = names.of(Setting::TempColumn);

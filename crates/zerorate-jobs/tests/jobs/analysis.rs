@@ -158,7 +158,7 @@ fn of(log: &Path, axes: ImuOptions, format: Option<Format>) -> anyhow::Result<Im
     imu(log, &ImuNoiseOptions { axes, codes: CodeOptions::default(), temperature: None, analysis: fitted(), format })
 }
 
-/// The numbers of the gyroscope in a file of continuous densities: N and K.
+/// Writes the noise file. Returns N and K of its gyroscope, as continuous densities, and its text.
 fn in_file(format: Format, noise: &ImuNoise, rule: Rule, combine: Combine) -> (f64, f64, String) {
     let names = Names(Setting::name);
     let (log, warnings) = ("imu.csv".to_owned(), Vec::new());
@@ -172,8 +172,8 @@ fn in_file(format: Format, noise: &ImuNoise, rule: Rule, combine: Combine) -> (f
     (number("gyroscope_noise_density"), number("gyroscope_random_walk"), text)
 }
 
-/// N and K cover the noise from 1 s on; Kalibr gets the fitted N. As they were fitted, a K that is not identified is
-/// its upper limit, and the worst axis decides.
+/// The rule `AsFitted` states the N and K of the fit: of the worst axis, or as a mean over the axes. For a K that is
+/// not identified, it states the upper limit. The rule `Covers` may raise both, but Kalibr keeps the fitted N.
 #[test]
 fn n_and_k_of_an_imu_cover_its_noise_or_are_as_fitted() {
     let folder = Folder::new();

@@ -57,7 +57,7 @@ pub fn sampled(device: &str, sampling: Sampling) -> Acquisition {
     Acquisition::open(&device.parse().unwrap(), setup, Pace::Free, &Stop::default(), Box::new(|_| {})).unwrap()
 }
 
-/// A calibration of less than four minutes of simulated time. Its BTC is poor.
+/// A calibration of less than four minutes of simulated time. Its BTC has a large uncertainty.
 pub fn short() -> Plan {
     let (warmup_s, settle_s, max_u_btc_dps_per_c) = (60.0, 120.0, 0.2);
     Plan { average_s: 2.0, warmup_s, settle_s, offset_s: 20.0, max_u_btc_dps_per_c, ..Plan::default() }
@@ -191,7 +191,7 @@ pub fn has(warnings: &[CodedWarning], code: &str) -> bool {
     warnings.iter().any(|warning| warning.to_string().starts_with(&format!("{code}: ")))
 }
 
-/// The code of a refusal; none where the run failed.
+/// The code of a refusal; `None` for any other error.
 pub fn refusal(error: &Error) -> Option<&'static str> {
     let of_log = match error.downcast_ref() {
         Some(LogError::Refused(code, _)) => Some(*code),

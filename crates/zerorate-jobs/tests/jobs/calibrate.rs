@@ -88,7 +88,7 @@ fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
     assert!(has(&warnings, "resonance"), "{warnings:?}");
 }
 
-/// Each device, the code of its refusal or none if it fails, and the words that name the cause.
+/// Each device and method, the code of the refusal (`None` for any other error), and words that name the cause.
 const NO_RESULT: [(&str, Method, Option<&str>, &[&str]); 15] = [
     ("motion=sway", Method::An1042, Some("moving"), &["moves", "first average"]),
     ("ambient_c=-40,warmup_c=0", Method::An1042, Some("small-span"), &["temperature hardly changed"]),

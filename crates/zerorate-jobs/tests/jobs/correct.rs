@@ -15,7 +15,7 @@ fn capture(folder: &Folder, name: &str, rows: &str) -> PathBuf {
     folder.write(name, format!("{head}{rows}"))
 }
 
-/// The correction of AN-1042, and a curve, at 2 °C and 1 °C above T3.
+/// A linear correction (AN-1042) and a curve, each at 2 °C and 1 °C above T3.
 #[test]
 fn each_row_is_corrected_by_the_formula() {
     let curve = calibration(3, LINE, "btc2_dps_per_c2 = 0.01\nbtc3_dps_per_c3 = -0.001\n");

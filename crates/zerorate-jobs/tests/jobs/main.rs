@@ -1,6 +1,6 @@
 //! The jobs as functions: typed options in, typed result out, on the twin and on small files.
 //!
-//! The tests of the command line hold words and exit codes.
+//! Words and exit codes are tested with the command line.
 
 mod analysis;
 mod bench;

@@ -68,7 +68,7 @@ fn each_form_of_data_ready_has_an_edge_without_losses() {
         let found = found(&format!("twin:{keys}"));
         assert!(found.lost_samples == 0 && found.warnings.is_empty(), "{keys}: {found:?}");
     }
-    // the edge comes 26 µs before new data (F-32), so that each read gives the sample before
+    // these edges come 26 µs before new data (F-32), so each read returns the previous sample
     for keys in ["rdy=level,edge=rising", "rdy=pulse,edge=falling", "rdy=inverted"] {
         found(&format!("twin:{keys}"));
     }

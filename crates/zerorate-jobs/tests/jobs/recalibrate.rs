@@ -1,4 +1,4 @@
-//! Calibrations from a recording: the same numbers as live, bit for bit.
+//! Calibrations from a recording give the same numbers as from the part itself, bit for bit.
 
 use super::bench::{Folder, calibrate, has, keep, only, open, record, replay, short};
 use std::path::Path;
@@ -12,8 +12,8 @@ fn logged(log: &Path) -> OutputOptions {
     OutputOptions { log: Some(log.to_owned()), serial: Some("SN-42".to_owned()), notes, ..OutputOptions::default() }
 }
 
-/// The method without steps takes the whole recording, without being told its length. The Earth's rotation that was
-/// stated stands in the recording.
+/// A method without steps uses the whole recording, whatever its length. The recording states the Earth's rotation
+/// that was given when it was made.
 #[test]
 fn a_recording_gives_the_same_calibration_byte_for_byte() {
     let whole = Plan { settle_s: settle_s(Method::Warmup, true), max_u_btc_dps_per_c: 0.2, ..Plan::default() };
@@ -38,7 +38,8 @@ fn a_recording_gives_the_same_calibration_byte_for_byte() {
     }
 }
 
-/// The same readings are left out again: the capture is the truth, and its raw codes are as they were read.
+/// A calibration from the recording leaves out the same faulty readings, because the recording holds the raw codes as
+/// they were read.
 #[test]
 fn a_calibration_over_a_bad_line_is_repeated_from_its_log() {
     let folder = Folder::new();
@@ -50,7 +51,8 @@ fn a_calibration_over_a_bad_line_is_repeated_from_its_log() {
     assert_eq!(only(&again).impossible_readings, only(&live).impossible_readings);
 }
 
-/// Three twins on one clock: each axis is found within its uncertainty, and the recording gives the same.
+/// A part of three simulated axes: the bias of each is found within its uncertainty, and its recording gives the same
+/// numbers.
 #[test]
 fn a_part_with_three_axes_is_calibrated_in_one_go() {
     let folder = Folder::new();

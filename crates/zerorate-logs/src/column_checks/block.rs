@@ -23,7 +23,7 @@ pub struct Block<'a> {
     looked_at: Cell<u64>,
 }
 
-/// The facts of a block in which each sample and the sample before are finite.
+/// The facts of a block whose samples are all finite, as is the sample before the block.
 pub struct Facts {
     pub largest: f64,
     pub least: f64,
@@ -60,7 +60,7 @@ impl<'a> Block<'a> {
         self.samples
     }
 
-    /// Each sample after the one before it, which is NaN for the first sample of all.
+    /// Pairs of a previous sample and a sample. The previous sample of the first in the column is NaN.
     pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> + ExactSizeIterator + '_ {
         let before = self.before.unwrap_or(f64::NAN);
         self.samples.iter().enumerate().map(move |(at, sample)| {
@@ -144,7 +144,7 @@ fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
     }
 }
 
-/// Joins all samples of a window into one, by halves.
+/// Combines all samples of a window into one number with `join`, half with half.
 #[inline(always)]
 fn folded(window: &[f64; WINDOW], join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut lanes: [f64; WINDOW / 2] = std::array::from_fn(|lane| join(window[lane], window[lane + WINDOW / 2]));

@@ -69,7 +69,7 @@ impl Outermost {
         sample >= self.0[3].0
     }
 
-    /// Takes a sample that is finite.
+    /// Counts a finite sample, if it is one of the largest values so far.
     #[inline]
     fn push(&mut self, sample: f64) {
         if self.reaches(sample) {
@@ -77,7 +77,7 @@ impl Outermost {
         }
     }
 
-    /// Counts one of the largest values. A value that left the four for larger ones never comes back.
+    /// Counts a sample among the four largest values. A value that larger ones displaced never comes back.
     fn count(&mut self, sample: f64) {
         match self.0.iter().position(|(value, _)| *value <= sample) {
             Some(at) if self.0[at].0 == sample => self.0[at].1 += 1,

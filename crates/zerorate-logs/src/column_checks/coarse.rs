@@ -1,4 +1,4 @@
-//! Detects steps that are larger than the noise. Rounding then decides which noise is left.
+//! Detects columns whose noise before rounding was below half a step. The noise that is left depends on the rounding.
 
 use super::block::{Block, WINDOW};
 
@@ -12,9 +12,9 @@ const WIDE: f64 = 5.0;
 
 /// Step size of a column, and its noise per window.
 pub struct Coarse {
-    /// Smallest nonzero step.
+    /// Smallest difference between neighbouring samples that is not 0.
     step: f64,
-    /// Number of windows whose noise is known.
+    /// Number of windows in which no sample is missing.
     windows: usize,
     /// The variances of windows with noise below [`SAID`], by the step known at the time.
     small: Vec<f64>,
@@ -45,14 +45,15 @@ impl Coarse {
         let variance = window.iter().map(|sample| (sample - mean).powi(2)).sum::<f64>() / (WINDOW - 1) as f64;
         if variance.is_finite() {
             self.windows += 1;
-            // steps only become smaller
+            // the step only becomes smaller, so noise above the limit stays above it
             if variance.sqrt() / self.step < SAID {
                 self.small.push(variance);
             }
         }
     }
 
-    /// The text of the warning about steps that hide the noise: the usual standard deviation of a few samples.
+    /// The text of the warning about steps that hide the noise. It states the median of the standard deviations of the
+    /// windows, in steps.
     pub fn text(mut self) -> Option<String> {
         if !self.step.is_finite() {
             return None;

@@ -1,8 +1,8 @@
 //! Checks of the samples of a column in one pass: samples at a limit, steps that hide the noise, samples that were not
 //! measured, and a sensor that stopped.
 //!
-//! Each check is fed the same [`Block`]s. Their facts are computed once, so that a check looks at single samples only
-//! where the facts do not suffice. For plain noise they always suffice.
+//! Each check is fed the same [`Block`]s. Their facts are computed once, so that a check reads single samples only
+//! where the facts do not suffice. For plain noise they mostly suffice.
 
 mod block;
 pub mod clipped;
@@ -20,8 +20,8 @@ use std::path::Path;
 use stopped::Changes;
 use zerorate_allan::Input;
 
-/// The warning if the column `name` of a log stops changing. The log of another sensor may go on. `path` names the log
-/// in messages.
+/// The warning if the column `name` of a log stops changing, whether or not other columns do. `path` names the log in
+/// messages.
 ///
 /// # Errors
 /// Returns [`LogError::Refused`](crate::LogError::Refused) if the column never changes: a dead sensor, not noise.
@@ -45,7 +45,7 @@ pub struct ColumnChecks {
     looked_at: u64,
 }
 
-/// The results of the checks that are needed later.
+/// Facts about the samples that are needed after the checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ColumnFacts {
     /// The changes of the column, and where it stands still.

@@ -1,11 +1,11 @@
-//! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not the noise of
-//! the sensor.
+//! Detects columns that were resampled, filled in, or read from the sensor faster than it converts. Their noise is not
+//! that of the sensor.
 
 use super::block::Block;
 use crate::clock::median;
 use std::ops::RangeInclusive;
 
-/// Number of samples that are examined.
+/// Number of samples at the start of a column that are examined.
 const LOOKED_AT: usize = 1 << 17;
 
 /// Least number of samples for a meaningful share.
@@ -18,19 +18,20 @@ const SAID: f64 = 0.02;
 /// differences of this size, 1 in 370 is zero.
 const FINE: f64 = 100.0;
 
-/// Least number of sizes of differences in fine numbers. Coarse codes that were printed with more digits have few
-/// sizes, and repeat by chance.
+/// Numbers are fine if the differences between neighbours have at least this many sizes. Coarse codes that were
+/// printed with more digits have fewer sizes, and repeat by chance.
 const SIZES: usize = 100;
 
-/// Least usual difference between samples, in steps, at which excess repeats show. There, noise repeats as often as
-/// it moves by a step.
+/// Least median difference between samples, in steps, at which repeats beyond chance can be told. From this size on,
+/// noise repeats a sample about as often as it rises by one step.
 const COARSE: f64 = 3.0;
 
-/// Largest size of differences, in steps. The mean share of the sizes up to this is the share of repeats by chance.
+/// One estimate of the share of repeats by chance is the mean share of the differences of 1 step up to this many
+/// steps.
 const NEAR: u32 = 3;
 
-/// Distances between samples. The mean share of equal pairs at these is the share of repeats by chance. Coarse codes
-/// may be printed with digits of their own.
+/// Another estimate is the mean share of equal pairs of samples at these distances. It holds for coarse codes that
+/// were printed with further digits, too. The larger estimate counts.
 const LAGS: RangeInclusive<usize> = 2..=10;
 
 /// Number of parts of a log that must each show repeats: a sensor that stands still for a while repeats as well.
@@ -77,7 +78,8 @@ fn doubt(samples: &[f64]) -> Option<String> {
     Some(format!("{:.0} % of the samples {how}; use the raw log", 100.0 * share))
 }
 
-/// Share of differences up to `none`, if it is large and the others are so large that these are not due to chance.
+/// Share of the differences that are at most `none`. `None` if the share is below [`SAID`], or if the other
+/// differences are so small that chance may explain the share.
 fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     let others = || differences.iter().copied().filter(|difference| *difference > none);
     let count = others().count();
@@ -93,7 +95,8 @@ fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     (usual >= FINE * step.max(none) && is_fine).then_some(share)
 }
 
-/// Share of the samples that repeat the one before, less the share by chance, in samples of few steps.
+/// Share of the samples that repeat the one before, less the share by chance, for noise of a few steps. `None` unless
+/// each part of the log has such repeats.
 fn coarse_share(samples: &[f64], step: f64) -> Option<f64> {
     let size = samples.len() / PARTS;
     let shares: Vec<f64> = samples.chunks_exact(size.max(ENOUGH)).map(|part| excess(part, step)).collect();
@@ -112,7 +115,7 @@ fn excess(part: &[f64], step: f64) -> f64 {
     if repeats < SAID {
         return 0.0;
     }
-    // differences of either sign
+    // each size occurs with both signs
     let near = (1..=NEAR).map(|steps| share(1, steps)).sum::<f64>() / f64::from(2 * NEAR);
     let far = LAGS.map(|lag| share(lag, 0)).sum::<f64>() / LAGS.count() as f64;
     let chance = near.max(far);
@@ -131,7 +134,7 @@ mod tests {
         ColumnChecks::of(&series.input(&[])).resampled.text()
     }
 
-    /// Noise of a triangular distribution that spans `steps` steps.
+    /// Noise of a triangular distribution that spans twice `steps` steps.
     fn noise(count: usize, steps: f64) -> Vec<f64> {
         let mut random = 7u64;
         let mut next = move || {

@@ -12,11 +12,11 @@ const STOPPED_SAMPLES: usize = 1000;
 /// Consecutive samples of one value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Run {
-    /// Index of the first stopped sample.
+    /// Index of the first sample; missing samples count.
     start: usize,
-    /// The number of stopped samples.
+    /// Number of samples, without missing ones.
     len: usize,
-    /// The number of stopped samples, including missing samples between and behind them.
+    /// Number of samples, including missing ones between and behind them.
     samples: usize,
 }
 
@@ -31,13 +31,13 @@ pub struct Changes {
     count: usize,
     /// The last sample that is not missing.
     before: Option<f64>,
-    /// The run without a change at the end.
+    /// The current run of equal samples.
     run: Run,
-    /// The longest run without a change. Runs within a block are not looked at.
+    /// The longest run without a change. Runs that begin and end inside a block with facts are left out.
     longest: Run,
 }
 
-// the checks may skip runs within a block
+// a run inside a block is too short to count as a stop
 const _: () = assert!(BLOCK < STOPPED_SAMPLES);
 
 impl Changes {
@@ -54,7 +54,7 @@ impl Changes {
         self.total - self.len
     }
 
-    /// Adds a block in which no sample is missing, nor the sample before.
+    /// Adds a block with facts: no sample in it is missing, nor the sample before it.
     fn take(&mut self, block: &Block<'_>, changes: usize) {
         let len = block.len();
         if changes > 0 {

@@ -136,10 +136,10 @@ fn one_pass_serves_all_checks() {
         })
     };
     let long = noise(1_000_000);
-    // the first 2^17 by one check, the others where a limit is passed
+    // one check reads the first 2^17 samples, another the blocks with a new extreme
     let most = (1 << 17) + long.len() as u64 / 16;
     assert!(looked_at(&long).into_iter().all(|looked_at| looked_at < most), "{:?}", looked_at(&long));
-    // codes of a few steps cost each check at most one look
+    // with codes of a few steps, each check reads a sample about once
     let coarse: Vec<f64> = long.iter().map(|sample| (0.5 * sample).round()).collect();
     let looks = checks(&coarse).looked_at as f64 / coarse.len() as f64;
     assert!(looks < 4.5, "{looks}");

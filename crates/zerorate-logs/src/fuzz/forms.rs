@@ -1,4 +1,4 @@
-//! Logs in the forms that a feature adds.
+//! Fuzz tests of logs in the forms that a feature adds.
 
 use super::edited;
 use super::logs::{OF_TABLES, read, table};
@@ -56,7 +56,6 @@ fn sqlite_bag() {
     edited(150, &[forms::sqlite_bag()], |bytes| read(bytes, &["--column z"]));
 }
 
-/// Files by other people's writers.
 #[test]
 fn files_of_other_writers() {
     let files = [forms::ROSBAG, forms::ROSBAG_BZ2, forms::ROSBAG_LZ4].map(<[u8]>::to_vec);

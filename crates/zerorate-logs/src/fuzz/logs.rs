@@ -1,4 +1,4 @@
-//! Logs as text, raw numbers and Arrow.
+//! Fuzz tests of logs as text, raw numbers and Arrow.
 
 use super::edited;
 use crate::tests::options;

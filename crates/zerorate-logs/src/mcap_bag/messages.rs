@@ -31,7 +31,7 @@ pub enum Torn {
     /// The file ends too early, or is damaged.
     #[error(transparent)]
     Format(#[from] McapError),
-    /// The decoder gave up.
+    /// The decoder panicked.
     #[error("a record makes no sense")]
     Nonsense,
     /// The file holds more than the memory limit allows.
@@ -77,7 +77,7 @@ impl<R: Read> Messages<R> {
     }
 }
 
-/// The end of a file by its records; `None` if it was not closed.
+/// Offset of the end of a file according to its records; `None` if the file was not closed.
 pub fn end(file: &Input) -> io::Result<Option<u64>> {
     let mut records = BufReader::with_capacity(BUFFER, file.try_clone()?);
     let mut at = MAGIC.len() as u64;

@@ -1,4 +1,4 @@
-//! The formats that a Cargo feature adds.
+//! Tests of the formats that a Cargo feature adds.
 
 use super::*;
 use std::io::{Cursor, Write};
@@ -14,7 +14,7 @@ pub const XZ: &[u8] = b"\
 pub const ZSTD: &[u8] =
     b"\x28\xB5\x2F\xFD\x20\x10\x81\x00\x00\x30\x2E\x35\x0A\x30\x2E\x32\x35\x0A\x2D\x31\x2E\x35\x0A\x32\x0A";
 
-/// Logs by other people's writers (`fixtures/make.py`).
+/// Logs that common libraries wrote or read back (`fixtures/make.py`).
 pub const NPZ: &[u8] = include_bytes!("../../fixtures/imu.npz");
 pub const NPZ_PACKED: &[u8] = include_bytes!("../../fixtures/imu_packed.npz");
 pub const MAT: &[u8] = include_bytes!("../../fixtures/imu.mat");
@@ -137,7 +137,7 @@ fn npy_of_two_dimensions_and_of_fields() {
         );
         assert!(folder.fails(&file, "--rate 10").contains("several columns; choose with --column one of: 0, 1"));
     }
-    // samples beside each other: more columns than rows
+    // with more columns than rows, each column is a sample
     let header = "{'descr': '<i2', 'fortran_order': False, 'shape': (2, 300), }";
     let file = npy(header, (0..600i16).map(i16::to_le_bytes).collect::<Vec<_>>().concat());
     assert_eq!(numbers(&folder.read(&file, "--column 1 --rate 10").unwrap())[..2], [300.0, 301.0]);

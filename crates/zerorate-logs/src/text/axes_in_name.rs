@@ -1,4 +1,5 @@
-//! Names of several columns in one, as GoPro's telemetry has them: `Gyroscope (z,x,y) [rad/s]`, `1`, `2`.
+//! In GoPro's telemetry, the name of one column lists the axes of several, and numbers name the others: `Gyroscope
+//! (z,x,y) [rad/s]`, `1`, `2`.
 
 /// Gives each column its own name: `Gyroscope z [rad/s]`, `Gyroscope x [rad/s]`, `Gyroscope y [rad/s]`.
 pub fn spread(names: &mut [String]) {

@@ -1,4 +1,4 @@
-//! A text in blocks of whole lines.
+//! Reads a text in blocks of whole lines.
 
 use super::marks::Marks;
 use memchr::{memchr, memrchr};
@@ -22,7 +22,7 @@ const MOST_CONTROL: usize = 20;
 /// Up to this many control characters count as broken text, even in a short file.
 const FEWEST_CONTROL: usize = 20;
 
-/// Length of the longest line in bytes: a bound on memory when a file is not text at all.
+/// A line that is longer than this, in bytes, and than a block is refused. This bounds the memory for other than text.
 const MAX_LINE: usize = 1 << 20;
 
 /// Bytes of whole lines. The last line of a text may lack its line feed.
@@ -48,7 +48,7 @@ impl Block {
 
     /// The text of the lines. Bytes that are not UTF-8 are replaced, so that a line that a cable broke stays one line.
     pub fn text(&self) -> Cow<'_, str> {
-        // to validate first is fast for valid text
+        // valid text, the usual case, is not copied
         std::str::from_utf8(self.bytes()).map_or_else(|_| String::from_utf8_lossy(self.bytes()), Cow::Borrowed)
     }
 
@@ -72,7 +72,7 @@ pub struct Blocks<'a> {
     /// The start of a line that is not complete yet.
     rest: Vec<u8>,
     ended: bool,
-    /// Buffers of used blocks: new memory costs as much as reading into it.
+    /// Buffers of used blocks. To allocate new ones would take as long as to read into them.
     spare: Vec<Vec<u8>>,
     /// The delimiter that is put between a stamp and its line, where stamps have lines of their own.
     stamps: Option<u8>,
@@ -86,7 +86,7 @@ impl<'a> Blocks<'a> {
         Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new(), stamps: None, marks: Marks::default() }
     }
 
-    /// Blocks in which each line without this delimiter is put before the next line.
+    /// Reads blocks in which each line that is only a stamp is joined with the next line by this delimiter.
     pub fn with_stamps(self, stamps: Option<u8>) -> Self {
         Self { stamps, ..self }
     }
@@ -133,7 +133,8 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// The end of the whole lines, behind `before`. A stamp stays with the line that follows it.
+    /// The end of the last whole line in the buffer, if it is behind `before`. A stamp stays with the line that
+    /// follows.
     fn end(&self, buffer: &[u8], before: usize) -> Option<usize> {
         let end = before + memrchr(b'\n', &buffer[before..])? + 1;
         let Some(stamps) = self.stamps else { return Some(end) };
@@ -142,7 +143,7 @@ impl<'a> Blocks<'a> {
         (end > 0).then_some(end)
     }
 
-    /// Puts each stamp in front of its line.
+    /// Joins each stamp with the line that follows it.
     fn join(&self, lines: &mut [u8]) {
         let Some(stamps) = self.stamps else { return };
         let mut start = 0;

@@ -26,8 +26,8 @@ pub struct DateColumn {
 pub struct DateFormat {
     /// The order of day and month, if a day above 12 or the points of a German date show it.
     pub order: Option<DateOrder>,
-    /// The digits behind the seconds that a fraction without zeros in front stands for: 3 where 5 ms are written as
-    /// `12:00:01.5`, and 6 where it counts µs.
+    /// The number of digits to which a fraction of a second must be filled with zeros in front: 3 if 5 ms are written
+    /// as `12:00:01.5`, and 6 if the fraction counts µs. `None` for usual fractions.
     unpadded: Option<usize>,
 }
 
@@ -73,7 +73,8 @@ fn is_clear(cell: &str) -> bool {
 }
 
 /// Time in ns: of a date with a time of day since the epoch, or of a time of day alone since midnight. A date without
-/// a zone is taken as UTC, which no interval depends on. A date whose order is not known does not count.
+/// a zone is taken as UTC, which no interval depends on. If the order of day and month is not known, only the time of
+/// day counts.
 pub fn nanoseconds(cell: &str, format: DateFormat) -> Option<i64> {
     let DateFormat { order, unpadded } = format;
     if let Some((digits, place)) = unpadded.zip(fraction(cell)) {
@@ -208,7 +209,7 @@ fn dotted(cell: &str) -> Option<&str> {
     cell.split_whitespace().find(|word| !word.contains(':') && word.matches('.').count() == 2)
 }
 
-/// A number of so many digits at most.
+/// Parses a number of at most `digits` digits.
 fn number(field: &str, digits: usize) -> Option<i64> {
     let is_number = (1..=digits).contains(&field.len()) && field.bytes().all(|byte| byte.is_ascii_digit());
     is_number.then(|| field.parse().ok())?
@@ -313,7 +314,7 @@ mod tests {
         assert!(reason("59:55.010").is_some_and(|why| !why.contains("Excel")));
     }
 
-    /// `%d` writes 5 ms as 5, and a program that drops zeros at the end writes half a second so.
+    /// `%d` writes 5 ms as 5. A program that drops zeros at the end writes half a second as 5, too.
     #[test]
     fn fractions_without_zeros_in_front_are_told_by_their_order() {
         let first_ms = |cells: &[&str]| {

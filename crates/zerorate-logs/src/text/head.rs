@@ -36,7 +36,7 @@ pub struct Head {
     pub dates: Vec<DateColumn>,
     /// Number of lines before the first row.
     pub lines: u64,
-    /// The number of these lines that are neither header nor comment, and the first of them.
+    /// The number of lines before the first row that are neither header nor comment, and the first of them.
     pub skipped: Option<(usize, String)>,
     /// The sentence that is read, such as `$VNYMR`, in a log of sentences.
     pub sentence: Option<String>,
@@ -44,9 +44,9 @@ pub struct Head {
     pub stamps: Option<u8>,
     /// The marks between the cells that are erased.
     pub marks: Marks,
-    /// The decimal mark, if these lines show it.
+    /// The decimal mark, if the first lines of the text show it.
     pub decimal: Option<Decimal>,
-    /// True if commas seem to cut numbers as well as rows, because a cell begins like the decimals of a number: `05`.
+    /// True if commas seem to be decimal marks as well as delimiters, because a cell begins like decimals: `05`.
     cuts_numbers: bool,
     /// True if the first cell of a row is an index, which has no name.
     pub index: bool,
@@ -203,7 +203,8 @@ impl Head {
         Ok((used, used > 0))
     }
 
-    /// The end of the lines above the data that may be names. A board may speak between its header and its first row.
+    /// The end of the lines above the data that may be names. A board may print messages between its header
+    /// and its first row.
     fn names_end(&self, above: &[Numbered<'_>]) -> usize {
         let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
         let is_spoken = above.last().is_some_and(|(_, line)| cells(line).len() == 1);
@@ -226,7 +227,7 @@ impl Head {
         let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
         let Some((number, last)) = above.last() else {
             let fit = |names: &Vec<String>| names.len() == self.width && names.iter().all(|cell| is_word(cell));
-            // a line that is cut at blanks may be a sentence, except where names usually stand
+            // if blanks separate cells, a comment may be a sentence, so only the last comment may hold names
             let looked_at = if self.delimiter == Delimiter::Blanks { 1 } else { comments.len() };
             let comments = comments.iter().rev().take(looked_at);
             let mut named = comments.map(|line| cells(line.trim_start_matches(['#', '%', ' ']))).filter(fit);
@@ -275,7 +276,7 @@ impl Head {
         }
     }
 
-    /// The error for a header that does not name the columns one by one.
+    /// The error for a header with more or fewer names than the rows have cells.
     pub fn miscounted(&self, path: &Path, line: u64, names: usize) -> LogError {
         let Self { delimiter, width, decimal, cuts_numbers, .. } = *self;
         let is_cut = delimiter == Delimiter::Comma && decimal.is_none();
@@ -287,7 +288,7 @@ impl Head {
         InputError::damaged(path, format!("line {line}"), what).into()
     }
 
-    /// True if commas cut numbers as well as rows, where the header has one name too few.
+    /// True if commas seem to be decimal marks as well as delimiters, in a text whose header has one name too few.
     pub fn has_clash(&self) -> bool {
         self.cuts_numbers && self.names.len() > 1
     }
@@ -328,7 +329,7 @@ pub fn stamps(text: &str) -> Option<u8> {
     alternate.then(|| delimiter.byte().unwrap_or(b' '))
 }
 
-/// The error for a file whose commas cut the numbers as well as the rows.
+/// The error for a file whose commas are decimal marks as well as delimiters.
 const CLASH: &str = "decimal commas and comma separators clash in this file. Export it with \";\" or with decimal \
                      points";
 
@@ -340,7 +341,7 @@ impl Shape {
         cells.iter().any(|cell| is_number(cell)).then_some(Self { delimiter, width: cells.len() })
     }
 
-    /// The most frequent shape of these lines; the first one of several.
+    /// The most frequent shape of these lines; among equally frequent ones, the first.
     fn most(lines: &[Numbered<'_>], decimal: Option<Decimal>) -> Option<Self> {
         let mut votes: Vec<(Self, usize)> = Vec::new();
         for shape in lines.iter().filter_map(|(_, line)| Self::of(line, decimal)) {
@@ -377,7 +378,7 @@ impl Rows {
         let count = |at: usize, what: fn(&str) -> bool| rows.iter().filter(fits).filter(|row| what(row[at])).count();
         let there = rows.iter().filter(fits).count();
         let numeric = |at: usize| match (count(at, is_number), count(at, is_word)) {
-            // a column without numbers is empty, apart from a name
+            // a column that is empty, apart from a name, counts as numeric
             (0, words) => words == 0 || words == 1 && there > 1,
             (numbers, words) => words <= numbers,
         };
@@ -473,7 +474,7 @@ fn bare(unit: &str) -> &str {
     inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(unit).trim()
 }
 
-/// The start of a line, for a message.
+/// The first 60 characters of a line, escaped for a message.
 fn shortened(line: &str) -> String {
     const MOST: usize = 60;
     match line.char_indices().nth(MOST) {
@@ -482,7 +483,8 @@ fn shortened(line: &str) -> String {
     }
 }
 
-/// The delimiter of the cells of this line. A comma between numbers that stand in blanks is a decimal comma.
+/// The delimiter of the cells of this line. If commas leave several numbers in one cell, blanks are the delimiter and
+/// commas are decimal.
 fn delimiter(line: &str, decimal: Option<Decimal>) -> Delimiter {
     let several = |cell: &str| cell.split(' ').filter(|part| part.parse::<f64>().is_ok()).count() > 1;
     let found = match decimal {

@@ -14,8 +14,8 @@ pub fn names(line: &str) -> Option<Vec<String>> {
     Some(values(line.as_bytes())?.into_iter().map(|(name, _)| name).collect())
 }
 
-/// Leaves of an object only its values, with commas between them, and nothing of a line with a bracket of an array.
-/// Another line, or an object with other names, stays.
+/// Erases an object except its values, and puts commas between them. Erases a line that is only a bracket of an array.
+/// Does not change other lines, or objects with other names.
 pub fn erase(line: &mut [u8], names: &[String]) {
     if matches!(line.trim_ascii(), b"[" | b"]") {
         line.fill(b' ');
@@ -55,7 +55,7 @@ impl Reading<'_> {
         self.at += self.line[self.at..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
     }
 
-    /// The next byte that is not a blank, which is read over.
+    /// Reads the next byte that is not a blank.
     fn next(&mut self) -> Option<u8> {
         self.skip_blanks();
         let byte = self.line.get(self.at).copied();
@@ -97,7 +97,7 @@ impl Reading<'_> {
         None
     }
 
-    /// A name, and the colon behind it.
+    /// Reads a name and the colon behind it.
     fn name(&mut self) -> Option<String> {
         self.skip_blanks();
         let start = self.at;

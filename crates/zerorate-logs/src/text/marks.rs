@@ -60,7 +60,7 @@ impl Marks {
         let without = |words: Option<&str>| -> Vec<&str> {
             rests.iter().map(|rest| words.and_then(|of| rest.strip_prefix(of)).unwrap_or(rest)).collect()
         };
-        // a colon may be that of the first label, and a dash is not
+        // words with a colon at their end may be the first label; words with a dash there are not
         let is_label = words.is_some_and(|words| words.trim_end().ends_with(':')) && labelled(&rests).is_some();
         let words = words.filter(|_| !is_label);
         let rests = without(words);

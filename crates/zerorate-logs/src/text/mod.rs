@@ -156,7 +156,7 @@ impl<'a> TextColumns<'a> {
         pieces.iter().try_for_each(|piece| self.learn(piece))
     }
 
-    /// Adds the findings of a piece, except its numbers.
+    /// Adds what a piece holds besides its numbers: times, line counts, errors, and the decimal mark.
     fn learn(&mut self, piece: &Piece) -> Result<(), InputError> {
         let path = self.cut.path;
         let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;

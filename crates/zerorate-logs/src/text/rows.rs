@@ -33,7 +33,7 @@ pub struct Cut<'a> {
     pub head: u64,
     /// The sentence that is read, as in [`Head`].
     pub sentence: Option<String>,
-    /// Number of cells in front of the first column.
+    /// Number of cells in front of the first column: 1 for an index without a name, otherwise 0.
     shift: usize,
     /// The names of all columns.
     all: Vec<String>,
@@ -41,7 +41,7 @@ pub struct Cut<'a> {
     pub only: Vec<(usize, String)>,
 }
 
-/// The content of a block of lines.
+/// What was read from a block of lines.
 pub struct Piece {
     /// The numbers of each wanted cell, NaN where one is missing, and whether all of them are codes.
     pub columns: Vec<(Vec<f64>, bool)>,
@@ -55,11 +55,11 @@ pub struct Piece {
     pub bad: u64,
     /// The first broken line, counted from 1 in this block, and the error in it.
     pub first_bad: Option<Wrong>,
-    /// An error in a value that must not be skipped.
+    /// The first infinite value. It is an error, and not a broken line that may be skipped.
     pub fatal: Option<Wrong>,
     /// The error in the last line, which lacks its end.
     pub cut: Option<Wrong>,
-    /// Evidence of the decimal mark.
+    /// What the block shows about the decimal mark.
     pub numerals: Numerals,
     /// The first rows in all columns, if it is the first piece.
     pub sample: Vec<Sampled>,
@@ -74,7 +74,7 @@ pub enum Time {
     Integer(i64),
     /// A number in the unit of the column.
     Number(f64),
-    /// A date with a time of day, in ns since the epoch.
+    /// A date with a time of day, in ns since 1970, or a time of day alone, in ns since midnight.
     Date(i64),
 }
 
@@ -95,7 +95,7 @@ impl Piece {
         }
     }
 
-    /// Empties the piece but keeps its memory: new memory costs as much as reading into it.
+    /// Empties the piece but keeps its memory. To allocate new memory would take as long as to read into it.
     pub fn clear(&mut self, numerals: Numerals) {
         self.columns.iter_mut().for_each(|(column, are_codes)| {
             column.clear();
@@ -135,7 +135,7 @@ impl Cut<'_> {
 
 struct Reading<'a, 't> {
     cut: &'a Cut<'a>,
-    /// The delimiter, if no cell is in quotes.
+    /// The delimiter, if it is a single byte and no cell is in quotes.
     plain: Option<u8>,
     cells: Vec<&'t str>,
     values: Vec<Number>,
@@ -184,7 +184,7 @@ impl<'t> Reading<'_, 't> {
         if width > self.cut.width || is_half {
             return Err(format!("it has {width} cells, and the others have {}", self.cut.width));
         }
-        // behind the last row of a sensor, the rows of another may go on
+        // of sensors beside each other in a table, another may have more rows than this one
         if self.cut.time.is_some_and(|time| self.cells[time].is_empty())
             && self.cells.iter().all(|cell| cell.is_empty())
         {

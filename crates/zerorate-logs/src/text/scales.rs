@@ -13,10 +13,10 @@ const X_VALUE: &str = "X_Value";
 const X_DIMENSION: &str = "X_Dimension";
 const DELTA_X: &str = "Delta_X";
 
-/// The scales of Gyroflow: s in a step of `t`, rad/s in a step of `gx`, g in a step of `ax`.
+/// The size of a step in each column of a log of Gyroflow: in s for `t`, in rad/s for `gx`, in g for `ax`.
 #[derive(Clone, Debug, Default)]
 pub struct Scales {
-    /// The column with the time, and s in a step of it.
+    /// The column with the time, and the size of its step, s.
     time: Option<(&'static str, f64)>,
     gyro_rad_s: Option<f64>,
     accel_g: Option<f64>,

@@ -12,14 +12,14 @@ fn parts(line: &str) -> Option<(&str, &str)> {
 }
 
 /// A line without the checksum of a sentence, and without the `;` that some programs put at the end of a line. The `;`
-/// stays where it may cut cells, and commas may mark decimals.
+/// is kept if the line has another one, or if its comma may be decimal because it is the only one.
 pub fn without_end(line: &str) -> &str {
     let line = parts(line).map_or(line, |(body, _)| &line[..=body.len()]);
     let are_cells = |rest: &str| rest.contains(',') && rest.contains('.') || rest.matches(',').count() > 1;
     line.strip_suffix(';').filter(|rest| !rest.contains(';') && are_cells(rest)).unwrap_or(line)
 }
 
-/// A line without its end, as [`without_end`] has it. `Err` if the checksum is wrong.
+/// Removes what [`without_end`] removes, and verifies the checksum. `Err` if it is wrong.
 pub fn checked(line: &str) -> Result<&str, String> {
     let Some((body, stated)) = parts(line) else { return Ok(without_end(line)) };
     let found = match stated.len() {
@@ -37,7 +37,7 @@ fn tag(line: &str) -> Option<&str> {
     line.starts_with('$').then(|| line.split(',').next().unwrap_or(line))
 }
 
-/// The most frequent sentence of these lines. A receiver sends several kinds, of which one is the log.
+/// The first cell of the most frequent kind of sentence. A receiver sends several kinds, and one of them is the log.
 pub fn most<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     lines.filter_map(tag).for_each(|tag| *counts.entry(tag).or_default() += 1);

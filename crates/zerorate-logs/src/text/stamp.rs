@@ -8,7 +8,7 @@ use zerorate_input::delimited::Delimiter;
 /// in brackets.
 const ARROWS: [&str; 3] = [" -> ", " > ", "] "];
 
-/// The byte in front of which the arrow, or a word in front of the values, ends.
+/// An arrow must begin before this byte of a line, and words in front of the values must end before it.
 const LONGEST: usize = 60;
 
 /// Fewest digits behind the point of seconds in brackets, as the Linux kernel and ROS write them.
@@ -24,7 +24,7 @@ pub struct Stamp {
     pub name: &'static str,
 }
 
-/// Column of times of day and dates, of milliseconds, and of seconds.
+/// Names for the column of times: of dates and times of day, of milliseconds, and of seconds.
 const CLOCK: &str = "clock";
 const CLOCK_MS: &str = "clock [ms]";
 const CLOCK_S: &str = "clock [s]";
@@ -80,7 +80,7 @@ impl Stamp {
         preamble(rest).map(|_| (time, end))
     }
 
-    /// Leaves of a line only its time, as one cell, and puts `delimiter` behind it.
+    /// Erases the marks around the time of a line, makes the time one cell, and puts `delimiter` behind it.
     pub fn keep(&self, line: &mut [u8], delimiter: Delimiter) {
         line[..self.time.start].fill(b' ');
         line[self.time.end..self.end].fill(b' ');
@@ -135,7 +135,7 @@ fn begins_with_label(rest: &str) -> bool {
     })
 }
 
-/// True if a text begins with a number.
+/// True if a text begins as a number, `nan` or `null` does.
 pub fn is_value(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_digit() || "+-.nN".contains(c))
 }

@@ -13,7 +13,7 @@ use std::path::Path;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{Input, InputError};
 
-/// The facts that hold for every row.
+/// What the rows of a whole text show.
 struct Survey {
     rows: u64,
     /// True if the first cell counts the rows, from 0 or from 1.
@@ -23,7 +23,7 @@ struct Survey {
     is_decimal: bool,
     /// True if each row ends with a delimiter.
     ends_empty: bool,
-    /// True if the first cell never falls. In `falls`: true if it never rises.
+    /// True if the first cell never falls from row to row. `falls` is true if it never rises.
     rises: bool,
     falls: bool,
     last: i64,

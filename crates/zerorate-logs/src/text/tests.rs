@@ -1,4 +1,4 @@
-//! Texts of users: headers that do not fit, decimal commas, serial logs.
+//! Tests with texts such as users have: headers that do not fit, decimal commas, serial logs.
 
 use super::super::tests::{Folder, numbers, there};
 use crate::column::Column;
@@ -290,7 +290,7 @@ fn sum(body: &str) -> u8 {
     body.bytes().fold(0, |sum, byte| sum ^ byte)
 }
 
-/// Loggers of ROS nodes and of some phones print the time on a line of its own. Blocks end between such pairs too.
+/// Loggers of ROS nodes and of some phones print the time on a line of its own. The text has several blocks.
 #[test]
 fn a_stamp_may_have_a_line_of_its_own() {
     for (cut, head) in [(",", ""), (" ", ""), (", ", "# gyro log\n\n"), ("\t", "gyro log\n")] {

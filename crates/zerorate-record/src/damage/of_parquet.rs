@@ -1,4 +1,4 @@
-//! Damage in row groups and in the index behind them.
+//! Parquet files whose row groups were removed, repeated or moved, or that other software wrote.
 
 use super::*;
 use ::parquet::arrow::ArrowWriter;
@@ -7,7 +7,7 @@ use ::parquet::file::properties::WriterProperties;
 use arrow_array::RecordBatch;
 use std::fs::File;
 
-/// The rows of a Parquet file in another order or number, with the original metadata.
+/// Writes the row groups of a Parquet file in another order or number, with the original metadata.
 #[test]
 fn row_groups_that_are_removed_repeated_or_moved_are_noticed() {
     let victim = Victim::new(Format::Parquet, slow(90));
@@ -32,7 +32,7 @@ fn row_groups_that_are_removed_repeated_or_moved_are_noticed() {
     }
 }
 
-/// Pyarrow and others write description and columns again, and drop the checks.
+/// Other software, such as PyArrow, keeps the description and the columns, and drops the checks of the rows.
 #[test]
 fn a_file_that_other_software_wrote_again_is_unchecked() {
     let dir = TempDir::new().unwrap();

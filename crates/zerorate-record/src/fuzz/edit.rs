@@ -25,9 +25,9 @@ enum Edit {
     Truncate { at: Place },
     /// Removes some bytes.
     Remove { at: Place, length: u8 },
-    /// Repeats some bytes elsewhere.
+    /// Inserts a copy of some bytes at another place.
     Splice { from: Place, to: Place, length: u8 },
-    /// Fills a range with one byte.
+    /// Inserts `length` copies of one byte.
     Fill { at: Place, byte: u8, length: u8 },
 }
 

@@ -1,14 +1,14 @@
-//! Fuzz tests: every reader gets damaged input. None may panic, and none may allocate more than the input justifies.
+//! Fuzz tests: the reader of captures gets damaged input in every format, and must not panic.
 //!
-//! Each target edits whole small files, as this program or others write them, at random. The edits are the same on
-//! every machine, and the target sets their number. To run other edits or more:
+//! Each target edits small, valid captures at random. The edits are the same on every machine, and the target sets
+//! their number. To run other edits or more:
 //!
 //! ```sh
 //! ZERORATE_FUZZ_SEED=7 ZERORATE_FUZZ_ITERATIONS=100000 cargo test -p zerorate-record --lib fuzz::
 //! ```
 //!
-//! A failure prints the seed and the iteration that replay it. The command-line program has its own fuzz targets,
-//! for devices and words, with the same harness.
+//! A failure prints the seed and the iteration that replay it. The command-line program has fuzz targets with the
+//! same harness, for the bytes of a bridge, for calibrations and for arguments.
 
 mod captures;
 mod edit;

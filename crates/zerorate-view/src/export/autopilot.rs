@@ -14,7 +14,7 @@ pub(crate) const PX4_SENSORS: std::ops::RangeInclusive<u32> = 0..=3;
 /// The IMU numbers for which ArduPilot has parameters INS_TCALn.
 pub(crate) const ARDUPILOT_SENSORS: std::ops::RangeInclusive<u32> = 1..=3;
 
-/// A bias over temperature, rad/s: the polynomial with coefficients `terms`, by order, in (temperature − `about_c`).
+/// A bias, rad/s, as a polynomial in (temperature − `about_c`), °C. `terms` are its coefficients, the constant first.
 struct Bias {
     about_c: f64,
     terms: [f64; 4],
@@ -88,7 +88,7 @@ pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> 
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;
     let biases = axes.map(|correction| Bias::of(&correction, ARDUPILOT_C));
-    // ArduPilot also limits this temperature to TMIN … TMAX, so it must be within them
+    // ArduPilot also limits the temperature of the offsets to TMIN … TMAX, so it must be within them
     let offset_c = f64::from(ARDUPILOT_C.clamp(temp_min_c, temp_max_c) as f32);
     let mut text = head(export, &format!("temperature calibration of IMU {sensor} of ArduPilot"));
     text += "# With P = (GYR1 d + GYR2 d^2 + GYR3 d^3) * 1e-6 rad/s and d = TEMP - 35, the rate is corrected by\n\

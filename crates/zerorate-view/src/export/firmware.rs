@@ -17,7 +17,7 @@ type Entries = Vec<(&'static str, String)>;
 struct Language {
     /// The template for the only axis of an ADIS16130.
     one: &'static str,
-    /// The templates for any number of axes of any part: the common part, and the part that is repeated for each axis.
+    /// The templates for any sensor: `common` is written once, and `axis` once for each axis.
     common: &'static str,
     axis: &'static str,
     /// The templates of the functions that correct raw codes: for a linear correction, and for a curve.
@@ -99,7 +99,7 @@ fn written(language: &Language, export: &Export, functions: String, constants: S
     Ok(fill(language.common, &[common, first.codes.typed(language, plain), last].concat()))
 }
 
-/// Replaces each `@KEY@` of the template. The order of the entries matters: a replaced text may look like a key.
+/// Replaces each `@KEY@` of the template, entry by entry. The text of an entry may contain keys of later entries.
 fn fill(template: &str, entries: &[(&'static str, String)]) -> String {
     entries.iter().fold(template.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value))
 }
@@ -208,12 +208,12 @@ fn terms(correction: &Correction, margin: &str) -> String {
     }
 }
 
-/// The error of the last table row beyond the table, in words.
+/// Describes the error of the last table row if it is used beyond the table.
 fn distance(correction: &Correction) -> &'static str {
     if correction.is_line() { "BTC times the distance to it" } else { "what the curve does on the way to it" }
 }
 
-/// The formula of the correction, in symbols.
+/// The entries that describe the formula of the correction and the formula of a table row.
 fn formula(export: &Export) -> Entries {
     let lines = export.calibration.axes.iter().all(|axis| axis.correction.is_line());
     let [of, each, row_of] = match lines {
@@ -282,7 +282,8 @@ fn circumstances(calibration: &Calibration) -> String {
 /// An upper bound of the middle row's index in any table, times 2³².
 const MIDDLE_MOST: i64 = 1 << 50;
 
-/// The layout that the tables of all axes share.
+/// The entries for step, span and number of rows, which the tables of all axes share. Returns an error if the step is
+/// too fine for the integers of the firmware.
 fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
     let Export { layout, tables, .. } = export;
     let (rows, temp) = (tables[0].len(), &axes[0].codes.temp);

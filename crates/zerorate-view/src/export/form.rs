@@ -1,4 +1,4 @@
-//! The export formats, in the table that every front end lists.
+//! The export formats, with the names and help texts that every front end shows.
 
 /// A format in which a calibration is exported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,9 +15,9 @@ pub enum ExportForm {
 /// The names, file type and help text of a format.
 #[derive(Clone, Copy, Debug)]
 pub struct FormRow {
-    /// The name as an option value.
+    /// The name by which options select the format, such as `px4`.
     pub name: &'static str,
-    /// The name for people.
+    /// The name that people read, such as `PX4`.
     pub label: &'static str,
     /// The file extension, without a dot.
     pub extension: &'static str,
@@ -28,7 +28,7 @@ pub struct FormRow {
 }
 
 impl ExportForm {
-    /// All formats.
+    /// All formats, in the order in which front ends list them.
     pub const ALL: [Self; 6] = [Self::C, Self::Rust, Self::Csv, Self::Json, Self::Px4, Self::Ardupilot];
 
     /// Finds the format with this name.

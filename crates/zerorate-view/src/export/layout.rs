@@ -5,7 +5,7 @@ use super::warning::ExportWarning;
 use anyhow::Result;
 use zerorate::{Calibration, Correction, TableRow, Validity};
 
-/// The step sizes to choose from, millionths of a °C: that of F-52 and coarser ones.
+/// The step sizes that can be chosen automatically, millionths of a °C. The finest is that of F-52.
 const STEPS_UC: [u32; 8] = [20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000, 2_000_000, 5_000_000];
 
 /// Largest number of steps on each side of T3 in a table of default size: 1025 rows, 4.1 kB of flash.
@@ -62,7 +62,7 @@ impl Layout {
         (!self.stated).then_some(unstated).into_iter().chain(short).collect()
     }
 
-    /// The largest error where the table ends before the calibrated range; `None` if the table is long enough.
+    /// The largest error, °/s, if the table ends before the calibrated range; `None` if the table is long enough.
     fn wrong_dps(&self, correction: &Correction) -> Option<f64> {
         let reach_c = reach(&self.valid, correction.t3_c);
         let beyond_c = reach_c - self.span_c - self.step_c / 2.0;
@@ -154,7 +154,7 @@ mod tests {
         let measured = calibration(32.5, Some((25.0, 32.5)));
         let layout = Layout::new(&measured, None, Some(0.12));
         assert_eq!(layout.step_c, 0.02);
-        // 8 °C to the far end, 0.13 °C of them in the table
+        // from T3, the range reaches 8 °C, and the table 0.13 °C
         assert!(layout.warnings(&measured)[0].to_string().contains("wrong by up to 0.31 °/s"));
     }
 }

@@ -16,7 +16,7 @@ pub use prefix::Prefix;
 pub use warning::ExportWarning;
 use zerorate::{Calibration, TableRow};
 
-/// The settings of an export. `None` means that a suitable value is chosen.
+/// The settings of an export. `None` means the default.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Step of the table, °C.
@@ -27,7 +27,7 @@ pub struct Options {
     pub prefix: Option<Prefix>,
     /// The number of the gyroscope in the flight controller.
     pub sensor: Option<u32>,
-    /// The device_id of that gyroscope in PX4.
+    /// The device_id of the gyroscope in PX4. An export to PX4 fails without it.
     pub device_id: Option<i32>,
 }
 
@@ -54,7 +54,7 @@ pub struct Export {
 }
 
 impl Export {
-    /// Computes the tables.
+    /// Chooses the step and the span that the options leave open, and computes the tables.
     ///
     /// # Errors
     /// Returns [`InvalidOptions`] if no table can have this step and span.
@@ -86,8 +86,8 @@ impl Export {
         }
     }
 
-    /// States the errors of a curve's tables, which a CSV file cannot. Tables of linear corrections can be
-    /// interpolated exactly.
+    /// Describes how far a CSV table with a curve is off between its rows, one text per axis. There is none for a
+    /// linear correction, which can be interpolated exactly.
     #[must_use]
     pub fn lost_by_rows(&self) -> Vec<String> {
         let Layout { step_c, span_c, .. } = self.layout;

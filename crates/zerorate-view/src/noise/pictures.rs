@@ -145,7 +145,7 @@ impl<'a> Group<'a> {
         Some(plot::spectra(&format!("{}: spectrum", self.heading()), &all, &format!("{unit}/√Hz")))
     }
 
-    /// Draws the records over time, if they were kept.
+    /// Draws the records over time, if the data for that were kept.
     fn signals(&self) -> Option<String> {
         let signal = |(record, label): (&Record, String)| {
             let steps = record.model().map_or(&[][..], |fit| &fit.cleaned.steps);
@@ -192,7 +192,7 @@ fn law(named: &Named<'_>) -> PowerLaw {
 /// The abbreviation of Gauss–Markov.
 const MEMORY: &str = "GM";
 
-/// The model's terms other than coefficients, or a note that there is no model.
+/// The Gauss–Markov terms of the model, or a note that the model is missing or rejected.
 fn remarks(record: &Record) -> Vec<String> {
     match (&record.fit, record.model()) {
         (None, _) => Vec::new(),

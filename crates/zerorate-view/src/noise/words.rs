@@ -5,7 +5,7 @@ use crate::plot::number;
 use zerorate_allan::{Corner, Estimate, Line, Term, span};
 use zerorate_imu::{AllanReport, CoefficientReport, FitReport};
 
-/// True if the spectrum scatters about the model no more than chance explains, to the shown number of digits.
+/// True if the model's error, beyond what chance explains, rounds to 0.0 %.
 #[must_use]
 pub fn is_without_misfit(fit: &FitReport) -> bool {
     fit.model_error.is_some_and(|error| error < 0.0005)
@@ -50,7 +50,7 @@ pub fn predicts(report: &AllanReport) -> Option<String> {
 pub struct TermRow {
     /// The name of the coefficient or other term.
     pub name: String,
-    /// The same value in each unit, or several different values.
+    /// The same value in each unit, or different values of one term, such as σ and correlation time.
     pub values: Vec<(Interval, String)>,
     /// True if the value is identified; if not, only its upper limit is meaningful.
     pub is_identified: bool,
@@ -108,7 +108,6 @@ fn of_term(fit: &FitReport, term: &Term) -> TermRow {
     TermRow { name: name.to_owned(), values, is_identified: true, remark }
 }
 
-/// Converts an estimate for display.
 fn interval_of(Estimate { value, lo, hi }: Estimate) -> Interval {
     Interval { value, lo, hi }
 }

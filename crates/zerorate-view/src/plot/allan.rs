@@ -53,7 +53,7 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// The colour of its line and label.
+    /// The colour of the law's line and label.
     pub(super) fn colour(&self) -> &'static str {
         LAW_COLOURS.into_iter().find(|(slope, _)| *slope == self.slope).map_or(OTHER_LAW, |(_, colour)| colour)
     }
@@ -130,7 +130,7 @@ const LAW_COLOURS: [(f64, &str); 4] = [(-0.5, "#c04a00"), (0.0, "#00785a"), (0.5
 const OTHER_LAW: &str = "#555555";
 /// A band does not extend the axis further than this beyond the deviations, in decades.
 const BAND_DECADES: f64 = 0.7;
-/// The floor of a fit is inside the axis if it is at most this factor below all deviations.
+/// The vertical axis reaches down to the fitted B if B is at most this factor below the smallest deviation.
 const FLOOR_DEPTH: f64 = 30.0;
 /// Distance from a curve, in pixels, at which nobody reads a label as that curve's label.
 const APART: f64 = 60.0;
@@ -161,7 +161,7 @@ pub fn allan(curves: &[Curve], options: &Options) -> String {
     page.add(picture.marks()).add(picture.lines()).add(picture.lettering()).to_string()
 }
 
-/// The curve without points that a logarithmic axis cannot show.
+/// The curve sorted by averaging time, without points that a logarithmic axis cannot show.
 pub fn drawable(curve: &Curve) -> Curve {
     let known = |tau_s: f64, dev: f64| [tau_s, dev].iter().all(|value| value.is_normal() && *value > 0.0);
     let bounded = |point: &Point| Point {
@@ -181,7 +181,7 @@ pub fn drawable(curve: &Curve) -> Curve {
     Curve { label: curve.label.clone(), points, model, predicted, laws, minimum, remarks: curve.remarks.clone() }
 }
 
-/// The ranges of averaging times and deviations to show; a decade around 1 if there are none.
+/// The ranges of averaging times and deviations to show; from 1 to 1 if there are none.
 pub fn ranges(curves: &[Curve]) -> ((f64, f64), (f64, f64)) {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let devs = axes::range(points().map(|point| point.dev)).unwrap_or((1.0, 1.0));

@@ -186,7 +186,7 @@ fn exponent(value: f64) -> i32 {
 fn round_125(value: f64, round: fn(f64) -> f64) -> f64 {
     let k = exponent(value);
     let lead = value / 10f64.powi(k);
-    // the ordinals of 1, 2, 5 and 10 are 0, 1, 2 and 3; half for a value in between
+    // an index into the list 1, 2, 5, 10; half-way between two indices for a value in between
     let place = match lead {
         x if x <= 1.0 + 1e-9 => 0.0,
         x if x < 2.0 - 1e-9 => 0.5,

@@ -75,7 +75,7 @@ impl Anchor {
     }
 }
 
-/// Estimated width of a line of text.
+/// Estimated width of a line of text, pixels.
 pub fn width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * CHARACTER
 }
@@ -91,7 +91,7 @@ pub fn shortened(text: &str, characters: usize) -> String {
     all[..head].iter().chain(&['…']).chain(&all[all.len() - tail..]).collect()
 }
 
-/// Shortens a text to this width in pixels.
+/// Shortens a text of font size `size` so that it fits into `room` pixels.
 pub fn fitting(text: &str, size: f64, room: f64) -> String {
     shortened(text, (room / (size * CHARACTER)) as usize)
 }
@@ -183,7 +183,8 @@ pub fn stroke(data: Data, colour: &str, width: f64) -> Path {
         .set("stroke-linejoin", "round")
 }
 
-/// A group that is clipped at the frame. All plots of a page share one namespace, so each frame has its own clip name.
+/// A group that is clipped at the frame. Its clip path is named after the position of the frame, because all plots of
+/// a page share one set of names.
 pub fn clipped(area: &Area) -> Group {
     let Area { left, right, top, bottom } = area;
     let name = format!("inside-{left:.0}-{right:.0}-{top:.0}-{bottom:.0}");

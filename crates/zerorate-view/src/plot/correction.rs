@@ -4,7 +4,7 @@ use super::axes::{Axis, range};
 use super::canvas::{self, Anchor, Area, Frame, INK, line, path, stroke};
 use svg::node::element::{Circle, Group, Path};
 
-/// The data of the plot.
+/// The correction of a unit over temperature, and the means that it was fitted to.
 #[derive(Clone, Debug)]
 pub struct CorrectionCurve {
     /// Points of the curve, by temperature.

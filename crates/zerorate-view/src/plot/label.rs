@@ -24,8 +24,8 @@ impl Labels {
         self.taken.push(place);
     }
 
-    /// Chooses the best of the candidate positions for a text, preferring earlier ones, and marks it as taken.
-    /// Returns `None` if all of them leave the frame or cover another label.
+    /// Chooses the candidate position at which the text covers the fewest points of lines, and marks it as taken. Of
+    /// equal ones, the earliest is chosen. Returns `None` if all of them leave the frame or cover another label.
     pub fn place(
         &mut self,
         text: &str,
@@ -57,7 +57,7 @@ impl Labels {
         self.place(text, clear)
     }
 
-    /// The corner of the frame where a box of this size covers the fewest points and labels.
+    /// The corner of the frame where a box of this size covers the fewest points of lines.
     pub fn corner(&self, (width, height): (f64, f64)) -> Area {
         let Area { left, right, top, bottom } = self.area;
         let gap = 12.0;

@@ -6,7 +6,7 @@ use super::canvas::{self, Anchor, INK, SMALL, clipped, line, path, stroke};
 use super::stack::Stack;
 use svg::node::element::Group;
 
-/// The data of the plot.
+/// The texts and the panels of a plot of lines.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     /// The heading.

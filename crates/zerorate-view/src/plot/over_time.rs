@@ -16,7 +16,7 @@ pub struct Series {
 
 const HEIGHT: f64 = 120.0;
 
-/// Draws the plot as SVG. The time windows, s, are shaded.
+/// Draws the plot as SVG. `windows_s` holds the start and the end of spans of time, s, which are shaded.
 #[must_use]
 pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> String {
     let ends = all.iter().flat_map(|one| one.points.iter().map(|point| point.0)).chain(windows_s.iter().map(|w| w.1));
@@ -27,7 +27,7 @@ pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> Strin
     let mut paper = stack.paper();
     for (index, (one, colour)) in all.iter().zip(COLOURS.into_iter().cycle()).enumerate() {
         let finite = || one.points.iter().copied().filter(|(_, value)| value.is_finite());
-        // space for the name above
+        // space for the panel's name above the curve
         let (low, high) = range_with_margins(finite().map(|(_, value)| value), 0.05, 0.3);
         let y = Axis::linear(low, high, stack.upright(index));
         let area = stack.area(index);

@@ -11,7 +11,7 @@ const FAMILY: &str = "Inter";
 /// Pixels of the PNG per pixel of the SVG.
 const SCALE: f32 = 2.0;
 
-/// Renders a PNG, twice as wide and high as the SVG states. Characters other than Latin, Greek and Cyrillic are blank.
+/// Renders a PNG, twice as wide and high as the SVG states. Characters that the font lacks are blank.
 ///
 /// # Errors
 /// Returns an error if the text is not an SVG, or the SVG has no size.

@@ -6,7 +6,7 @@ use super::stack::Stack;
 use svg::node::element::path::Data;
 use svg::node::element::{Circle, Group, Path};
 
-/// The data of the plot.
+/// The texts and the panels of a plot of dots.
 #[derive(Clone, Debug, Default)]
 pub struct Scatter {
     /// The heading.

@@ -25,7 +25,7 @@ pub struct Spectrum {
 pub struct Tone {
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Root mean square of the disturbance. The strongest ones are labelled.
+    /// Root mean square, in the unit of the signal. The strongest tones are labelled.
     pub rms: f64,
     /// The label beside the tone.
     pub label: String,
@@ -72,7 +72,7 @@ pub fn spectra(title: &str, spectra: &[Spectrum], unit: &str) -> String {
     paper.to_string()
 }
 
-/// Rings at all tones, and labels at the strongest ones.
+/// Draws a ring at each tone, except on the flank of a stronger one, and labels at the strongest ones.
 fn tones(spectrum: &Spectrum, place: impl Fn(&(f64, f64)) -> (f64, f64), mut labels: Labels) -> Group {
     let mut sorted: Vec<&Tone> = spectrum.tones.iter().collect();
     sorted.sort_by(|a, b| b.rms.total_cmp(&a.rms));

@@ -4,7 +4,7 @@ use super::*;
 use roxmltree::{Document, Node};
 use zerorate_allan::Envelope;
 
-/// Five decades of averaging time, the deviations of white noise.
+/// A curve with the deviations of white noise over five decades of averaging time.
 fn white(label: &str) -> Curve {
     let point = |k: i32| {
         let tau_s = 10f64.powi(k);
@@ -24,7 +24,7 @@ pub(super) fn fitted() -> Curve {
 
 fn texts(svg: &str) -> Vec<String> {
     let xml = Document::parse(svg).expect("well-formed XML");
-    // a halo is the same text once more
+    // a halo repeats its text, and is left out here
     let is_halo = |node: &Node<'_, '_>| node.attribute("aria-hidden").is_some();
     let texts = xml.descendants().filter(|node| node.has_tag_name("text") && !is_halo(node));
     texts.filter_map(|node| node.text()).map(|text| text.trim().to_owned()).collect()
@@ -142,7 +142,7 @@ fn the_correction_is_drawn_over_its_span() {
     for expected in ["temperature, °C", "correction, °/s", "T3", "measured here", "20", "40"] {
         assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
     }
-    // 832 pixels for 20 K from 100 on: the span begins at a quarter and is half as wide
+    // 20 K take 832 pixels, from pixel 100 on: the span begins at a quarter of them and is half as wide
     assert!(
         attribute(&svg, "rect", "x").contains(&308.0) && attribute(&svg, "rect", "width").contains(&416.0),
         "{svg}"

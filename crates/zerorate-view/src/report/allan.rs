@@ -51,7 +51,8 @@ struct Section {
 }
 
 impl Section {
-    /// Makes a section with tables if there are several records. A single record has its own section.
+    /// Makes the section of a group. It has tables only if the page has several records, because a single record has
+    /// tables of its own.
     fn new(group: &Group<'_>, is_one_of_several: bool) -> Self {
         let tables = match is_one_of_several {
             true => [tables::by_axis(group), tables::lines(group)].into(),

@@ -15,7 +15,7 @@ pub struct ChamberPage<'a> {
     pub title: &'a str,
     /// The resulting calibration.
     pub calibration: &'a Calibration,
-    /// The record of the measurement.
+    /// The means of rate and temperature over each second, and over each soak.
     pub record: &'a Record,
     /// The outcome of each axis of the calibration.
     pub outcomes: &'a [ChamberOutcome],

@@ -58,7 +58,7 @@ fn word(name: &str) -> String {
     name.chars().map(letter).take(40).collect()
 }
 
-/// Writes all curves as a CSV table.
+/// The curves as a CSV table, with a row for each axis and temperature.
 #[must_use]
 pub fn csv(axes: &[AxisCurve]) -> String {
     let mut text = "axis,unit,temp_c,bias,u\n".to_owned();

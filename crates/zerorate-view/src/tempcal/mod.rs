@@ -85,9 +85,10 @@ pub struct AxisCurve {
     pub hysteresis: Option<f64>,
     /// Standard deviation of the bias from start to start; null with one log.
     pub spread_of_starts: Option<f64>,
-    /// Span of the means before the correction.
+    /// Span of the means, largest minus smallest, before the correction.
     pub before: f64,
-    /// Span that remains with the curve of the other parts of the record (cross-validation).
+    /// Span of the means after the correction. Each part of the record is corrected with the curve of the other parts
+    /// (cross-validation).
     pub after: f64,
     /// The noise that was estimated together with the curve.
     pub noise: CurveNoise,
@@ -136,7 +137,7 @@ pub struct CubicReport {
 }
 
 impl CubicReport {
-    /// The coefficients about another temperature, °C.
+    /// The coefficients of the same polynomial, expanded about another temperature, °C.
     #[must_use]
     pub fn about(&self, about_c: f64) -> [f64; 4] {
         let d = about_c - self.about_c;
@@ -224,7 +225,7 @@ impl AxisCurve {
     }
 }
 
-/// The level from which a curve is stated: zero for a gyroscope; for an accelerometer the value at the reference
+/// The level that is subtracted from a curve: zero for a gyroscope; for an accelerometer the value at the reference
 /// temperature, since its bias cannot be told from gravity.
 struct Level<'a> {
     curve: &'a LogCurve,
@@ -263,9 +264,9 @@ pub struct MeanPoint {
     pub at_s: f64,
     /// Temperature, °C.
     pub temp_c: f64,
-    /// The mean minus the level from which the curve is stated, and minus the steps.
+    /// The mean, less the steps and less the level that is subtracted from the curve.
     pub value: f64,
-    /// Residual: the value minus the curve.
+    /// Residual: the value minus the curve at the temperature that the bias follows.
     pub left: f64,
     /// True if the sensor was warming.
     pub is_warming: bool,

@@ -66,8 +66,8 @@ impl Sensors {
         Ok(lacking.map_or(Ok(()), |axis| Err(format!("{} has no axis {}", log.display(), axis.name))))
     }
 
-    /// Adds one axis of an IMU in the next log, instead of `imu.columns`. All axes of a single log can be added this
-    /// way.
+    /// Adds one axis of an IMU in the next log. `imu.columns` are not read. A single log can be added axis by axis in
+    /// this way.
     ///
     /// # Errors
     /// The inner result is an error text if the earlier logs do not have the axis.
@@ -113,7 +113,7 @@ impl Sensors {
     }
 }
 
-/// True if two logs have the same samples.
+/// True if two logs have the same means, which then are means of the same samples.
 fn is_same(one: &LogMeans, other: &LogMeans) -> bool {
     !one.blocks().is_empty() && one.blocks() == other.blocks()
 }
@@ -183,7 +183,7 @@ pub fn topic_of(column: &str) -> Option<String> {
     Some(topic.to_owned())
 }
 
-/// The index in `sensor_gyro#1` or `IMU[1]`; 0 without one.
+/// The number of an IMU: the index in `sensor_gyro#1` or `IMU[1]`; 0 without one.
 #[must_use]
 pub fn number_of_imu(topic: Option<&str>) -> u32 {
     let (_, number) = topic.unwrap_or_default().trim_end_matches(']').rsplit_once(['#', '[']).unwrap_or_default();
@@ -287,7 +287,8 @@ fn on_threads<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
 mod tests {
     use super::*;
 
-    /// A temperature in °C that equals the log's clock in s. It is sampled once a second, from 10 s after the axis on.
+    /// A temperature in °C that equals the log's clock in s. It has one sample a second and starts 10 s after the
+    /// axis.
     #[test]
     fn a_temperature_of_another_topic_is_joined_by_time() {
         let samples = (0..20_000).map(|k| f64::from(k % 7)).collect();
@@ -304,7 +305,7 @@ mod tests {
         let means = imu.means(axis, Path::new("log")).unwrap();
         let first = means.blocks()[0];
         assert!((9.5..10.5).contains(&first.start_s), "{first:?}");
-        // the middle of a block, on the clock of the log
+        // the temperature of a block is the time of its middle on the log's clock, which is 5 s at the first sample
         let off = means.blocks().iter().map(|block| (block.temp_c - block.start_s - block.length_s / 2.0 - 5.0).abs());
         let most = off.fold(0.0, f64::max);
         assert!(most < 0.15, "{most}");

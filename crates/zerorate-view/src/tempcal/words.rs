@@ -19,7 +19,7 @@ pub fn refusal_text(why: &CurveRefusal, names: Names) -> String {
     }
 }
 
-/// The table: the sensors, with two lines for each axis. Each value is given ± half of its 95 % interval.
+/// The table: the sensors, with two lines for each axis. Bias and slope are given ± half of their 95 % intervals.
 #[must_use]
 pub fn table(axes: &[AxisCurve]) -> String {
     let mut text =

@@ -6,14 +6,14 @@ use zerorate_logs::{Column, Quantity};
 use zerorate_view::noise::{Group, TermRow, term_rows};
 use zerorate_view::plot::number;
 
-/// The message about a column.
+/// Describes a column before its analysis.
 pub fn column(column: &Column) -> LogColumn {
     let (quantity, missing) = (column.quantity, column.missing());
     let unit = quantity.map(|of| of.unit().to_owned());
     LogColumn { name: column.name.clone(), kind: quantity.and_then(Kind::of), unit, missing }
 }
 
-/// The message about an analysed column.
+/// Converts the results of an analysed column to a message.
 pub fn message(record: &Record) -> LogAxis {
     let axis = AxisReport::new(record, None);
     let terms = term_rows(&axis.report).into_iter().map(term).collect();

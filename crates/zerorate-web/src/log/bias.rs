@@ -16,16 +16,16 @@ use zerorate_view::tempcal::{
 /// The name of the part in a calibration, since the page does not ask for it.
 const PART: &str = "gyroscope";
 
-/// The sensors of a log in which the temperature changes enough for a curve.
+/// The averages of a log for curves of the bias over temperature, or the reason why there are none.
 pub enum Bias {
     /// The sensors, with the means of their axes.
     Sensors(Vec<Sensor>),
-    /// The reason why no curves can be made here.
+    /// The reason why the page cannot make curves of this log.
     Elsewhere(String),
 }
 
 impl Bias {
-    /// Averages the axes of a log. `None` if the span of the temperature is too small.
+    /// Averages the axes of a log. `None` if the temperature has impossible values or too small a span.
     ///
     /// # Errors
     /// Returns an error if too many samples are missing.
@@ -79,7 +79,7 @@ impl Bias {
     }
 }
 
-/// The reason why an ArduPilot log gives no curve here.
+/// The reason why the page does not make curves of an ArduPilot log.
 const CORRECTED: &str = "ArduPilot has corrected and turned the readings of this log. `zerorate tempcal` takes that \
                          back by the log's parameters, and writes new ones.";
 

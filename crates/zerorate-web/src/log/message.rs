@@ -140,7 +140,8 @@ pub struct LogAxis {
 pub struct LogTerm {
     /// The name of the coefficient or other term.
     pub name: String,
-    /// The same value with its 95 % interval in each unit, or several values.
+    /// The value with its 95 % interval in each unit, or the values of a term that has several, such as σ and
+    /// correlation time. If a value is not identified, its upper limit only.
     pub values: Vec<String>,
     /// True if the value differs significantly from zero.
     pub identified: bool,

@@ -135,7 +135,7 @@ mod reader {
         }
     }
 
-    /// A question about the time with the question that would follow it, so that the user answers both at once.
+    /// Adds to a question about the time the question that would follow it, so that the user answers both at once.
     fn with_next(text: String, path: &Path, open: &impl Fn() -> Input, said: &LogSettings) -> String {
         let of_time = [LogSetting::RateHz, LogSetting::TimeColumn, LogSetting::TimeUnit];
         if said.rate_hz.is_some() || !asked_for(&text).iter().all(|setting| of_time.contains(setting)) {
@@ -166,7 +166,7 @@ mod reader {
             return Err(LogError::Ask(format!("{of}: the log has no column {name:?} of numbers")));
         }
         let axes = match columns {
-            // topics may be two sensors of one IMU, and so may interleaved rows
+            // several topics or interleaved rows may belong to the sensors of one IMU, which this call joins
             Err(LogError::Choose { .. } | LogError::Merged { .. }) => {
                 Axes::read(path, vec![(path.to_owned(), open())], &options)?
             }

@@ -95,7 +95,7 @@ pub struct CalibrationResult {
     pub axes: Vec<AxisResult>,
     /// Warnings about the result.
     pub warnings: Vec<String>,
-    /// Standing remarks: consequences of the plan, whatever was measured.
+    /// Remarks that follow from the plan of the calibration, not from the measured values.
     pub remarks: Vec<String>,
 }
 
@@ -105,15 +105,15 @@ pub struct CalibrationResult {
 pub struct AxisResult {
     /// The name of the axis.
     pub name: String,
-    /// PBC, °/s.
+    /// PBC: the correction at the temperature T3, °/s.
     pub pbc_dps: f64,
     /// Standard uncertainty of PBC, °/s.
     pub u_pbc_dps: f64,
-    /// BTC, °/s/°C.
+    /// BTC: the change of the correction with the temperature, °/s/°C.
     pub btc_dps_per_c: f64,
     /// Standard uncertainty of BTC, °/s/°C.
     pub u_btc_dps_per_c: f64,
-    /// T3, °C.
+    /// T3: the temperature at which the correction is PBC, °C.
     pub t3_c: f64,
     /// The correction over the temperatures that were measured.
     pub curve: Vec<CurvePoint>,

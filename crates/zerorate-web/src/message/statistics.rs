@@ -58,7 +58,8 @@ pub struct Coefficient {
     pub unit: String,
     /// True if the value differs significantly from zero.
     pub identified: bool,
-    /// Estimated seconds until it is identified, if the noise is as it appears. Null if unknown or already identified.
+    /// Estimated time until the value differs significantly from zero, s, if the noise is as the model says. Null if
+    /// unknown or already identified.
     pub identified_in_s: Option<f64>,
 }
 

@@ -94,8 +94,8 @@ impl Session {
         Ok(Outcome::Host(HostCommand::Speed(factor)))
     }
 
-    /// Starts a calibration after reopening the device: the procedure starts with the first reading of a part that
-    /// was just reset (F-51, step 3).
+    /// Prepares a calibration. It starts with the first reading after the device was opened again, because the
+    /// procedure needs a part that was just reset (F-51, step 3).
     fn calibrate(&mut self, command: &CalibrateCommand) -> Result<(), String> {
         if self.is_calibrating() {
             return Err("a calibration is running: end it first".to_owned());
@@ -151,7 +151,8 @@ impl Session {
         Ok(())
     }
 
-    /// Handles the end of a recording. Methods that use all of it can finish; others are aborted, with this reason.
+    /// Handles the end of a recording. A method that can end early gives its result; any other is aborted for the
+    /// reason `otherwise`.
     pub(super) fn end_guided(&mut self, otherwise: &str) {
         let Some(guided) = &mut self.guided else { return self.abort_calibration(otherwise) };
         match guided.end_recording() {

@@ -7,14 +7,15 @@ use zerorate::health::stationarity::{Verdict, judge};
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Calibration, CodeSum, NamedAxis, Reading};
 
-/// Length of a block, ns and s: the length that the core's detection of rest needs.
+/// Length of a block, ns. The function `judge`, which detects rest, needs this length.
 pub const BLOCK_NS: u64 = 100_000_000;
+/// Length of a block, s.
 pub const BLOCK_S: f64 = 0.1;
 /// Number of blocks in the displayed mean: one second.
 const SHOWN: usize = 10;
 /// Number of blocks for the verdict on rest: 10 s.
 const JUDGED: usize = 100;
-/// Number of blocks that are kept, for the means before and after a correction: one minute.
+/// Number of blocks that are kept: one minute. Their mean is shown before and after a correction.
 const KEPT: usize = 600;
 
 /// The means over a block.
@@ -69,7 +70,8 @@ impl AxisState {
         }
     }
 
-    /// Adds any reading, valid or not, to the strips. `at_ns` is its time since the start.
+    /// Adds any reading, valid or not, to the strips. `at_ns` is its time since the start. Returns the judged reading
+    /// that came two before it.
     #[inline]
     pub fn show(&mut self, at_ns: u64, reading: &Reading, correct: impl Fn(f64) -> Option<f64>) -> Option<Judged> {
         let rate_dps = self.axis.rate.value(reading.rate.into());
@@ -152,7 +154,8 @@ impl AxisState {
         self.blocks.iter().skip(self.blocks.len().saturating_sub(count)).copied().collect()
     }
 
-    /// One-sided noise density d: differences of adjacent blocks in the last minute have the variance d²/τ.
+    /// One-sided noise density d, °/s/√Hz, over the last minute. Differences of adjacent block means have the
+    /// variance d²/τ, where τ is the block length.
     fn white_dps_per_rt_hz(&self) -> Option<f64> {
         let rates = self.blocks.iter().map(|block| block.rate_dps);
         let steps = rates.clone().zip(rates.skip(1)).map(|(one, next)| (next - one) * (next - one));

@@ -22,7 +22,6 @@ impl Examination {
         Self { checkups: vec![Checkup::default(); axes], nominal_hz }
     }
 
-    /// Adds a reading of an axis.
     #[inline]
     pub fn push(&mut self, axis: usize, judged: &Judged) {
         self.checkups[axis].push(judged);
@@ -52,7 +51,7 @@ impl Examination {
     }
 }
 
-/// The result about the noise of an axis; `None` if its readings are frozen.
+/// The result about the noise of an axis; `None` if its readings are frozen or too few.
 fn noise(axis: &AxisState, checkup: &Checkup, several: bool, tally: &Tally) -> Option<CheckResult> {
     if axis.health.frozen().is_some() {
         return None;

@@ -1,4 +1,4 @@
-//! The live view of a device: strips, newest values, rest, sample counts, connection checks.
+//! The live view of a device: plots over time (strips), newest values, rest, sample counts, connection checks.
 
 use super::About;
 use super::axis::{Angle, AxisState, BLOCK_NS, Block};
@@ -54,8 +54,9 @@ impl ReadingObserver for () {
     fn block(&mut self, _: usize, _: &Block, _: bool) {}
 }
 
-/// The largest number of missing readings and blocks that are filled in at a gap. A longer gap stays a gap in time.
+/// Largest number of missing readings that are reported to the observer at a gap.
 const MOST_FILLED: u32 = 100_000;
+/// Largest number of blocks that are closed at a gap: one hour.
 const MOST_BLOCKS: u64 = 36_000;
 
 impl LiveView {

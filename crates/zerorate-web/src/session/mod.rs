@@ -1,4 +1,4 @@
-//! A session: one device, all data derived from it, for all windows that watch it.
+//! The session of one device: all data that are derived from its samples. All windows of the page share it.
 
 mod ask;
 mod axis;
@@ -176,7 +176,7 @@ impl Session {
         }
     }
 
-    /// Does at the end of each block the work that takes too long to be done with each reading.
+    /// Updates the guided calibration at the end of a block. This takes too long to be done with each reading.
     #[cold]
     fn look(&mut self) {
         let temp_c = self.live_view.temp_c();
@@ -191,8 +191,8 @@ impl Session {
         self.live_view.note(&text.into());
     }
 
-    /// Reports samples that did not reach the session, although the device did not lose them. Anything that needs
-    /// consecutive samples restarts: statistics with the next sample, a calibration at the next request.
+    /// Reports samples that did not reach the session, although the device did not lose them. The statistics restart
+    /// with the next sample, and a running calibration ends without a result.
     pub fn missed(&mut self, samples: u64) {
         self.live_view.missed += samples;
         self.live_view.changed.readings = true;
@@ -221,7 +221,7 @@ impl Session {
         self.live_view.checked(checks);
     }
 
-    /// Sets the state of the device.
+    /// Sets the state of the device. A running calibration ends if the device failed or its recording ended.
     pub fn state(&mut self, state: DeviceState) {
         if self.live_view.state == state {
             return;

@@ -16,8 +16,9 @@ const OCTAVES: usize = 16;
 const MOST_MEANS: usize = 1 << 19;
 /// Smallest number of means for which coefficients are reported.
 const FEWEST_MEANS: usize = 300;
-/// Growth of the duration after which deviations and spectrum, or the model, are computed again.
+/// Factor by which the duration grows until deviations and spectrum are computed again.
 const GROWN: f64 = 1.01;
+/// Factor by which the duration grows until the noise model is fitted again.
 const GROWN_FOR_FIT: f64 = 1.1;
 
 /// The statistics of one axis.
@@ -36,7 +37,7 @@ pub struct Statistics {
     fitted_s: f64,
 }
 
-/// The statistics of each axis.
+/// Passes each reading and each block to the statistics of its axis.
 impl ReadingObserver for Vec<Statistics> {
     #[inline]
     fn reading(&mut self, axis: usize, code: Option<i32>) {
@@ -170,7 +171,7 @@ impl Statistics {
     }
 
     fn spectrum(&mut self, rate_hz: f64) -> Vec<SpectrumPoint> {
-        // this call cannot fail with these arguments
+        // the Fourier transform cannot fail, because its buffers have matching lengths
         let density = allan::welch(self.recent.make_contiguous(), rate_hz).unwrap_or_default();
         let one_sided = |density: f64| (2.0 * density).sqrt();
         let point = |one: &allan::Density| SpectrumPoint {
@@ -285,7 +286,8 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// A substitute for missing readings: the running mean of earlier ones. It keeps the other readings at their times.
+/// A substitute for missing readings, so that the readings after a gap keep their time: the running mean of earlier
+/// readings.
 #[derive(Debug, Default)]
 struct StandIn {
     /// The running mean; `None` before the first reading.
@@ -296,7 +298,6 @@ struct StandIn {
 const STAND_IN_OVER: f64 = 1000.0;
 
 impl StandIn {
-    /// Adds a valid reading.
     #[inline]
     fn push(&mut self, code: i32) {
         let code = f64::from(code);

@@ -63,7 +63,8 @@ impl Temperatures {
         temps.next().zip(temps.next_back()).map_or(0.0, |(low_c, high_c)| high_c - low_c)
     }
 
-    /// The message for the page.
+    /// The means and the line for the page. Their uncertainties follow from the one-sided noise density
+    /// `white_dps_per_rt_hz`.
     pub fn shown(&self, white_dps_per_rt_hz: f64) -> OverTemperature {
         let point = |bin: &Bin| {
             let (blocks, duration_s) = (f64::from(bin.blocks), f64::from(bin.blocks) * BLOCK_S);

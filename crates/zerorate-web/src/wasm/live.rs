@@ -20,7 +20,7 @@ fn twin(keys: &str) -> Open {
     Box::new(move |_| Ok(Box::new(TwinSource::open(&keys)?) as Box<dyn Source>))
 }
 
-/// The worker's file, with this name and length.
+/// Opens the worker's file as a recording. `length` is in bytes.
 #[cfg(feature = "wasm-replay")]
 fn replay(name: &str, length: f64) -> Open {
     let name = name.to_owned();
@@ -42,7 +42,7 @@ impl LiveSession {
         opened(twin(keys))
     }
 
-    /// A session with a bridge. Its bytes go through `received` and `outgoing`.
+    /// A session with a bridge. Its bytes go through `received` and `to_send`.
     pub fn of_bridge() -> Result<LiveSession, JsError> {
         opened(bridge())
     }
@@ -92,7 +92,7 @@ impl LiveSession {
         self.session().note(NoticeText::new("cannot-open", why));
     }
 
-    /// Continues where a preview of the same unit is, `shown_s` after its first reading.
+    /// Reads up to the time that a preview of the same unit has reached, `shown_s` after its first reading.
     pub fn catch_up(&mut self, shown_s: f64) {
         self.0.catch_up(shown_s, &mut now_ms);
     }

@@ -71,8 +71,8 @@ fn json(value: &impl Serialize) -> Result<String, JsError> {
     Ok(serde_json::to_string(value)?)
 }
 
-/// For `cargo xtask bench-web`: the duration of computing the overlapping Allan deviation at octaves, ms, without
-/// copying the samples into the module; then the deviations.
+/// Computes the overlapping Allan deviation at octaves for `cargo xtask bench-web`. Returns the duration, ms, and
+/// then the deviations. The duration does not include copying the samples into the module.
 #[wasm_bindgen]
 pub fn oadev(rate: &[f64]) -> Vec<f64> {
     let began_ms = now_ms();

@@ -1,8 +1,8 @@
 //! The functions that the browser's modules export. They only convert between Rust's and JavaScript's types.
 //!
 //! Each feature makes a module: `wasm-first` shows a preview of the twin quickly, `wasm-live` runs the session,
-//! `wasm-replay` runs it with recordings, and `wasm-log` reads logs. All are this crate as a cdylib with the same
-//! dependencies.
+//! `wasm-replay` runs it with recordings, and `wasm-log` reads logs. Each module is this crate, built as a cdylib
+//! with one of these features.
 
 #[cfg(any(feature = "wasm-log", feature = "wasm-replay"))]
 mod file;

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct Contribution {
     /// The coefficient, `PBC` or `BTC`.
     pub of: &'static str,
-    /// Name of the source.
+    /// Name of the source, as a report shows it, such as `noise of T3`.
     pub source: &'static str,
     /// Standard uncertainty from this source: °/s for PBC, °/s/°C for BTC.
     pub u: f64,

@@ -1,4 +1,4 @@
-//! Building of a calibration from a measurement in a chamber.
+//! Builds a calibration from a measurement in a chamber.
 
 use super::{CalibratedAxis, Calibration, CurveRecord, Origin, Run, noise_record, one_line, said};
 use crate::chamber::{ChamberOutcome, Record};
@@ -20,7 +20,7 @@ pub struct ChamberRun<'a> {
     pub max_lost: f64,
     /// Component of the Earth's rotation that was subtracted, °/s. `None` if it is part of PBC.
     pub earth_dps: Option<f64>,
-    /// The warnings of the measurement.
+    /// Warnings that concern all axes.
     pub warnings: &'a [Warning],
 }
 

@@ -29,7 +29,7 @@ fn is_time(time: &str) -> bool {
     let Some(at) = time.find(['Z', 'z', '+', '-']) else { return false };
     let (clock, offset) = time.split_at(at);
     let (clock, fraction) = clock.split_once('.').unwrap_or((clock, "0"));
-    // a leap second is the 61st
+    // second 60 is a leap second
     let is_clock = matches!(pairs(clock, ':'), Some([0..24, 0..60, 0..=60]));
     let is_offset =
         matches!(offset, "Z" | "z") || matches!(offset.get(1..).and_then(|of| pairs(of, ':')), Some([0..24, 0..60]));
@@ -46,7 +46,7 @@ fn pairs<const N: usize>(text: &str, mark: char) -> Option<[u32; N]> {
     parts.next().is_none().then_some(numbers)
 }
 
-/// Reads a number of this many digits. A number beyond 32 bits counts as the largest one.
+/// Reads a number of exactly `digits` digits. A number beyond 32 bits becomes the largest one.
 fn number(text: &str, digits: usize) -> Option<u32> {
     let is_number = digits > 0 && text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit());
     is_number.then(|| text.parse().unwrap_or(u32::MAX))

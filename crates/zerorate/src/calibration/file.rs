@@ -1,4 +1,4 @@
-//! Reading and writing of a calibration as a TOML file.
+//! Reads and writes a calibration as a TOML file.
 
 use super::form::CalibrationForm;
 use super::{Calibration, SCHEMA};

@@ -226,7 +226,7 @@ fn check_within(
 
 /// Whether a matrix can be a covariance: it is symmetric and positive semidefinite, up to rounding.
 fn is_covariance<const N: usize>(matrix: &[[f64; N]; N]) -> bool {
-    /// Error of a correlation whose inputs were rounded to seven digits.
+    /// Allowed error of a correlation, enough for inputs that were rounded to seven digits.
     const ROUNDING: f64 = 1e-6;
     let sd = |k: usize| if matrix[k][k] > 0.0 { libm::sqrt(matrix[k][k]) } else { 1.0 };
     let correlation = |i: usize, j: usize| matrix[i][j] / sd(i) / sd(j);

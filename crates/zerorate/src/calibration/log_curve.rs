@@ -1,4 +1,4 @@
-//! Building of a calibration from curves over temperature in logs.
+//! Builds a calibration from curves of the bias over temperature that were fitted to logs.
 
 use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Notes, one_line};
 use crate::correction::{Correction, Validity};
@@ -21,14 +21,14 @@ pub struct LogUnit {
     pub software: String,
     /// The logs that the curves come from.
     pub device: String,
-    /// The temperature that the corrections refer to, °C.
+    /// T3 of the corrections, °C.
     pub t3_c: f64,
 }
 
 impl Calibration {
-    /// Builds the calibration of the gyroscopes of a unit from their curves, °/s, each with its name and its
-    /// warnings. Corrections have terms up to the third order. Their uncertainty includes the part of the curve
-    /// that these terms miss.
+    /// Builds a calibration from the curves of the gyroscopes of a unit, °/s. Each curve comes with the name of its
+    /// axis and its warnings. The corrections have terms up to the third order. Their uncertainty includes the part of
+    /// the curve that these terms miss.
     #[must_use]
     pub fn of_log_curves(unit: LogUnit, axes: &[(String, &LogCurve, Vec<String>)]) -> Self {
         let spans = || axes.iter().map(|(_, curve, _)| curve.span_c());

@@ -70,7 +70,7 @@ pub struct Calibration {
     pub axes: Vec<CalibratedAxis>,
     /// The temperatures at which the corrections hold.
     pub validity: Option<Validity>,
-    /// Facts about the measurement run.
+    /// Durations, sample counts, data rates and limits of the measurement.
     pub run: Option<Run>,
 }
 
@@ -127,17 +127,17 @@ pub struct CurveRecord {
     pub coverage: f64,
     pub coverage_factor: f64,
     pub order: usize,
-    /// Posterior probability of each order, from 0.
+    /// Posterior probability of each order, from 0 to 3.
     pub order_weights: [f64; TERMS],
-    /// Covariance of PBC and the coefficients of the first to third order.
+    /// Covariance of PBC, BTC, and the terms of second and third order. Entry (i, j) is in (°/s)²/°C^(i + j).
     pub covariance: [[f64; TERMS]; TERMS],
     /// Lag of the bias behind the temperature sensor, s.
     pub lag_s: f64,
     /// Half width of the play between bias and temperature (a hysteresis, as of a gear with backlash), °C.
     pub play_c: f64,
-    /// Bias steps that were removed from the data: time, s, and size, °/s.
+    /// Bias steps that were removed from the data: time from the start of the recording or log, s, and size, °/s.
     pub steps: Vec<[f64; 2]>,
-    /// Sources of the uncertainties of PBC and BTC; `None` in older files.
+    /// Sources of the uncertainties of PBC and BTC; `None` in older files and in calibrations from logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sources: Option<SourcesRecord>,
 }
@@ -168,7 +168,7 @@ pub struct NoiseRecord {
     pub rate_random_walk_source: String,
 }
 
-/// Facts about the run of the measurement.
+/// Durations, sample counts, data rates and limits of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `Outcome` and `Plan`")]
@@ -233,7 +233,7 @@ impl Notes {
         }
     }
 
-    /// Each note on one line.
+    /// Escapes control characters, so that each note stands on one line.
     fn one_line(self) -> Self {
         let one_line = |note: Option<String>| note.as_deref().map(one_line);
         Self {
@@ -301,7 +301,8 @@ impl Calibration {
         }
     }
 
-    /// An identifier of 12 hexadecimal digits, the same for the same unit and numbers. Corrected data carry it.
+    /// Identifies the calibration by 12 hexadecimal digits, which corrected data carry. They depend on the part, the
+    /// serial number, the date, and the coefficients of the corrections.
     #[must_use]
     pub fn id(&self) -> String {
         let part = &self.part;
@@ -355,8 +356,8 @@ impl CalibratedAxis {
     ///
     /// u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc with d = T − T3, the first-order propagation of JCGM 100:2008,
     /// equation 13, for two quantities. T3 is not a third quantity, because PBC holds *at the T3 that the file
-    /// states*. An error ε of that reading is an error −BTC · ε of PBC. So u_pbc contains it already, and cov_pbc_btc
-    /// contains its correlation with the error of BTC.
+    /// states*. An error ε of the reading of T3 is an error −BTC · ε of PBC. So u_pbc contains it already, and
+    /// cov_pbc_btc contains its correlation with the error of BTC.
     #[must_use]
     pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
         if let Some(curve) = &self.curve {

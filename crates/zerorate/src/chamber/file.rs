@@ -58,7 +58,7 @@ enum Number {
     Word(String),
 }
 
-/// Plans that come with this software, as name and file.
+/// Plans that come with this software: the name and the text of the file of each.
 pub const SHIPPED: [(&str, &str); 2] =
     [("f57", include_str!("../../plans/f57.toml")), ("two-point", include_str!("../../plans/two-point.toml"))];
 
@@ -92,7 +92,7 @@ impl ChamberPlan {
     }
 }
 
-/// Returns `None` for `"auto"`, and for an absent value.
+/// Reads a number or `"auto"`. Returns `None` for `"auto"`, and for an absent value.
 fn auto(entry: Entry<'_>, value: Option<&Number>, bounds: &Bounds) -> Result<Option<f64>, EntryError> {
     match value {
         Some(Number::Known(number)) => entry.number(*number, bounds).map(Some),

@@ -16,7 +16,7 @@ use alloc::vec::Vec;
 pub struct ChamberOutcome {
     /// The bias over temperature at the end of the measurement.
     pub curve: BiasCurve,
-    /// The data of the curve for plots: means over some seconds each, with their residuals after the correction.
+    /// The data of the curve for plots: means over 2 to 60 s each, with their residuals after the correction.
     pub residuals: Vec<Residual>,
     /// Residual of each soak point after the correction, without the removed steps and base motion, °/s.
     pub soak_residuals_dps: Vec<f64>,
@@ -54,7 +54,8 @@ pub struct Residual {
 pub struct Branches {
     /// Half width of the loop, °/s.
     pub half_width_dps: f64,
-    /// Standard uncertainty of the half width, °/s, from all noise terms, including the random walk in between.
+    /// Standard uncertainty of the half width, °/s, from all noise terms. They include the random walk between warming
+    /// and cooling.
     pub u_dps: f64,
     /// Coldest and warmest temperature that was passed in both directions, °C.
     pub span_c: (f64, f64),
@@ -64,13 +65,13 @@ pub struct Branches {
 const MOST_BLOCKS: usize = 1600;
 /// Shortest and longest averaging time of a mean, s: short compared with all slow effects in a part.
 const BLOCK_S: (usize, usize) = (2, 60);
-/// Largest change of temperature within a mean, °C. A mean over more belongs to no single temperature.
+/// Largest change of temperature within a mean, °C. A mean over a larger change belongs to no single temperature.
 const BLOCK_SPAN_C: f64 = 5.0;
 /// Smallest temperature span of a record, °C. Self-heating alone covers as much without a chamber.
 const LEAST_SPAN_C: f64 = 5.0;
 /// Width of the bins in which temperatures count as the same, °C.
 const BIN_C: f64 = 5.0;
-/// Largest change of temperature at which a part is neither warming nor cooling, °C/s: 0.2 °C/min.
+/// Slowest change of temperature that counts as warming or cooling, °C/s: 0.2 °C/min.
 const STILL_C_PER_S: f64 = 0.2 / 60.0;
 /// T3, to which the correction refers, is the mean temperature over this many seconds at the end.
 const T3_S: usize = 10;
@@ -80,7 +81,8 @@ impl Record {
     /// on the axis, °/s, which is subtracted, and `max_order` the highest order that is tried.
     ///
     /// # Errors
-    /// Returns a refusal if the temperature hardly changed, or there is too little of the record.
+    /// Returns a refusal if the temperature hardly changed, the record does not determine a curve, the base moved too
+    /// much, or the uncertainty of BTC is above the limit.
     pub fn outcomes(
         &self,
         part: &Part,
@@ -157,7 +159,7 @@ impl Record {
         while from + length <= self.len() {
             let to = from + length;
             let whole_s = self.start_s[to - 1] - self.start_s[from];
-            // a window with a gap starts again behind the gap
+            // with a gap or motion in the window, try again one second later
             if whole_s > (length - 1) as f64 + 0.5 || self.at_rest[from..to].contains(&false) {
                 from += 1;
                 continue;

@@ -26,7 +26,7 @@ pub(super) const REACHED_C: f64 = 3.0;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChamberPlan {
-    /// Name of the plan.
+    /// Name of the plan. It is empty if the file gives none.
     pub name: String,
     /// All steps in their order, with the steps of every cycle.
     pub steps: Vec<Step>,
@@ -114,7 +114,8 @@ impl ChamberPlan {
         })
     }
 
-    /// Returns the set points at the beginning and the end of a step, °C. The first step begins at its own.
+    /// Returns the set points at the beginning and the end of a step, °C. The first step begins and ends at its own
+    /// set point.
     #[must_use]
     pub fn course_c(&self, step: usize) -> (f64, f64) {
         let to_c = |index: usize| self.steps.get(index).map_or(self.safe_c, |step| step.to_c);
@@ -157,8 +158,8 @@ impl ChamberPlan {
         least.reduce(f64::min).unwrap_or(DRIFT_C_PER_MIN / 60.0)
     }
 
-    /// Returns the least remaining time from a step on, s. It assumes that a soak point settles within one window
-    /// and is averaged for as long as a typical part needs.
+    /// Returns the least time from the beginning of a step to the end of the plan, s. It assumes that a soak point
+    /// settles within one window and is averaged for as long as a typical part needs.
     #[must_use]
     pub fn least_s(&self, from_step: usize, part: &Part) -> f64 {
         let typical: Vec<Option<f64>> = part.axes.iter().map(|_| None).collect();
@@ -301,8 +302,9 @@ mod tests {
         }
     }
 
-    /// √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04); there the Allan deviation is √(N²/τ + floor² + K²τ/3) = 0.00189 °/s,
-    /// and 0.04 °/s/°C (F-05) reaches that over 154 s with a drift of 0.0184 °C/min.
+    /// The best averaging time is √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04). There the Allan deviation is √(N²/τ +
+    /// floor² + K²τ/3) = 0.00189 °/s. With 0.04 °/s/°C (F-05), a drift of 0.0184 °C/min changes the bias by as much in
+    /// 154 s.
     #[test]
     fn averages_last_to_the_lowest_allan_deviation_and_the_drift_stays_below_it() {
         let (plan, part) = (plan(), Part::ADIS16130);
@@ -319,7 +321,8 @@ mod tests {
         assert_eq!(default.drift_c_per_s(154.0, &steady), DRIFT_C_PER_MIN / 60.0, "no drift shows in its rate");
     }
 
-    /// 300 s at 25 °C, 600 s of ramp, 900 s at 45 °C, every 10 s and with the errors of a sensor.
+    /// The air stays at 25 °C for 300 s, rises for 600 s and stays at 45 °C for 900 s. It is read every 10 s, with
+    /// errors of up to 0.1 °C.
     #[test]
     fn the_steps_of_a_chamber_become_a_plan_by_the_clock() {
         let air_c = |s: f64| 25.0 + ((s - 300.0) / 30.0).clamp(0.0, 20.0);
@@ -343,7 +346,7 @@ mod tests {
         assert!(ChamberPlan::of_course(&course[..1]).is_err());
     }
 
-    /// F-08: −40 to +85 °C.
+    /// By F-08, the part operates from −40 to +85 °C.
     #[test]
     fn a_plan_beyond_the_limits_of_the_part_is_not_carried_out() {
         let at = |to_c, safe_c| ChamberPlan {

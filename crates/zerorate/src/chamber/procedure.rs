@@ -78,11 +78,11 @@ enum AirApproach {
     Unknown,
     /// The air was at this temperature, °C, outside of the span, during this step.
     From { air_c: f64, step: usize },
-    /// The air has reached the span, or the time limit for that has passed.
+    /// The air has reached the span, or the step in which it was outside is over.
     Over,
 }
 
-/// Data of the present state.
+/// The beginning of the present state, and what has been seen in it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Present {
     began_s: f64,
@@ -124,7 +124,7 @@ pub struct ChamberProcedure {
     started_ns: u64,
     /// Time of the record at `started_ns`, s. It is above zero if the measurement was resumed.
     offset_s: f64,
-    /// The second that is being filled, from `started_ns`.
+    /// Number of the second that is being filled, counted from `started_ns`.
     second: u64,
     axes: Vec<AxisState>,
     record: Record,
@@ -177,7 +177,8 @@ impl ChamberProcedure {
         })
     }
 
-    /// Continues after the `steps` finished steps of a record, which ended `gap_s` seconds before.
+    /// Continues an earlier measurement: `record` is its record, which ended `gap_s` seconds ago, and `steps` is the
+    /// number of its finished steps.
     #[must_use]
     pub fn resumed(mut self, record: Record, steps: usize, gap_s: f64) -> Self {
         self.offset_s = record.start_s.last().map_or(0.0, |last_s| libm::ceil(last_s + 1.0 + gap_s.max(0.0)));
@@ -190,7 +191,7 @@ impl ChamberProcedure {
         self
     }
 
-    /// Returns the next task.
+    /// Returns what the caller must do next.
     #[must_use]
     #[inline]
     pub fn next(&self) -> ChamberAction {
@@ -201,19 +202,19 @@ impl ChamberProcedure {
         }
     }
 
-    /// The plan of this measurement.
+    /// The plan with which the procedure was made.
     #[must_use]
     pub fn plan(&self) -> &ChamberPlan {
         &self.plan
     }
 
-    /// The part that is measured.
+    /// The part for which the procedure was made.
     #[must_use]
     pub fn part(&self) -> &Part {
         &self.part
     }
 
-    /// The record so far.
+    /// The record so far: the means over each second, and the soak points. Its counts lack the samples of this run.
     #[must_use]
     pub fn record(&self) -> &Record {
         &self.record
@@ -226,7 +227,7 @@ impl ChamberProcedure {
         (Record { samples, lost, impossible, ..self.record.clone() }, self.steps_done())
     }
 
-    /// Counts of the samples of this run. The record alone counts the samples of earlier runs.
+    /// Counts of the samples of this run. The samples before an interruption are counted in the record.
     #[must_use]
     pub fn tally(&self) -> &Tally {
         &self.tally
@@ -309,7 +310,7 @@ impl ChamberProcedure {
     /// Returns the record, once [`ChamberProcedure::next`] returns [`ChamberAction::Done`].
     ///
     /// # Errors
-    /// Returns a refusal if samples were lost, or the part was not at rest, for too great a share of the time.
+    /// Returns a refusal if too many samples were lost, or the part was not at rest for too much of the time.
     pub fn finish(mut self) -> Result<Record, ChamberRefusal> {
         let [samples, lost, impossible] = self.counts();
         (self.record.samples, self.record.lost, self.record.impossible) = (samples, lost, impossible);
@@ -387,7 +388,7 @@ impl ChamberProcedure {
 }
 
 impl ChamberProcedure {
-    /// Enters the state that follows the present one.
+    /// Enters the next state, or after a disturbance the state in which the step is repeated.
     fn leave(&mut self, disturbed: bool) {
         let row = self.state.row();
         if let (true, Some(back)) = (disturbed, row.disturbed) {
@@ -407,7 +408,7 @@ impl ChamberProcedure {
     }
 
     fn enter(&mut self, state: ChamberState) {
-        // earlier motion does not belong to the new state
+        // judge the seconds so far, so that earlier motion does not count in the new state
         let _ = self.judge_rest();
         self.state = state;
         self.present = Present { began_s: self.now_s(), first: self.record.len(), ..Present::default() };

@@ -3,7 +3,8 @@
 use crate::notice::Warning;
 use alloc::vec::Vec;
 
-/// Means over whole seconds. All lists are as long as `start_s`, and a second without a reading is in none of them.
+/// Means over whole seconds. `temp_c`, `at_rest` and each list in `rates_dps` are as long as `start_s`. A second
+/// without a reading is in none of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Beginning of each second, s from the start of the measurement.
@@ -34,13 +35,13 @@ pub struct Soak {
     pub set_c: f64,
     /// Beginning, s from the start of the measurement.
     pub start_s: f64,
-    /// End, s.
+    /// End, s from the start of the measurement.
     pub end_s: f64,
     /// Mean of the part's own temperature, °C.
     pub temp_c: f64,
-    /// Drift of that temperature, °C/min.
+    /// Drift of the part's own temperature, °C/min.
     pub drift_c_per_min: f64,
-    /// Whether that drift was below the limit.
+    /// Whether the drift was below the limit of the plan.
     pub settled: bool,
     /// Mean rate of each axis, °/s.
     pub rates_dps: Vec<f64>,
@@ -62,7 +63,7 @@ impl Record {
         [Some(earth), lost, faulty].into_iter().flatten()
     }
 
-    /// Number of seconds.
+    /// Number of seconds in the record.
     #[must_use]
     pub fn len(&self) -> usize {
         self.start_s.len()
@@ -133,7 +134,8 @@ impl Drift {
 mod tests {
     use super::*;
 
-    /// 40 s of another drift, then 100 s of 0.01 °C/s with an error of ±0.1 °C that alternates.
+    /// For 40 s the temperature falls by 1 °C/s. Then it rises for 100 s by 0.01 °C/s, with an alternating error of
+    /// ±0.1 °C.
     #[test]
     fn a_drift_is_the_slope_of_a_line_and_its_uncertainty_comes_from_the_scatter() {
         let (mut record, n) = (Record::new(1), 100.0);

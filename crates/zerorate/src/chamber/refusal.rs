@@ -164,7 +164,7 @@ pub enum Disturbance {
     Temperature { moved_c: f64, limit_c: f64 },
     /// The part moved, or the rate was noisier than the part itself.
     Motion { axis: usize },
-    /// Less than 80 % of the samples of the average were read.
+    /// Fewer than 80 % of the seconds of the average have readings.
     Gaps,
     /// The rate was beyond the range.
     OutOfRange,

@@ -25,7 +25,7 @@ const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
 /// The finished steps of a measurement. `docs/chamber.md` says when they are written and read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saved {
-    /// The record of the measurement.
+    /// The record of the finished steps.
     pub record: Record,
     /// Number of finished steps of the plan.
     pub steps: usize,

@@ -29,7 +29,7 @@ pub(super) enum Until {
     Never,
 }
 
-/// The state that follows.
+/// The rule for the state that follows.
 #[derive(Clone, Copy)]
 pub(super) enum To {
     State(ChamberState),

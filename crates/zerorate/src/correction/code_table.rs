@@ -7,7 +7,7 @@ use crate::part::Scale;
 /// division or floating point.
 ///
 /// Row r, counted from 0, is for TEMP − T3 = (R − r) · step with 2R + 1 rows. The nearest row is r = ⌊R + ½ − (temp −
-/// T3) / step⌋ with temperatures and the step in codes. T3 lies between two codes, and counts with its fraction. The
+/// T3) / step⌋ with temperatures and the step in codes. T3 may lie between two codes, and is not rounded. The
 /// reciprocal of the step has 32 fraction bits. So if the distances of two rows differ by less than 2⁻³² · |temp − T3|
 /// steps, either row may be found.
 ///
@@ -59,7 +59,7 @@ impl<'a> CodeTable<'a> {
 /// Finds the row of a temperature code: `row = (middle_q + (t3_code − temp) · rows_per_code_q) >> 32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowIndex {
-    /// Position of `t3_code` in rows, plus a half, times 2³².
+    /// Row at which `t3_code` lies, with its fraction, plus a half, times 2³².
     pub middle_q: i64,
     /// Rows per temperature code, times 2³².
     pub rows_per_code_q: i64,
@@ -112,7 +112,7 @@ impl Correction {
         let table = rows_udps.get_mut(..needed).ok_or(TableError::NoRoom { needed, room })?;
         for (slot, row) in table.iter_mut().zip(rows) {
             let udps = libm::round(row.correction_dps * 1e6);
-            // NaN is in no range
+            // a NaN fails this test too
             if !(f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&udps) {
                 return Err(TableError::TooSteep { correction_dps: row.correction_dps });
             }
@@ -128,7 +128,7 @@ mod tests {
 
     const TEMP: Scale = crate::part::Axis::ADIS16130.temp;
 
-    /// F-52, all thirteen rows, in millionths.
+    /// All thirteen rows of F-52, in µ°/s.
     #[test]
     fn the_table_of_f52() {
         let mut rows = [7; 15];
@@ -145,11 +145,11 @@ mod tests {
         assert!(matches!(steep.fill_table(0.02, 0.12, &mut [0; 13]), Err(TableError::TooSteep { .. })));
     }
 
-    /// T3 of the search for rows, in ten-thousandths of a degree.
+    /// T3 in the test of the row search, in 10⁻⁴ °C.
     const T3: i128 = 315_123;
 
-    /// Distance of row `row` from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic. Steps
-    /// are in millionths of a degree, and distances in 14 093 · 10⁶ parts of one.
+    /// Distance of row `row` from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic.
+    /// `step_uc` is in 10⁻⁶ °C. The sums are in units of 1/(14 093 · 10⁶) °C.
     fn distance(row: usize, rows: usize, step_uc: i128, temp: u32) -> i128 {
         let step = step_uc * 14_093;
         let from_middle = row as i128 - (rows as i128 - 1) / 2;
@@ -157,7 +157,8 @@ mod tests {
         ((from_middle * step - place).abs() << 40) / step
     }
 
-    /// Codes all over the range and every code near T3, for the step of AN-1042 (0.02 °C) and for odd steps.
+    /// Looks up every seventh code of the range and every code near T3, with the step of AN-1042 (0.02 °C) and with
+    /// odd steps.
     #[test]
     fn codes_find_the_nearest_row() {
         for (step_uc, half) in [(20_000, 100), (20_000, 6), (333_333, 150), (1, 3), (1_000_000, 60)] {
@@ -173,7 +174,8 @@ mod tests {
         }
     }
 
-    /// T3 half-way between two coarse codes of a part with 0.1 °/s/°C: about the nearest code it is 0.007 °/s off.
+    /// T3 lies half-way between two coarse codes. With a BTC of 0.1 °/s/°C, a T3 rounded to a code would shift the
+    /// rows by 0.007 °/s.
     #[test]
     fn t3_between_two_codes_shifts_no_row() {
         let temp = Scale { lsb_per_unit: 7.14, zero_code: 2048, zero_value: 25.0, width_bits: 12, signed: false };
@@ -193,7 +195,7 @@ mod tests {
         assert!((all.iter().sum::<f64>() / all.len() as f64).abs() < 1e-4, "{all:?}");
     }
 
-    /// Half a step beyond its first and its last row the table ends, for every code around both ends.
+    /// The table ends half a step beyond its first and its last row. Every code around both ends is looked up.
     #[test]
     fn a_temperature_beyond_the_table_gives_none_or_the_end_row() {
         let correction = Correction::line(0.0, -0.04, 25.0);

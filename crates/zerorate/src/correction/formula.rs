@@ -285,8 +285,8 @@ mod tests {
         }
     }
 
-    /// Compares the stated loss of a table with a fine search: half a step off the nearest row, and between rows
-    /// joined by straight lines.
+    /// Compares the stated steepest slope, and the stated error of linear interpolation between rows, with a fine
+    /// search.
     #[test]
     fn the_error_of_a_table_is_bounded() {
         let (step_c, reach_c) = (0.5, 20.0);

@@ -7,8 +7,9 @@ use core::fmt;
 /// The format of an integer correction. It follows from the scales of rate and temperature alone.
 ///
 /// The coefficients have q = min(30, w_t + 6, 61 − w_r) fraction bits, with w_r bits of a rate code and w_t of a
-/// temperature code. So the rounded slope is off by at most 2⁻⁷ rate codes over the whole scale of a temperature of up
-/// to 24 bits. No sum leaves 64 bits: rate · 2^q, offset and (TEMP − T3) · slope stay below 2⁶¹ each.
+/// temperature code. For rates of up to 31 bits and temperatures of up to 24, the rounded slope is off by at most 2⁻⁷
+/// rate codes over the whole scale. No sum overflows 64 bits: rate · 2^q, offset and (TEMP − T3) · slope stay below
+/// 2⁶¹ each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerForm {
     /// Fraction bits of offset and slope.
@@ -32,7 +33,8 @@ impl IntegerForm {
         Self { q, rate_codes: rate.codes(), temp_codes: temp.codes() }
     }
 
-    /// The largest slope. It has 31 bits, and its product with any temperature has at most 61.
+    /// The largest slope times 2^q. It has at most 31 bits. Its product with any temperature difference has at most
+    /// 61 bits.
     fn slope_max(&self) -> f64 {
         let (first, last) = self.temp_codes;
         let most = libm::exp2(61.0) / ((last - first) as f64 + 1.0);
@@ -40,12 +42,12 @@ impl IntegerForm {
     }
 }
 
-/// F-50 on codes, without division or floating point: `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q
-/// + 2^(q−1)) >> q`, clamped to the possible codes.
+/// F-50 on codes, without division or floating point, clamped to the possible codes:
+/// `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q + 2^(q−1)) >> q`.
 ///
-/// It rounds to nearest. For a temperature of up to 24 bits it differs from F-50 in f64 by at most 0.51 codes (0.51/23
-/// 488 °/s for the ADIS16130, F-40). For one of w > 24 bits it differs by at most ½ + 2^(w − q − 1) codes. A 16-bit
-/// code of the ADIS16130 goes in as code × 256.
+/// It rounds to nearest. For rates of up to 31 bits and temperatures of up to 24, it differs from F-50 in f64 by at
+/// most 0.51 codes (0.51/23 488 °/s for the ADIS16130, F-40). For temperatures of w > 24 bits it differs by at most
+/// ½ + 2^(w − q − 1) codes. A 16-bit code of the ADIS16130 goes in as code × 256.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerCorrection {
     /// PBC in rate codes times 2^q.
@@ -105,9 +107,9 @@ impl Correction {
     /// Converts the correction to the codes of an axis, see [`IntegerCorrection`] and [`IntegerForm`].
     ///
     /// # Errors
-    /// Returns an error if the correction is a curve, or a coefficient does not fit. These fit: |BTC| up to 2³¹⁻q rate
-    /// codes per temperature code (1.2 °/s/°C for the ADIS16130), PBC within the span of the rate's codes, and T3
-    /// within the temperature's codes and 32 bits.
+    /// Returns an error if the correction is a curve, or a coefficient does not fit. These fit: |BTC| up to
+    /// [`IntegerError::largest_btc_dps_per_c`] (1.2 °/s/°C for the ADIS16130), PBC within the span of the rate's
+    /// codes, and T3 within the temperature's codes and 32 bits.
     pub fn to_integer(&self, rate: &Scale, temp: &Scale) -> Result<IntegerCorrection, IntegerError> {
         let form = IntegerForm::new(rate, temp);
         let per_lsb = rate.lsb_per_unit / temp.lsb_per_unit;
@@ -119,7 +121,7 @@ impl Correction {
         };
         let within = |name, value: f64, low: f64, high: f64| {
             let rounded = libm::round(value);
-            // NaN is in no range
+            // a NaN fails this test too
             if (low..=high).contains(&rounded) { Ok(rounded) } else { Err(error(name)) }
         };
         let one = f64::from(1_u32 << form.q);
@@ -254,8 +256,8 @@ pub(super) mod tests {
         (i128::from(rate) << 60) + (offset << 20) + i128::from(temp - t3) * (slope << 20)
     }
 
-    /// Compares with exact arithmetic, over every width and coding. The coefficients have 40 fraction bits, so f64
-    /// carries them without an error.
+    /// Compares with exact arithmetic on scales of several widths and codings. The coefficients have 40 fraction bits,
+    /// so f64 carries them without an error.
     #[test]
     fn the_correction_is_exact_on_any_scale() {
         for (rate_scale, temp_scale) in scales() {
@@ -266,7 +268,7 @@ pub(super) mod tests {
             for (offset, slope) in
                 [(123_456_789_012_345_i128, 7_654_321_987_i128), (-98_765_432_109, -543_210_987), (0, 0)]
             {
-                // at most the scale, and the largest slope
+                // keep the offset within the scale, and the slope within the largest one
                 let offset = offset % (1 << (40 + rate_scale.width_bits - 1));
                 let slope = slope % ((form.slope_max() * libm::exp2(40.0 - f64::from(form.q))) as i128);
                 let correction = Correction::line(

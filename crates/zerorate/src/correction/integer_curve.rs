@@ -1,4 +1,4 @@
-//! A correction of order 3 on codes, in integers. It does for curves what `integer` does for lines.
+//! A correction of order 3 on codes, in integers. For a line, the module `integer` needs fewer instructions.
 
 use super::formula::Correction;
 use super::integer::held;
@@ -124,7 +124,7 @@ impl Correction {
         let t3_code = libm::round(t3_exact);
         let reach_c = form.reach().1 as f64 / temp.lsb_per_unit;
         let error = |coefficient, codes| CurveError { coefficient, codes, reach_c };
-        // NaN is in no range
+        // a NaN fails this test too
         let known = (first as f64..=(last.min(i32::MAX.into())) as f64).contains(&t3_code);
         if !known || reach_c < CurveForm::REACH_C - 1.0 {
             return Err(error("t3_c", t3_exact));
@@ -160,7 +160,7 @@ fn largest(terms: &[f64; 4]) -> (&'static str, f64) {
     let (mut sum, mut most) = (0.0, 0.0_f64);
     for term in terms.iter().rev() {
         sum = term.abs() + sum / 2.0;
-        // NaN stays, and fits nowhere
+        // a NaN is kept, so no number of fraction bits fits
         most = if most >= sum { most } else { sum };
     }
     let names = ["pbc_dps", "btc_dps_per_c", "btc2_dps_per_c2", "btc3_dps_per_c3"];
@@ -213,7 +213,7 @@ mod tests {
     }
 
     /// Largest error of an integer curve against f64, in rate codes, less the stated bound. Temperatures beyond the
-    /// reach are held.
+    /// reach are clamped.
     fn beyond_the_bound(correction: &Correction, rate_scale: &Scale, temp_scale: &Scale, count: u32) -> f64 {
         let form = CurveForm::new(rate_scale, temp_scale);
         let integer = correction.to_integer_curve(rate_scale, temp_scale).unwrap();
@@ -234,8 +234,9 @@ mod tests {
         worst
     }
 
-    /// The corners of what an ADIS16130 can need: ±250 °/s, ±1 °/s/°C, T3 at both ends of the operating range, and
-    /// terms of 0.02 °/s/°C² and 2·10⁻⁴ °/s/°C³, forty times the values of units. Each also comes alone.
+    /// Multiplies each of the largest coefficients that an ADIS16130 can need by −1, 0 and 1, in every combination:
+    /// 250 °/s, 1 °/s/°C, 0.02 °/s/°C² and 2·10⁻⁴ °/s/°C³. The last two are forty times those of a usual unit. T3 lies
+    /// at the ends of the operating range and between them.
     #[test]
     fn the_bound_holds_at_every_corner() {
         for corner in 0..3_u32.pow(4) {
@@ -266,7 +267,7 @@ mod tests {
         }
     }
 
-    /// Every code around T3 and around the ends of the reach, of a curve as units have them.
+    /// Checks a curve of usual size at every third code from −2.6 to 89.7 °C.
     #[test]
     fn a_usual_curve_is_within_51_hundredths_of_a_code() {
         let correction = curve(-0.2537, -0.04, 31.5123, 0.0005, -3e-6);
@@ -295,7 +296,7 @@ mod tests {
         assert!(apart < 1000, "{apart} of 100 000");
     }
 
-    /// Two's complement of 12 to 32 bits, and temperatures coarse and fine.
+    /// Rates of 14 to 32 bits, with coarse and fine temperatures.
     #[test]
     fn the_bound_holds_on_any_scale() {
         for (rate, temp) in [

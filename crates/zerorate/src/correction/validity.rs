@@ -15,7 +15,8 @@ pub struct Validity {
 }
 
 impl Validity {
-    /// The margin if nothing else is known, °C: ten times the noise of a single reading of the ADIS16130 (M-05).
+    /// The margin if the noise of the temperature is not known, °C: ten times the noise of a single reading of the
+    /// ADIS16130 (M-05).
     pub const MARGIN_C: f64 = UNKNOWN_MARGIN_C;
 
     /// Whether the correction holds at a temperature. Elsewhere it is an extrapolation.

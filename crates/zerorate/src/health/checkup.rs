@@ -10,7 +10,7 @@ use zerorate_allan::{self as allan, Gap, Input, Stat};
 /// The limits of a healthy part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Least white noise, as a ratio to the typical one. A part below it is too quiet to sense.
+    /// Least white noise, as a ratio to the typical one. A quieter part probably does not measure.
     pub least_noise: f64,
     /// Largest white noise, as a ratio to the typical one.
     pub most_noise: f64,
@@ -57,7 +57,7 @@ pub struct Checkup {
 }
 
 impl Checkup {
-    /// Adds a reading.
+    /// Adds a reading. An invalid rate or temperature counts as missing.
     pub fn push(&mut self, judged: &Judged) {
         match (judged.rate(), self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len())) {
             (Some(rate), _) => {
@@ -72,13 +72,13 @@ impl Checkup {
         }
     }
 
-    /// Mean rate, °/s.
+    /// Mean of the valid rates, °/s. `None` if there are none.
     #[must_use]
     pub fn rate_dps(&self, axis: &Axis) -> Option<f64> {
         self.rates.mean(&axis.rate)
     }
 
-    /// Mean temperature, °C.
+    /// Mean of the valid temperatures, °C. `None` if there are none.
     #[must_use]
     pub fn temp_c(&self, axis: &Axis) -> Option<f64> {
         self.temps.mean(&axis.temp)

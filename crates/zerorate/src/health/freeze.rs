@@ -18,7 +18,7 @@ const DEAD_ALONE_NS: u64 = 10_000_000_000;
 pub struct Frozen {
     /// Time of the first reading of the present code, ns.
     pub since_ns: u64,
-    /// Whether the temperature does not change either.
+    /// Whether the temperature has stopped changing too.
     pub both: bool,
 }
 
@@ -109,7 +109,7 @@ impl Freeze {
 mod tests {
     use super::*;
 
-    /// Time after which a part that reads one code 100 times a second is frozen.
+    /// Time after which a part counts as frozen if it gives one code 100 times a second, s.
     fn frozen_after_s(temp: Option<i32>) -> u64 {
         let mut freeze = Freeze::default();
         let reading = |seq: u32| {

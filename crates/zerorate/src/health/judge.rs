@@ -1,4 +1,4 @@
-//! Judges which readings of a stream are valid, for everything that takes samples.
+//! Judges which readings of a stream are valid.
 
 use super::freeze::{Freeze, Frozen};
 use super::plausible::{Plausible, Verdict};
@@ -113,7 +113,7 @@ pub struct FaultCounts {
 }
 
 impl FaultCounts {
-    /// Number of faulty readings, which all means leave out.
+    /// Number of impossible rates and temperatures. No mean includes them.
     #[must_use]
     pub fn faulty(&self) -> u64 {
         self.impossible + self.impossible_temps

@@ -4,19 +4,21 @@
 //!
 //! # Strict rule
 //!
-//! For five readings y₋₂ … y₂ in a row, with no loss between them, T apart, a reading y₀ is impossible if
+//! Let y₋₂ … y₂ be five readings in a row, at a distance of T, with no loss between them. The reading y₀ is impossible
+//! if
 //!
 //! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs, for the
 //! ADIS16130,
 //!
-//! and L also exceeds two other numbers. One is the roughness of its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂
-//! − y₁ − y₋₁ + y₋₂|. The other is four times the roughness of the readings before, the largest L, which fades by 1/32
-//! with each reading.
+//! and L also exceeds two other numbers. One is the roughness of the four neighbours: the larger of |y₂ − 2y₁ + 2y₋₁ −
+//! y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|. The other is four times the largest L of earlier readings, which fades by 1/32 with
+//! each reading.
 //!
 //! * Noise: white noise of F-02 behind the poles of F-03 gives L a standard deviation of 0.064 °/s at 175.7 µs. At
-//!   1.5, 2 and 3 times that period it is 0.104, 0.141 and 0.202 °/s. A resonance of M-08 gives at most 0.075 °/s.
-//!   Even at three times that noise Θ lies 6.6 deviations out, which is less than one false mark in 2·10¹⁰ readings
-//!   (40 days). At the noise of F-02 it lies 16 deviations out, so there are no false marks in practice.
+//!   1.5, 2 and 3 times that period it is 0.104, 0.141 and 0.202 °/s. The resonance of M-08 adds an amplitude of at
+//!   most 0.075 °/s. Even at three times this noise and resonance, Θ lies 6.6 deviations out, which is less than one
+//!   false mark in 2·10¹⁰ readings (40 days). At the noise of F-02 it lies 22 deviations out, so there are no false
+//!   marks in practice.
 //! * Motion: a sine of frequency f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), with the poles H of F-03.
 //!   For 250 °/s (F-08) at the bandwidth of 300 Hz this is 0.35 °/s, the second term of Θ. So no motion within
 //!   range and bandwidth is ever marked, nor any other with an angular acceleration below 43 000 °/s². A hard
@@ -37,9 +39,9 @@
 //!
 //! # Temperatures
 //!
-//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C plus 2 °C/s.
-//! The noise of M-05 has 0.053 °C in a reading, so this is 13 deviations, and F-55 expects up to 1 °C/s. If a
-//! second such temperature in a row agrees with the first, it is valid.
+//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C plus 2 °C for each
+//! second between them. By M-05, a reading has a noise of 0.053 °C, so 1 °C is 13 deviations of a difference, and F-55
+//! expects up to 1 °C/s. If a second such temperature in a row agrees with the first, it is valid.
 
 use crate::part::{Axis, Reading};
 use core::num::NonZeroU64;
@@ -58,7 +60,7 @@ struct Limits {
     longest_strict_us: u64,
     /// Slew limit of the loose rule, codes per µs.
     slew_codes_per_us: u64,
-    /// Allowance of the loose rule for noise, codes.
+    /// Difference that the loose rule allows for noise, codes.
     slew_noise_codes: u64,
     /// Largest difference of two codes.
     span_codes: u64,
@@ -99,7 +101,8 @@ impl Limits {
 const ROUGHNESS: u32 = 4;
 /// Divisor of the L of a marked reading when it counts as roughness for later readings.
 const MARK_SHARE: u32 = 2;
-/// Number of judgements for which a marked reading counts as roughness. After three, later readings show a shock.
+/// Number of strict judgements for which a marked reading raises the threshold. The roughness of past readings lags by
+/// three readings, and includes the shock itself from then on.
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the number of readings over which the roughness of past readings fades.
 const FADING: u32 = 5;
@@ -159,7 +162,6 @@ struct Shock {
 }
 
 impl Plausible {
-    /// Makes a judge for readings of this axis.
     pub(crate) fn new(axis: &Axis) -> Self {
         Self {
             limits: Limits::of(axis),
@@ -335,9 +337,9 @@ fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
 /// make the next temperature look wrong.
 #[derive(Clone, Copy, Debug)]
 struct Temps {
-    /// Allowance for noise and quantisation: 1 °C.
+    /// Allowed difference for noise and quantisation, codes: 1 °C.
     step_codes: u64,
-    /// Largest slope: 2 °C/s.
+    /// Largest slope, codes per s: 2 °C/s.
     codes_per_s: u64,
     good: Option<Temp>,
     before: Option<Temp>,
@@ -429,7 +431,7 @@ mod tests {
         (0..verdicts.len()).filter(|k| verdicts[*k] == Verdict::Impossible).collect()
     }
 
-    /// Two poles (F-03) fed with a rate that is constant over steps, exactly.
+    /// The exact response of the two poles of F-03 to a rate that is constant over each time step.
     #[derive(Clone, Copy, Default)]
     struct Poles(f64, f64);
 
@@ -506,7 +508,7 @@ mod tests {
             samples[10] = sample(10, error_dps);
             marked(&verdicts(samples))
         };
-        // 105 °/s in one period, 210 °/s in two
+        // the part can move by 105 °/s in one period, and by 210 °/s in two
         assert_eq!(record(100.0), []);
         assert_eq!(record(225.0), [10]);
     }

@@ -26,7 +26,8 @@ pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Optio
     })
 }
 
-/// The good divider nearest to this one, or the lower of two. `None` if there is none up to four times this one.
+/// The divider nearest to `divider` that `good` accepts, or the lower of two. `None` if there is none up to four times
+/// `divider`.
 fn nearest(divider: u16, good: impl Fn(u16) -> bool) -> Option<u16> {
     (1..=divider.saturating_mul(3))
         .flat_map(|apart| [divider.checked_sub(apart), divider.checked_add(apart)])
@@ -43,7 +44,7 @@ mod tests {
         super::warning(&Axis::ADIS16130, rate_hz, divider, average_s)
     }
 
-    /// F-56 at f_conv = 11 385.2/s.
+    /// Sample rate by F-56 at f_conv = 11 385.2/s.
     fn rate_hz(divider: u16) -> f64 {
         11_385.2 / (f64::from(divider) + 1.0)
     }

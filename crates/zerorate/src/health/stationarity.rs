@@ -170,7 +170,7 @@ impl Step {
         best
     }
 
-    /// The blocks without the step, and without the block in which it happened.
+    /// Returns the blocks without the step, and without the three blocks around it.
     fn removed_from_blocks(&self, blocks: &[Block]) -> Vec<Block> {
         let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
         let beside = |k: &usize| k.abs_diff(self.at) > 1;
@@ -178,7 +178,8 @@ impl Step {
         (0..blocks.len()).filter(beside).map(without).collect()
     }
 
-    /// The record without the step. The block in which it happened fits neither level and is left out.
+    /// Returns the block means without the step. A block in which a step happens fits neither level, so the three
+    /// blocks around the step are left out.
     fn removed_from(&self, rates_dps: &[f64]) -> Vec<f64> {
         let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
         let beside = |k: &usize| k.abs_diff(self.at) > 1;
@@ -196,7 +197,7 @@ mod tests {
         super::judge(&Axis::ADIS16130, rates_dps, temp_slope_c_per_s)
     }
 
-    /// White noise of F-02 in block means, from a multiplicative generator and the central limit.
+    /// Block means of white noise with the density of F-02. Each is the sum of twelve uniform random numbers.
     fn at_rest(blocks: usize, seed: u64) -> Vec<f64> {
         let sd = WHITE_DPS_PER_RT_HZ / (2.0 * BLOCK_S).sqrt();
         let mut state = seed * 2 + 1;

@@ -1,4 +1,4 @@
-//! Counts over a run of samples.
+//! Counts samples, losses, and edges of data ready.
 
 use crate::notice::Refusal;
 use crate::part::Reading;
@@ -25,7 +25,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts a reading, and what was lost before it.
+    /// Counts a reading, and the samples that were lost before it.
     #[inline]
     pub fn count(&mut self, reading: &Reading) {
         if self.samples == 0 {

@@ -40,7 +40,8 @@ pub enum Refusal {
     TooFew { window: State, samples: u64, needed: u64 },
     /// A window holds no temperature. With `wrong_edge`, the host uses the edge before new data.
     NoTemperature { window: State, wrong_edge: bool },
-    /// The temperature did not both rise and fall. The fields are the spans that it covered in each direction.
+    /// The temperature did not cover enough of its span both while it rose and while it fell. The fields are the spans
+    /// that it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
     /// A step or a base motion cannot be told from an effect of the temperature.
     StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },

@@ -1,4 +1,4 @@
-//! Remedies: what to do about a warning or a refusal, as values that each front end puts into its own words.
+//! Remedies: what to do about a warning or a refusal. Each front end adds its own names of the settings.
 
 use crate::plan::{Setting, SettingNames};
 use core::fmt;

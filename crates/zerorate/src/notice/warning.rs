@@ -25,7 +25,7 @@ pub enum Warning {
     Turning { rate_dps: f64, typical_dps: f64 },
     /// A line through two temperatures shows no curvature. The uncertainty of BTC allows for its typical size.
     CurvatureUnseen { u_dps_per_c: f64 },
-    /// The temperature changed between the average of the rate and that of T3.
+    /// The temperature changed between the average of the rate in step 8 and the average that gives T3.
     Drifting { drift_c: f64, shift_dps: f64, u_pbc_dps: f64 },
     /// The rate changed in a way that neither noise nor a line over temperature explains.
     Found(Finding),

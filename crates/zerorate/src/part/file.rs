@@ -310,7 +310,7 @@ impl Temperature {
     }
 }
 
-/// Lowest temperature of any part, °C.
+/// Allowed temperatures of a part, °C.
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 const HOTTEST_C: f64 = 1000.0;
 

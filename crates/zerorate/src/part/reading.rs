@@ -62,7 +62,7 @@ impl Scan {
         Some(Self { t_ns, seq, lost: 0, temp: None, rates: all, axes: rates.len() as u8, out_of_range: 0 })
     }
 
-    /// Sets the temperature.
+    /// Sets the code of the temperature less its zero code. `None` means that it was not read.
     #[must_use]
     #[inline]
     pub fn with_temp(self, temp: Option<i32>) -> Self {

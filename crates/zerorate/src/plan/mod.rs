@@ -18,9 +18,9 @@ pub enum Method {
     /// Two averages and the line through them (F-51).
     #[default]
     An1042,
-    /// A curve through every block of the recording ([`temperature`](crate::temperature)).
+    /// A curve of the bias over temperature, fitted to the whole recording ([`temperature`](crate::temperature)).
     Warmup,
-    /// A curve through every block of a recording that warms and cools.
+    /// A curve of the bias over temperature, fitted to a whole recording in which the part warms and cools.
     Cycle,
 }
 
@@ -99,7 +99,7 @@ impl Plan {
         2.0 * self.average_s + self.warmup_s + self.settle_s + self.offset_s + self.final_temp_s
     }
 
-    /// End of step 8, ns after the initialisation: the correction holds from there.
+    /// End of step 8, ns after the initialisation. PBC is the bias correction at this time.
     #[must_use]
     pub fn offset_ends_ns(&self) -> u64 {
         let steps_s = [self.average_s, self.warmup_s, self.average_s, self.settle_s, self.offset_s];

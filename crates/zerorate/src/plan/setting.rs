@@ -51,7 +51,7 @@ macro_rules! settings {
 /// Longest step of F-51, s: a day, one cycle of the ambient temperature.
 const DAY_S: f64 = 86_400.0;
 /// Smallest uncertainty of BTC that may be asked for, °/s/°C. No measurement of a day reaches it: the white noise of
-/// an ADIS16130 alone (F-02) makes ten times as much.
+/// an ADIS16130 alone (F-02) makes more than ten times as much.
 const LEAST_U_BTC: f64 = 1e-8;
 /// Largest uncertainty of BTC that may be asked for, °/s/°C. It restricts nothing: it is 25 times BTC itself (F-05).
 const MOST_U_BTC: f64 = 1.0;

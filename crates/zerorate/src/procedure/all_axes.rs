@@ -40,19 +40,19 @@ impl PartProcedure {
         Ok(Self { part: part.clone(), plan, axes })
     }
 
-    /// The part that is measured.
+    /// The part for which the procedure was made.
     #[must_use]
     pub fn part(&self) -> &Part {
         &self.part
     }
 
-    /// The plan of the measurement.
+    /// The plan with which the procedure was made.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Returns the next task. All axes are at the same step.
+    /// Returns what the caller must do next. All axes are at the same step.
     #[must_use]
     #[inline]
     pub fn next(&self) -> Action {

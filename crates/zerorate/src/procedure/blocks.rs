@@ -1,4 +1,4 @@
-//! The record of a measurement: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
+//! The record of a measurement: exact integer sums of codes in blocks of 0.1 s, with a list of blocks for each step.
 
 use super::window_sums::{Summary, WindowSums};
 use crate::health::block_means::{Adjacent, BLOCK_NS, BLOCK_S, adjacent};
@@ -103,7 +103,7 @@ fn eighths(rates_dps: &[f64]) -> Adjacent {
 /// Number of blocks in each window in which rest is judged: 150 s.
 const STRETCH_BLOCKS: usize = 1500;
 
-/// The samples of one step of the procedure.
+/// The blocks of one step of the procedure, and counts of its samples.
 #[derive(Clone, Debug, Default)]
 struct Segment {
     start_ns: u64,

@@ -24,7 +24,7 @@ pub(crate) struct Findings {
     pub(crate) unexplained: bool,
     /// Contribution of certain and suspected deviations to the uncertainty of PBC, °/s.
     pub(crate) u_pbc_dps: f64,
-    /// Contribution of these deviations to the uncertainty of BTC, °/s/°C.
+    /// Contribution of certain and suspected deviations to the uncertainty of BTC, °/s/°C.
     pub(crate) u_btc_dps_per_c: f64,
     /// Rms error of BTC by curvature, given what the measurement shows of it, °/s/°C.
     pub(crate) u_curvature_dps_per_c: f64,
@@ -56,9 +56,9 @@ impl Findings {
 /// The input of the search: the averages of the procedure, and the assumptions about the unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SearchInput {
-    /// The averages of steps 4, 6 and 8.
+    /// The averages of steps 4, 6 and 8, or three tenths of a recording that has no steps.
     pub(crate) averages: [WeightedMean; 3],
-    /// T2 − T1, °C.
+    /// T2 − T1, or the temperature span of a recording that has no steps, °C.
     pub(crate) span_c: f64,
     pub(crate) t3_c: f64,
     pub(crate) noise: NoiseModel,
@@ -84,7 +84,7 @@ pub(crate) fn findings(seconds: &[Second], question: &SearchInput) -> Option<Fin
     Search::new(seconds, &bins, question)?.run()
 }
 
-/// The means over a window.
+/// Mean rate and temperature over a window.
 struct Bin {
     window: Window,
     rate_dps: f64,
@@ -124,7 +124,7 @@ struct Search<'a> {
     /// Columns of the model, whitened: level, temperature, then the shapes.
     columns: Vec<Vec<f64>>,
     shapes: Vec<Shape>,
-    /// The same columns as orthogonal unit vectors.
+    /// The columns of the model, made orthogonal to each other and of unit length.
     units: Vec<Vec<f64>>,
     /// The rates less the model.
     residual: Vec<f64>,
@@ -279,10 +279,12 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Largest loss of gain at which a time fits as well as the best one: the 95 % point of χ² with one degree of freedom.
+/// A time of a step fits nearly as well as the best one if its gain is lower by less than this: the 95 % point of χ²
+/// with one degree of freedom.
 const NEARLY: f64 = 3.84;
 
-/// The gain from which a shape is beyond doubt, as measured on ordinary units (docs/reference/accuracy.md).
+/// The gain (decrease of χ²) from which a shape is beyond doubt, as measured on ordinary units
+/// (docs/reference/accuracy.md).
 fn alarm(shape: &Shape) -> f64 {
     match shape {
         Shape::Step { .. } => 22.0,

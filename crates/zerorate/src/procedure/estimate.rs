@@ -30,12 +30,12 @@ impl Evidence<'_> {
         &self.windows[state as usize]
     }
 
-    /// The typical flicker floor. It is zero if it is not known.
+    /// The typical flicker floor, or zero if it is not known.
     fn flicker_floor_dps(&self) -> f64 {
         self.axis.noise.map_or(0.0, |noise| noise.flicker_floor_dps)
     }
 
-    /// The typical curvature. It is zero for a unit that is known to be linear, and if it is not known.
+    /// The typical curvature. It is zero for a unit that is known to be linear, and for a part that states none.
     fn curvature_dps_per_c2(&self) -> f64 {
         if self.plan.assume_linear { 0.0 } else { self.axis.bias.curvature_dps_per_c2.unwrap_or(0.0) }
     }
@@ -140,7 +140,8 @@ impl WindowWarnings {
     }
 }
 
-/// Returns the result of a finished procedure that kept its seconds, in which it looks for deviations of the rate.
+/// Returns the result of a finished procedure that kept the means of all seconds. In these, it looks for deviations of
+/// the rate.
 pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
     let hour = match seen.axis.noise {
@@ -148,7 +149,7 @@ pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Ou
         None => None,
     };
     let eighths = match &hour {
-        // A step looks like flicker, too, and must not hide behind it.
+        // A step would count as flicker, so the disturbances that were found are removed first.
         Some(hour) => blocks.eighths_less(State::Offset, |start_s, end_s| hour.disturbance_dps(start_s, end_s)),
         None => seen.window(State::Offset).eighths,
     };
@@ -326,7 +327,7 @@ struct Level {
     u_t3_c: f64,
     /// T3 minus the mean temperature of step 8, °C.
     drift_c: f64,
-    /// Shift of PBC by that drift, °/s.
+    /// Shift of PBC by `drift_c`, °/s.
     shift_dps: f64,
     btc_dps_per_c: f64,
 }
@@ -465,7 +466,7 @@ fn warnings(
     let needed_hz = seen.axis.bandwidth_hz.map(|hz| 2.0 * hz);
     let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
     let unjudged = seen.axis.noise.is_none() || bias.largest_tempco_dps_per_c().is_none();
-    // a finding may hide a temperature coefficient, and it has its own warning
+    // no warning about a small BTC if a finding may hide the temperature coefficient: the finding has its own warning
     let hidden = hour.map_or(0.0, |hour| hour.u_btc_dps_per_c);
     let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() + hidden < least);
     let when = |condition: bool, warning: Warning| condition.then_some(warning);

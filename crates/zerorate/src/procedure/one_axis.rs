@@ -13,7 +13,7 @@ use crate::notice::Refusal;
 use crate::part::{Axis, Reading};
 use crate::plan::{Check, Method, Plan, PlanError, State, Until, ns};
 
-/// Time from the start of a step before which no refusal is reported ahead of its end, s.
+/// A step must have lasted this long before a refusal at its end is foretold, s.
 const FIRST_LOOK_S: f64 = 2.0;
 
 /// Time after which samples without any temperature are refused, ns. A longer wait brings none.
@@ -75,7 +75,7 @@ pub struct Procedure<S = Blocks> {
     state: State,
     started_ns: u64,
     now_ns: u64,
-    /// Time at which the present state ends, from the start of the procedure.
+    /// Time at which the present state ends, ns from the start of the procedure.
     ends_ns: u64,
     sums: S,
     tally: Tally,
@@ -166,13 +166,13 @@ impl<S: WindowSums> Procedure<S> {
         })
     }
 
-    /// The plan of the measurement.
+    /// The plan with which the procedure was made.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Returns the next task.
+    /// Returns what the caller must do next.
     #[must_use]
     #[inline]
     pub fn next(&self) -> Action {
@@ -259,7 +259,7 @@ impl<S: WindowSums> Procedure<S> {
         if let Some(judged) = self.health.push(reading) {
             self.record(&judged);
         }
-        // the sample that ends a step belongs to no step, but a recording ends with its last sample
+        // the sample that ends a step is not part of the step, but a recording includes its last sample
         let keep = u64::from(self.state != State::Recording);
         if keep == 0 {
             self.tally.count(reading);
@@ -425,7 +425,7 @@ mod tests {
         assert_eq!(named(Plan { max_u_btc_dps_per_c: 2.0, ..Plan::default() }), Setting::MaxUBtc);
     }
 
-    /// 15.04 °/h is the rotation of the Earth, and 0.00418 °/s (F-16).
+    /// The Earth rotates by 15.04 °/h, which is 0.00418 °/s (F-16).
     #[test]
     fn a_rotation_in_degrees_per_hour_is_refused_with_its_unit() {
         let given = |dps| Procedure::new(&Axis::ADIS16130, Plan { earth_dps: Some(dps), ..Plan::default() });

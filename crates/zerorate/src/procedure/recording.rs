@@ -33,7 +33,8 @@ pub struct Reached {
     pub u_pbc_dps: f64,
     /// Standard uncertainty of BTC, °/s/°C.
     pub u_btc_dps_per_c: f64,
-    /// Expected time until the temperature has settled, s, if it changes as by a typical self-heating.
+    /// Expected time until the temperature has settled, s. The temperature is assumed to change as by a typical
+    /// self-heating.
     pub left_s: f64,
     /// Whether the temperature has settled: the remaining change is within the margin of the calibration.
     pub settled: bool,
@@ -45,14 +46,14 @@ const SETTLING_S: f64 = 600.0;
 const SLOPE_S: f64 = 60.0;
 
 impl Reached {
-    /// Returns the time of the next estimate after the one at `looked_s`, s. The intervals grow, because an
-    /// estimate takes as long as the end of a recording, which takes longer for a longer recording.
+    /// Returns the time of the next estimate after the one at `looked_s`, s. The intervals grow, because an estimate
+    /// takes longer for a longer recording.
     #[must_use]
     pub const fn next_look_s(looked_s: f64) -> f64 {
         looked_s + (looked_s / 10.0).max(60.0)
     }
 
-    /// Returns the worse of two axes in each number.
+    /// Combines two axes: each number is that of the worse axis.
     pub(crate) fn or_worse(self, other: Self) -> Self {
         Self {
             u_dps: self.u_dps.max(other.u_dps),
@@ -77,7 +78,8 @@ pub(crate) fn reached(seen: &Evidence<'_>, sums: &Blocks) -> Result<Reached, Ref
     })
 }
 
-/// Time until the remaining change of temperature is within the margin, s, if it goes on like a self-heating.
+/// Time until the remaining change of temperature is within the margin, s. The temperature is assumed to change as by
+/// self-heating.
 fn settles_in_s(seconds: &[Second], margin_c: f64) -> f64 {
     let Some(last) = seconds.last() else { return f64::INFINITY };
     let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S);
@@ -240,7 +242,7 @@ struct Suspects {
 
 /// Cycles per recording of the slowest and of the fastest base motion that is always tried.
 const SLOW_CYCLES: (f64, f64) = (0.25, 4.0);
-/// Ratio of each of these frequencies to the one before.
+/// Ratio of adjacent frequencies of the base motions that are always tried.
 const BASE_MOTION_RATIO: f64 = 1.15;
 
 /// Returns the frequencies of possible base motions, Hz, in rising order: slow ones, which look like a bias that
@@ -374,7 +376,7 @@ fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Re
     }
     let found = hour.into_iter().flat_map(|hour| &hour.found);
     let step = found.into_iter().find(|finding| matches!(finding.deviation, Deviation::Step { .. })).copied();
-    // a base motion that was removed does no harm
+    // a base motion that was removed causes no error
     let taken = |motion: BaseMotion| {
         let deviation = Deviation::BaseMotion { hz: motion.hz, size_dps: motion.size_dps() };
         Finding { deviation, pbc_dps: 0.0, btc_dps_per_c: 0.0 }

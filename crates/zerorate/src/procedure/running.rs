@@ -14,7 +14,7 @@ const RUNGS: usize = 14;
 /// Window sums of about 3 KB that never grow.
 ///
 /// Means and refusals agree with [`Blocks`](super::blocks::Blocks), with one exception. A single small step of the
-/// rate in a window is refused as motion, because only all blocks together tell the two apart.
+/// rate in a window is refused as motion, because only all blocks together tell a step from motion.
 #[derive(Clone, Debug)]
 pub struct Running {
     axis: Axis,
@@ -22,7 +22,7 @@ pub struct Running {
     live: Live,
 }
 
-/// Sums over a step.
+/// Sums over a step that is over, or over the present one so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Totals {
     start_ns: u64,
@@ -39,7 +39,7 @@ struct Totals {
     temp_range_c: Option<(f64, f64)>,
 }
 
-/// Sums of the present step.
+/// Sums of the present block, and running averages over the present step.
 #[derive(Clone, Debug, Default)]
 struct Live {
     block: u64,
@@ -118,7 +118,7 @@ impl Live {
         }
     }
 
-    /// The Allan variance of averages of `m` blocks, a power of two.
+    /// The Allan variance of averages of `m` blocks. `None` unless `m` is a power of two from 2 to 2¹⁴.
     fn rung(&self, m: usize) -> Option<Adjacent> {
         self.rungs.iter().find(|rung| rung.m == m).map(Averages::adjacent)
     }

@@ -16,7 +16,7 @@ pub(crate) enum Shape {
     Lagged { lag_s: f64, ahead: Series },
     /// The temperature less a value that follows it with a play of ±`width_c`, °C.
     Held { width_c: f64, ahead: Series },
-    /// A sine.
+    /// A sine of amplitude 1, with its phase at time 0, rad.
     Oscillation { hz: f64, phase: f64 },
 }
 
@@ -76,8 +76,8 @@ pub(crate) fn means<'a>(shape: &'a Shape, windows: &'a [Window]) -> impl Iterato
     windows.iter().map(|window| shape.mean(f64::from(window.start_s), f64::from(window.end_s)))
 }
 
-/// All shapes that are looked for in a record of these windows: a step at each of their ends, and the other shapes
-/// over the scales that the record can show.
+/// All shapes that are looked for in a record of these windows: a step at the beginning of each window but the first,
+/// and the other shapes over the scales that the record can show.
 pub(crate) fn all(seconds: &[Second], windows: &[Window], t3_c: f64) -> Vec<Shape> {
     let total_s = windows.last().map_or(0.0, |window| f64::from(window.end_s));
     let longest_s = windows.iter().map(Window::length_s).fold(1.0, f64::max);
@@ -91,7 +91,7 @@ pub(crate) fn all(seconds: &[Second], windows: &[Window], t3_c: f64) -> Vec<Shap
     steps.chain([Shape::curved(seconds, t3_c)]).chain(lags).chain(plays).chain(base_motions).collect()
 }
 
-/// A geometric series.
+/// Values from `first` up to `end`, each `ratio` times the one before.
 fn spread(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
 }

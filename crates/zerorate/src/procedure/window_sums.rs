@@ -1,4 +1,4 @@
-//! Sums over the samples of each window of the procedure, and their summaries.
+//! Sums over the samples of each step of the procedure, and their summaries.
 
 use crate::health::Judged;
 use crate::health::block_means::Adjacent;
@@ -47,11 +47,11 @@ pub struct Summary {
     pub(crate) rate_dps: Option<f64>,
     /// Mean temperature, °C.
     pub(crate) temp_c: Option<f64>,
-    /// Allan variance of adjacent block means of the rate.
+    /// Allan variance of adjacent block means of the rate, (°/s)².
     pub(crate) rates: Adjacent,
-    /// Allan variance of adjacent block means of the temperature, °C.
+    /// Allan variance of adjacent block means of the temperature, °C².
     pub(crate) temps: Adjacent,
-    /// Allan variance of the rate in averages of an eighth of the step.
+    /// Allan variance of the rate in averages over an eighth of the step, (°/s)².
     pub(crate) eighths: Adjacent,
     /// Lowest and highest block mean of the temperature, °C; the lowest is above the highest if there is none.
     pub(crate) temp_range_c: (f64, f64),

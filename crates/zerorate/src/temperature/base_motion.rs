@@ -11,7 +11,7 @@ const COARSE: f64 = 1.0;
 const FAR: f64 = 6.0;
 /// Largest number of frequencies that are tried.
 const MOST: usize = 96;
-/// Ratio, less 1, below which neighbours count as the same frequency.
+/// Relative difference below which neighbours count as the same frequency.
 const FINEST: f64 = 1e-4;
 
 /// A frequency, and the logarithm of the prior probability of a base motion about it.

@@ -46,7 +46,7 @@ impl Basis {
         at(&self.polynomials[degree], (temp_c - self.centre_c) / self.half_span_c)
     }
 
-    /// The coefficients of that polynomial in powers of the temperature less a reference, °C.
+    /// The coefficients of the polynomial of a degree in powers of T − `reference_c`.
     pub(super) fn about(&self, degree: usize, reference_c: f64) -> [f64; TERMS] {
         let (slope, offset) = (1.0 / self.half_span_c, (reference_c - self.centre_c) / self.half_span_c);
         self.polynomials[degree].iter().rev().fold([0.0; TERMS], |sum, coefficient| {

@@ -14,14 +14,14 @@ use core::f64::consts::{LN_2, PI};
 
 /// Highest frequency at which flicker is modelled, Hz.
 const FLICKER_TOP_HZ: f64 = 10.0;
-/// Ratio of the length of a block to the correlation time of a process from which that process counts as white.
+/// A process counts as white if a block is more than this many times as long as its correlation time.
 const WHITE_FROM: f64 = 3.0;
 
 /// Number of series that are whitened at once.
 const LANES: usize = 8;
 
-/// The part of a filter run over the blocks of a recording that does not depend on the data: gains, and the variances
-/// of the innovations.
+/// The gains of the filter and the variances of the innovations, for the blocks of a recording. They do not depend on
+/// the data.
 pub(super) struct Filter {
     states: usize,
     /// One step for each block.

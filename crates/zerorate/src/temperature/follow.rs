@@ -20,8 +20,8 @@ pub struct LagAndPlay {
 }
 
 impl LagAndPlay {
-    /// Returns the temperature that the bias follows for each block, and for the last block the one with and the
-    /// one without play. Both start in balance and in the middle of the play.
+    /// Returns the temperature that the bias follows: for each block with play, and for the last block with and
+    /// without play. Both start in balance and in the middle of the play.
     pub(super) fn temps_c(&self, blocks: &[Block]) -> (Vec<f64>, Held) {
         let Some(first) = blocks.first() else { return Default::default() };
         let (mut late_c, mut held_c, mut last) = (first.temp_c, first.temp_c, *first);

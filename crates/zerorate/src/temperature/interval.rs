@@ -57,7 +57,7 @@ mod tests {
         assert!((honest_u(&one, 2.0, 0.5) - 0.5).abs() < 1e-9);
     }
 
-    /// Shares outside of the stated intervals, by a sum over a fine grid of the density and not by `erfc`.
+    /// Computes the shares outside of the stated intervals without `erfc`, by sums of the density over a fine grid.
     #[test]
     fn two_peaks_are_inside_as_often_as_stated() {
         let peaks = [Peak { weight: 0.7, mean: 0.0, variance: 0.01 }, Peak { weight: 0.3, mean: 1.5, variance: 1.0 }];

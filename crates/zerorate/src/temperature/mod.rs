@@ -78,7 +78,7 @@ struct Noise {
     gauss_markov: Vec<(f64, f64)>,
 }
 
-/// The knowledge about a recording in addition to its blocks.
+/// What is known or assumed about a recording in addition to its blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Assumed<'a> {
     /// The typical axis, which gives the prior probabilities of coefficients and noises.
@@ -104,13 +104,13 @@ pub struct Assumed<'a> {
 pub struct BiasCurve {
     /// The correction that is added to a rate: minus the bias.
     pub correction: Correction,
-    /// Covariance of PBC and the coefficients of the first to third order, in °/s/°Cⁿ each. Orders that disagree
-    /// on PBC or BTC make two peaks, and intervals by their variance alone would miss the smaller one too often.
-    /// So the variances of PBC and BTC are larger than that of all models together.
+    /// Covariance of PBC, BTC, and the terms of second and third order. Entry (i, j) is in (°/s)²/°C^(i + j). If
+    /// orders disagree on PBC or BTC, the distribution has two peaks, and intervals from its variance would miss the
+    /// smaller peak too often. So the variances of PBC and BTC are enlarged.
     pub covariance: [[f64; TERMS]; TERMS],
     /// Sources of the variances of PBC and BTC.
     pub sources: Sources,
-    /// The order that was chosen.
+    /// The order of the polynomial that `correction` holds, 0 to 3.
     pub order: usize,
     /// Posterior probability of each order.
     pub order_weights: [f64; TERMS],
@@ -279,9 +279,9 @@ pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCu
     Some(average(&record, assumed.axis, &[model]))
 }
 
-/// Prior spreads of the coefficients. If the part states no temperature coefficient, the span is assumed to change the
-/// rate by as much as the rate is seen to change. A tenth of that is quadratic, as in parts that state it, and a
-/// fiftieth is cubic.
+/// Prior spreads of the coefficients of the basis, °/s. If the part states no temperature coefficient, the linear
+/// spread is the range of the rates. If it states no curvature, the quadratic spread is a tenth of the linear one, and
+/// the cubic spread a fiftieth.
 fn prior(typical: &TypicalBias, basis: &Basis, blocks: &[Block]) -> [f64; TERMS] {
     let half_span_c = basis.half_span_c();
     let rates = || blocks.iter().map(|block| block.rate_dps);
@@ -375,8 +375,9 @@ fn variance_of_logarithm(models: &[Weighed], of: fn(&Noise) -> f64) -> f64 {
     models.iter().map(|model| model.weight * (off(model) * off(model))).sum()
 }
 
-/// Chooses the order with the most evidence, of those that are not too low with a probability of more than one half.
-/// So a bend that quadratic and cubic models share wins against a line that is more likely than either of them.
+/// Chooses the most likely order, but none above which the higher orders together are more likely than not. So a line
+/// loses against quadratic and cubic models that are more likely together, even if it is more likely than each of
+/// them.
 fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     let above = |order: usize| order_weights[order + 1..].iter().sum::<f64>();
     let high_enough = (0..TERMS).filter(|order| above(*order) <= 0.5);
@@ -393,8 +394,8 @@ fn base_motion_probability(models: &[Weighed]) -> f64 {
 /// one as well would be useless for a platform at rest.
 const MOTION_PEAK: f64 = 1.0 - Uncertainty::COVERAGE;
 
-/// Excess variance that a coefficient needs so that its intervals keep their stated probability. Its models are in
-/// peaks: one of each order, or two, without a base motion and with it.
+/// Excess variance that a coefficient needs so that its intervals keep their stated probability. The models of each
+/// order form one peak, or two if those with a base motion are split off.
 fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     let is_split = base_motion_probability(models) > MOTION_PEAK;
     let index =
@@ -416,13 +417,14 @@ fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
 
 /// Splits the variances of PBC and BTC into their sources. Noise gets the variance for a known model and a known base
 /// motion. Base motion gets the variance by its unknown size, and the squared distance between models with and without
-/// it. Disagreement of models gets the rest. `excess` belongs to the base motion if that makes the peaks.
+/// it. Disagreement of models gets the rest. `excess` counts as base motion if models with a base motion form peaks of
+/// their own.
 fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources {
     let probability = base_motion_probability(models);
     let sum = |of: &dyn Fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
     let moves = |model: &Weighed| f64::from(u8::from(model.hypothesis.motion_hz.is_some()));
     let both = [0, 1].map(|k| {
-        // for groups of weights p and 1 − p, this is p (1 − p) times the distance of their means
+        // for two groups of models with the weights p and 1 − p, this is p (1 − p) times the distance of their means
         let apart = sum(&|model| (moves(model) - probability) * model.posterior.bias[k]);
         let product = probability * (1.0 - probability);
         let between = if product > 0.0 { apart * apart / product } else { 0.0 };

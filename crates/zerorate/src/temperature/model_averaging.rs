@@ -1,5 +1,5 @@
 //! Averaging over all combinations of unknowns that are not coefficients: the strength of the slow noises, the lag and
-//! the play of the bias, and the steps that are really there. Only combinations that matter are kept.
+//! the play of the bias, and which steps and base motion are real. Only combinations that matter are kept.
 
 use super::base_motion::{self, Candidate};
 use super::filter::{Filter, White};
@@ -23,7 +23,7 @@ const LEAST_PLAY_C: f64 = 0.0125;
 const B_RATIO: f64 = core::f64::consts::SQRT_2;
 /// Ratio of each random walk K that is tried to the one before. A recording determines K less well than B.
 const K_RATIO: f64 = 2.0;
-/// Number of plays that replace one that is too coarse.
+/// Number of finer lattice steps that replace a step between two plays.
 const FINER_PLAYS: i32 = 8;
 /// Number of times that plays are made finer.
 const FINER_ROUNDS: i32 = 2;
@@ -31,7 +31,7 @@ const FINER_ROUNDS: i32 = 2;
 const NOISE_REACH: i32 = 20;
 /// Spread over units of the logarithms of B and K, if the part states typical values.
 const TYPICAL_SPREAD: [f64; 2] = [0.35, 0.5];
-/// The same spread, if the part states no typical values.
+/// Prior spread of the logarithms of B and K, if the part states no typical values.
 const UNKNOWN_SPREAD: [f64; 2] = [1.0, 1.5];
 /// Prior probability of a step in a recording.
 const STEP_PROBABILITY: f64 = 0.02;
@@ -151,8 +151,8 @@ impl<'a> Lattice<'a> {
         relevant_families(still, with_motion)
     }
 
-    /// Adds finer plays about the best path if its neighbours explain much less. A wide play between two of the
-    /// lattice looks like a lag.
+    /// Adds finer plays about the best path if its neighbours explain much less. A wide play that lies between two
+    /// plays of the lattice looks like a lag.
     fn finer_plays(&self, filter: &Filter, noise: (i32, i32), mut scored: Vec<(f64, Path)>) -> Vec<(f64, Path)> {
         let mut ratio = PLAY_RATIO;
         for round in 1..=FINER_ROUNDS {
@@ -210,8 +210,8 @@ impl<'a> Lattice<'a> {
         if motions.is_empty() { Vec::new() } else { paths.iter().flat_map(with).collect() }
     }
 
-    /// The noises that matter on a path, the best first: uphill from the middle to the best, and from there outwards
-    /// until the noises no longer matter.
+    /// The noises that matter on a path, the best first. The search begins at the middle of the lattice, and tries the
+    /// neighbours of each noise that matters.
     fn relevant_noises(&self, path: &Path) -> Vec<(i32, i32)> {
         let score = |noise| self.score(&self.filter(noise), noise, path);
         let mut known: Vec<(f64, (i32, i32))> = Vec::from([(score((0, 0)), (0, 0))]);

@@ -119,7 +119,7 @@ impl Record<'_> {
         self.all_solved(&filtered, columns.steps).map(|solved| solved.posterior(&filtered, &constants)).collect()
     }
 
-    /// Only the logarithms of the evidence of all orders.
+    /// Returns only the log evidence of each order, which takes less time than the posteriors.
     pub(super) fn log_evidences(&self, filter: &Filter, columns: &Columns, motion: &[White]) -> Vec<f64> {
         let Some(filtered) = filter.filtered(&columns.whites, motion) else { return Vec::new() };
         self.all_solved(&filtered, columns.steps).map(|solved| solved.log_evidence).collect()

@@ -75,7 +75,7 @@ fn length(mut ranges: Vec<Range>) -> f64 {
 mod tests {
     use super::*;
 
-    /// Straight lines between these temperatures, a step of 0.01 °C a second.
+    /// Returns straight lines between these temperatures, in steps of 0.01 °C.
     fn path(corners_c: &[f64]) -> Vec<f64> {
         let line = |ends: &[f64]| {
             let (from, to) = (ends[0], ends[1]);

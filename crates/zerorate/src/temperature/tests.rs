@@ -48,8 +48,8 @@ fn errors(curve: &BiasCurve, truth: &Truth) -> [f64; 9] {
     })
 }
 
-/// Three blocks, their covariance written down by hand from the definitions: a walk that begins with the first, one
-/// Gauss–Markov process, white noise. Products of whitened series equal products with the inverse matrix.
+/// The covariance of three blocks is written down from the definitions: a walk that begins with the first block, one
+/// Gauss–Markov process, and white noise. Products of whitened series equal products with the inverse of this matrix.
 #[test]
 fn the_filter_is_the_inverse_of_the_covariance() {
     let noise = Noise {
@@ -80,7 +80,7 @@ fn the_filter_is_the_inverse_of_the_covariance() {
     assert!((filtered.log_determinant - dense.ln_determinant()).abs() < 1e-5);
 }
 
-/// With next to no noise the curve equals the unit's, for every order.
+/// With next to no noise, the curve equals that of the unit.
 #[test]
 fn a_quiet_unit_is_found_exactly() {
     let quiet = Spec { noise: false, hysteresis_dps: 0.0, ..Spec::from_seed(5) };
@@ -100,7 +100,8 @@ fn a_quiet_unit_is_found_exactly() {
     }
 }
 
-/// Errors of units with everything drawn: their mean square in units of u is as for a normal distribution.
+/// All properties of the units are drawn at random. The mean square of the errors, in units of u, is near 1, as for a
+/// normal distribution.
 #[test]
 fn intervals_are_honest() {
     let squares = (200..216).map(|seed| {
@@ -111,8 +112,8 @@ fn intervals_are_honest() {
     assert!((0.4..1.7).contains(&mean), "{mean}");
 }
 
-/// Units whose bend quadratic and cubic models share, so that the line has more evidence than each of them. With the
-/// line as the estimate and the plain variance as the interval, BTC was 4.7, 3.3 and 3.6 u off.
+/// In these units, quadratic and cubic models share a bend, so the line has more evidence than each of them. With the
+/// line as the estimate and an interval from the variance alone, BTC would be off by 4.7, 3.3 and 3.6 u.
 #[test]
 fn a_bend_that_orders_share_is_in_the_interval_of_btc() {
     for (seed, curvature_dps_per_c2, most) in [(226, -0.001, 4.0), (22, 0.0005, 3.0), (246, 0.0005, 3.0)] {
@@ -132,7 +133,8 @@ fn a_lag_is_found() {
     assert!(errors(&curve, &truth).iter().all(|error| error.abs() < 3.0), "{:?}", errors(&curve, &truth));
 }
 
-/// Five minutes after power-on the element is still behind by more than the interval. The curve holds in balance.
+/// Five minutes after power-on, the bias still lags by more than the interval. The curve states the bias at a steady
+/// temperature.
 #[test]
 fn a_lag_is_not_taken_for_a_bias() {
     for seed in 3..6 {

@@ -4,7 +4,8 @@ use super::filter::{Drift, Filter, place, sd};
 
 /// Number of states in the estimate: offset, slope and curvature.
 const SHOWN: usize = 3;
-/// Change of the bias of which half is accepted if all quiet periods are rotations, in units of the least rotation.
+/// If all quiet periods are rotations, half of a change of this size is accepted as bias. It is in units of the
+/// slowest rotation to be detected.
 const DOUBTED: f32 = 1.75;
 
 /// The bias that the calibration leaves, merged over all hypotheses.
@@ -18,7 +19,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// Prepares the answer. `excess` is the excess of rotations among the quiet periods.
+    /// Prepares the estimate. `excess` is the excess of rotations among the quiet periods.
     pub(super) fn new(known: &Filter, excess: f32, least_turn_dps: f32) -> Self {
         let [offset, slope, curvature, ..] = known.state;
         let of = |row, column| known.covariance[place(row, column)];

@@ -99,7 +99,7 @@ impl From<EntryError> for TrackFileError {
 }
 
 impl TrackFile {
-    /// Makes the state of the axes of a calibration, each with its name.
+    /// Makes the file of the tracked axes of a calibration. Each state comes with the name of its axis.
     pub fn new<'a>(
         calibration: &Calibration,
         saved: Option<String>,
@@ -173,8 +173,8 @@ impl TrackFile {
     }
 }
 
-/// Assumed uncertainty of PBC for a calibration that states none, such as one written by hand, °/s. It is a
-/// choice. With it, the tracker learns from a first rest within ±0.1 °/s after more rests like it.
+/// Assumed uncertainty of PBC for a calibration that states none, such as one written by hand, °/s. It is a choice.
+/// With it, the tracker accepts the level of a first rest within ±0.1 °/s once more rests agree with it.
 const UNSTATED_U_PBC_DPS: f64 = 0.05;
 
 impl Prior {

@@ -12,7 +12,7 @@ use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
 
 /// Number of states: offset, slope, curvature, and the three parts of the flicker.
 pub const STATES: usize = 6;
-/// Number of different elements of a symmetric matrix of that size.
+/// Number of different elements of a symmetric matrix with [`STATES`] rows.
 pub const COVARIANCES: usize = STATES * (STATES + 1) / 2;
 /// Number of flicker processes.
 const FLICKERS: usize = 3;
@@ -24,9 +24,9 @@ const FLICKER: usize = 3;
 
 /// Frequency above which flicker counts as noise of a mean, Hz: 1/(2π · 4 s), for the shortest mean that is taken in.
 const FLICKER_TOP_HZ: f64 = 0.04;
-/// Flicker above [`FLICKER_TOP_HZ`] adds at most this time / τ · B²/π to the variance of a mean over τ, s. The exact
-/// factor in place of this time / τ is ∫ sinc²(τf)/f df from that frequency on: 0.96 for τ = 4 s, 0.38 for 8 s,
-/// 0.15 for 12 s, 0.05 for 16 s.
+/// A time T, s: flicker above [`FLICKER_TOP_HZ`] adds at most T/τ · B²/π to the variance of a mean over τ. The exact
+/// factor in place of T/τ is ∫ sinc²(τf)/f df from that frequency on: 0.96 for τ = 4 s, 0.38 for 8 s, 0.15 for 12 s,
+/// 0.05 for 16 s.
 const FLICKER_ABOVE_S: f64 = 4.0;
 /// Largest relative amount by which rounding lets a squared covariance exceed the product of its two variances.
 const ROUNDING: f32 = 1e-4;
@@ -128,7 +128,7 @@ pub struct Filter {
 pub(super) struct Innovation {
     /// The mean less its expected value, °/s.
     pub(super) dps: f32,
-    /// Variance of that difference for a part at rest.
+    /// Variance of `dps` for a part at rest, (°/s)².
     pub(super) dps2: f32,
 }
 
@@ -149,7 +149,7 @@ impl Filter {
         &mut self.covariance[place(of, of)]
     }
 
-    /// Lets time pass.
+    /// Advances the state by a time step.
     pub(super) fn wait(&mut self, passing: &Passing) {
         *self.variance(OFFSET) += passing.walk_dps2;
         for (part, decay) in (FLICKER..STATES).zip(passing.decays) {
@@ -157,7 +157,7 @@ impl Filter {
                 *state *= decay;
             }
             for other in 0..STATES {
-                // its own variance is scaled once here and once below
+                // the variance of `part` itself is scaled once here and once more below
                 self.covariance[place(part, other)] *= decay;
             }
             let variance = self.variance(part);
@@ -222,7 +222,7 @@ impl Filter {
         })
     }
 
-    /// Whether the state is possible: finite, and no variance below zero.
+    /// Whether the state is possible: all numbers are finite, no variance is below zero, and no correlation exceeds 1.
     pub(super) fn is_sound(&self) -> bool {
         let finite = self.state.iter().chain(&self.covariance).chain([&self.at_c]).all(|number| number.is_finite());
         let squares = |row: usize, column: usize| {
@@ -251,7 +251,7 @@ fn dot(a: &[f32; STATES], b: &[f32; STATES]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Standard deviation of a variance.
+/// The square root of a variance. A negative one, by rounding, counts as 0.
 pub(super) fn sd(variance: f32) -> f32 {
     sqrtf(variance.max(0.0))
 }

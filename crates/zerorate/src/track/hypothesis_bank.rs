@@ -91,7 +91,7 @@ impl HypothesisBank {
         self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > 0.0)
     }
 
-    /// Lets time pass.
+    /// Advances all hypotheses by a time, s.
     pub(super) fn wait(&mut self, seconds: f64, drift: &Drift) {
         let passing = drift.over(seconds);
         for Hypothesis { before, sure, now, .. } in self.used() {
@@ -123,7 +123,7 @@ impl HypothesisBank {
         self.sure_s += mean.length_s;
     }
 
-    /// Drops what was learned from the windows that are not sure yet.
+    /// Drops what was learned from the newest windows, in which a rotation may have begun.
     pub(super) fn go_back(&mut self) {
         self.used().for_each(|it| it.now = it.sure);
         self.seconds = self.sure_s;
@@ -161,7 +161,7 @@ impl HypothesisBank {
         known
     }
 
-    /// Ends the quiet period.
+    /// Ends the quiet period. Splits each hypothesis into rest and rotation, and merges the closest ones.
     pub(super) fn close(&mut self, drift: &Drift) {
         if let Some(rest) = self.rest() {
             self.rest_prior.count(rest);

@@ -9,7 +9,7 @@ use libm::expf;
 
 /// Number of rotation rates that are compared with a level.
 const ROTATIONS: usize = 9;
-/// Slowest of these rates, in units of the slowest rotation to be detected.
+/// Slowest rotation rate that is compared, in units of the slowest rotation to be detected.
 const SLOWEST: f32 = 0.7;
 /// Ratio of each rate to the one before. All are equally likely, in both directions.
 const RATIO: f32 = core::f32::consts::SQRT_2;
@@ -34,7 +34,8 @@ pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
     (rest, rates.take(ROTATIONS).map(both).sum::<f32>() / (2 * ROTATIONS) as f32)
 }
 
-/// The prior probability that a quiet period is rest, from the periods so far. Each counts by its probabilities.
+/// The prior probability that a quiet period is rest, from the periods so far. Each period counts as rest and as
+/// rotation, by its probability of either.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestPrior {
     /// Number of rests so far, plus one.

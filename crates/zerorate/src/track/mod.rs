@@ -60,8 +60,8 @@ pub struct TrackerConfig {
     pub noise: NoiseModel,
     /// Half width of the hysteresis, °/s. It is zero if it is not known.
     pub hysteresis_dps: f64,
-    /// Component of the Earth's rotation on the axis wherever it rests, °/s (F-16), if the calibration has subtracted
-    /// it from PBC. Otherwise zero.
+    /// Component of the Earth's rotation on the axis, °/s (F-16), if the calibration has subtracted it from PBC.
+    /// Otherwise zero. It must be the same wherever the part rests.
     pub earth_dps: f64,
     /// The slowest rotation that must not be taken for bias, °/s.
     pub least_turn_dps: f64,
@@ -108,9 +108,9 @@ pub enum Phase {
 /// The present estimate of the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tracked {
-    /// Bias beyond the calibration, °/s.
+    /// Slow bias that the calibration leaves, without flicker, °/s.
     pub change_dps: f64,
-    /// Standard uncertainty of the bias with its flicker, °/s, at rest or rotating.
+    /// Standard uncertainty of `change_dps`, °/s. It holds whether the part rests or rotates.
     pub u_dps: f64,
     /// The motion of the part.
     pub phase: Phase,
@@ -151,7 +151,7 @@ pub struct Tracker {
     drift: Drift,
     bank: HypothesisBank,
     estimate: Estimate,
-    /// Seconds by which the hypothesis bank is behind the present time.
+    /// Seconds that have passed since the hypothesis bank was last brought up to date.
     due_s: u32,
     quiet: Quiet,
     /// Number of windows of the quiet period that were learned from; `sure` of them are too old for a rotation to have
@@ -252,7 +252,7 @@ impl Tracker {
         self.moves
     }
 
-    /// Lets time pass without a reading.
+    /// Lets `seconds` pass without a reading. This ends the present quiet period.
     pub fn wait(&mut self, seconds: f64) {
         self.end();
         self.pass();

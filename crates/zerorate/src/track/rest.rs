@@ -1,6 +1,6 @@
 //! The test whether a part is quiet: its rate varies no more than its own noise, over 0.1 s to 64 s.
 //!
-//! Quiet does not mean at rest, because a steady rotation is quiet as well. `mod.rs` judges its level.
+//! Quiet does not mean at rest, because a steady rotation is quiet as well. `level.rs` judges the level of the rate.
 
 use super::hypothesis_bank::Mean;
 use crate::noise::NoiseModel;
@@ -21,11 +21,12 @@ pub(super) const MOST_LATE: u32 = 32;
 /// beyond which noise does not explain it. Noise exceeds these in one of 10 000, 4600 and 2100 differences, which come
 /// every 4 s.
 const STEPS: [(u32, f64); 3] = [(1, 3.9), (4, 3.7), (16, 3.5)];
-/// The same ratio for adjacent seconds, which noise exceeds in one of 16 000.
+/// Ratio of the difference of adjacent seconds to its standard deviation beyond which the part moves. Noise exceeds it
+/// in one of 16 000 differences.
 const SECOND_FACTOR: f64 = 4.0;
 /// Limit of χ², nine degrees of freedom, for the ten means of 0.1 s. Noise exceeds it in one of 33 000 seconds.
 const SECOND_CHI2: f32 = 36.8;
-/// Largest valid rate, °/s, and temperature, °C.
+/// Largest valid rate, °/s, and distance of the temperature from T3, °C.
 const LARGEST: f32 = 1e5;
 
 /// The result after a block.
@@ -41,7 +42,7 @@ pub(super) enum Seen {
     Step(u32),
 }
 
-/// The detector of quiet, on fixed memory.
+/// Detects quiet periods, on fixed memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quiet {
     block_dps2: f32,
@@ -57,9 +58,9 @@ pub(super) struct Quiet {
     seconds: u32,
     window_dps: f32,
     window_c: f32,
-    /// Rate and temperature of each window.
+    /// Rate, °/s, and T − T3, °C, of each of the newest windows.
     ring: [(f32, f32); WINDOWS],
-    /// Number of windows since the last fresh start.
+    /// Number of windows since the present quiet period began.
     filled: u32,
 }
 
@@ -87,7 +88,7 @@ impl Quiet {
     }
 
     /// Takes in the mean of a block, less the calibrated bias. `None` means that the block is missing. After a motion,
-    /// the caller begins anew.
+    /// the caller must call [`Quiet::begin_anew`].
     pub(super) fn push(&mut self, rate_dps: Option<f32>, d_c: f32) -> Seen {
         let Some(rate_dps) = rate_dps.filter(|rate| rate.abs() < LARGEST && d_c.abs() < LARGEST) else {
             return Seen::Moving;
@@ -103,7 +104,7 @@ impl Quiet {
         if self.blocks < BLOCKS { Seen::Open } else { self.second() }
     }
 
-    /// Starts afresh: everything before belongs to another quiet period.
+    /// Begins another quiet period, in which no earlier block counts.
     pub(super) fn begin_anew(&mut self) {
         (self.blocks, self.seconds, self.filled, self.last_second_dps) = (0, 0, 0, None);
     }

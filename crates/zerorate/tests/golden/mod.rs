@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::Path;
 
-/// Compares with the file of this name, or writes it where the environment asks for that.
+/// Asserts that `now` equals the golden file `name`. With ZERORATE_GOLDEN=write, first writes `now` to that file.
 #[track_caller]
 pub fn unchanged(name: &str, now: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}"));

@@ -1,14 +1,15 @@
-//! Whole procedures on the means of a twin: an hour takes seconds.
+//! Runs whole procedures on means of 0.1 s from a twin instead of samples, so that an hour takes seconds.
 
 use adis16130_twin::{Means, Spec, Truth};
 use zerorate::{Action, Axis, Event, Method, Outcome, Plan, Procedure, Reading, Refusal};
 
 /// Time of one mean, and of a block of the procedure, s.
 const MEAN_S: f64 = 0.1;
-/// The air of a cycle: time at which it begins to move, s, distance from its beginning, °C, and duration, s.
+/// Changes of the air temperature in a cycle: start, s, target relative to the first air temperature, °C, and
+/// duration, s.
 const CYCLE: [(u32, f64, f64); 2] = [(1200, -8.0, 480.0), (2400, 0.0, 480.0)];
 
-/// The plan of a method. A cycle takes 70 minutes, so that the part is in balance again.
+/// The plan of a method. A cycle takes 70 minutes, so that the part is in thermal equilibrium again at its end.
 pub fn plan(method: Method) -> Plan {
     let settle_s = if method == Method::Cycle { 3429.0 } else { Plan::default().settle_s };
     Plan { method, settle_s, ..Plan::default() }

@@ -1,4 +1,4 @@
-//! A result with numbers that need all of their digits.
+//! A result with numbers that need up to 17 digits to be read back exactly.
 
 use zerorate::{Axis, Correction, Measured, Noise, Outcome, Plan, Uncertainty, Warning};
 

@@ -1,6 +1,6 @@
 //! A unit of the twin on a robot: an hour of calibration at rest, then motion, with rest for a twentieth of the time.
 //!
-//! Everything random beside the unit itself comes from its seed, too, by generators of this file.
+//! The motions and all other random numbers come from the seed of the unit, too, through generators in this file.
 
 use adis16130_twin::{Means, Spec};
 use std::collections::VecDeque;
@@ -41,7 +41,7 @@ impl Random {
     }
 }
 
-/// A motion of the platform for a while.
+/// A motion that the platform keeps for seconds to minutes, with its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     Rest,
@@ -57,13 +57,13 @@ pub enum Motion {
     SlowTurn {
         dps: f64,
     },
-    /// Driving straight on: shaking, in °/s rms of a mean over 0.1 s.
+    /// Shaking while the platform drives straight on. `dps` is the rms of the means over 0.1 s.
     Shaking {
         dps: f64,
     },
 }
 
-/// Mean length of a rest and of what lies between two, s: 5 % of the time is rest.
+/// Shortest and longest rest, then shortest and longest time between two rests, s. So 5 % of the time is rest.
 const REST_S: (f64, f64) = (15.0, 105.0);
 const BETWEEN_S: (f64, f64) = (300.0, 1980.0);
 
@@ -74,7 +74,7 @@ pub const OFTEN: f64 = 1055.0 / (3.0 * 60.0);
 /// Slow rotations fill half of the moving time.
 pub const HALF: f64 = 1055.0 / 60.0;
 
-/// The motion of a robot or a vehicle.
+/// A robot or vehicle that rests, turns, sways and drives straight on at random.
 pub struct Platform {
     slow_turns: f64,
     random: Random,
@@ -85,7 +85,7 @@ pub struct Platform {
 }
 
 impl Platform {
-    /// Begins a motion.
+    /// A platform that drives straight on at first. `slow_turns` is the number of slow rotations for 21 other motions.
     pub fn new(seed: u64, slow_turns: f64) -> Self {
         let mut random = Random::new(seed ^ 0x7472_6163_6B00_0000);
         let until_rest_s = random.between(BETWEEN_S.0, BETWEEN_S.1);
@@ -146,12 +146,12 @@ pub struct Unit {
     pub prior: Prior,
 }
 
-/// A block of 0.1 s.
+/// What a unit reads in a block of 0.1 s, and its true bias.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     pub rate_dps: f64,
     pub temp_c: f64,
-    /// The slow bias at the end of the block.
+    /// Slow part of the true bias at the end of the block, °/s.
     pub bias_dps: f64,
 }
 
@@ -186,7 +186,7 @@ impl Unit {
         (rate / count, temp / count)
     }
 
-    /// The next block, turning at so many °/s.
+    /// Reads the next block while the platform turns at `motion_dps`.
     pub fn next(&mut self, motion_dps: f64) -> Block {
         let mean = self.means.next_mean();
         let truth = self.means.truth();
@@ -215,21 +215,21 @@ fn stated([t1_c, t2_c, t3_c]: [f64; 3], drift_dps: f64) -> Prior {
     }
 }
 
-/// The result of a time of motion and rest.
+/// What calibration and tracker achieved over some hours of motion and rest.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Day {
     /// Rms of the bias that the calibration alone leaves, °/s.
     pub static_dps: f64,
     /// Rms of the bias that the tracker leaves, °/s.
     pub tracked_dps: f64,
-    /// Share of the time at which the truth was within 1.96 u.
+    /// Share of the time in which the true bias was within 1.96 u of the tracked bias.
     pub covered: f64,
-    /// Whether the truth was within 1.96 u at the end.
+    /// Whether the true bias was within 1.96 u of the tracked bias at the end.
     pub covered_at_end: bool,
     pub rest_s: f64,
     /// Seconds that were learned as rest, and were rest.
     pub learned_s: f64,
-    /// Seconds that were learned as rest, and were a slow turn or any other motion.
+    /// Seconds that were learned as rest, but were a slow turn. `moving_learned_s` counts those of other motions.
     pub turning_learned_s: f64,
     pub moving_learned_s: f64,
     pub turning_s: f64,

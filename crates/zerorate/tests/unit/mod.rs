@@ -1,11 +1,11 @@
-//! A unit of the twin, read with the driver, and a procedure short enough for a test.
+//! A twin that is read with the driver, and a plan that is short enough for a test.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use zerorate::{Method, Plan, Reading};
 
-/// A part that settles in half a minute shows its temperatures in this plan.
+/// A plan of 145 s. A part whose self-heating takes half a minute warms enough in it for two temperatures.
 pub const SHORT: Plan = Plan {
     method: Method::An1042,
     target_dps: None,

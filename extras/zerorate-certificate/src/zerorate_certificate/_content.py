@@ -42,7 +42,7 @@ class Content:
 
     @classmethod
     def load(cls, calibration_path: str | os.PathLike[str], lab: Lab) -> Content:
-        """The content, checked. The reasons for a ValueError are those of `certificate_xml`."""
+        """Reads and checks the content. Raises ValueError for the same reasons as `certificate_xml`."""
         try:
             return cls._of(_load(calibration_path), lab)
         except UnicodeDecodeError:
@@ -80,12 +80,12 @@ class Content:
 
     @property
     def title(self) -> str:
-        """The title of the certificate."""
+        """The title of the certificate, which says if the item was simulated."""
         return f"{SIMULATED}: calibration certificate" if self.simulated else "Calibration certificate"
 
     @property
     def measured_conditions(self) -> list[Quantity]:
-        """The conditions that the calibration knows."""
+        """The conditions that the calibration file states as numbers."""
         lowest, highest = self.validity.temp_min_c, self.validity.temp_max_c
         known = [
             Quantity("Temperature of the part's own sensor, lowest", lowest, CELSIUS, decimals=2),

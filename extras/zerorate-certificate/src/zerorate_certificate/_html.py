@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def html_of(content: Content) -> str:
-    """The page of this content."""
+    """Makes the HTML page from the content."""
     environment = Environment(
         loader=PackageLoader("zerorate_certificate", "."),
         autoescape=True,

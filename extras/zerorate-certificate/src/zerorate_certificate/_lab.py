@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from datetime import date
 
 EXAMPLE = Path(__file__).with_name("lab.toml")
-"""A commented file to start from."""
+"""The example of ``lab.toml`` that ``--example-lab`` prints."""
 
 MAX_NUMBER = 80
 MAX_NAME = 240
@@ -67,7 +67,7 @@ class Item:
     manufacturer: str
     condition: str
     serial: str | None = None
-    """None if the calibration has it."""
+    """Serial number of the item; None if the calibration states it."""
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def _lab(root: Table) -> Lab:
 
 
 def _place_address(root: Table, place: str) -> str | None:
-    """The address of the place. The two addresses of the file need not be repeated."""
+    """The address of the place. It may be missing if the place is at the laboratory or the customer."""
     address = root.text_or_none("place_address")
     if address is None and place in ("laboratoryBranch", "customerBranch", "other"):
         root.missing("place_address")

@@ -55,7 +55,7 @@ CONDITION_UNITS = {
 
 
 def covariance_unit(power: int) -> Unit:
-    """The unit (°/s)²/°C to this power."""
+    """The unit (°/s)² per °C, with this power of °C."""
     digits = str(power).translate(str.maketrans("123456", "\u00b9\u00b2\u00b3\u2074\u2075\u2076"))
     kelvin = rf"\kelvin\tothe{{-{power}}}"
     return Unit(f"(°/s)²/°C{digits if power > 1 else ''}", rf"\degree\tothe{{2}}\second\tothe{{-2}}{kelvin}")

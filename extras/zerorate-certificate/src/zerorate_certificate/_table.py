@@ -97,7 +97,7 @@ class Table:
         return value
 
     def table(self, key: str) -> Table:
-        """A table below this one. If it is missing, so are all its keys."""
+        """A table below this one. If it is missing, all its keys are reported as missing."""
         self._asked.append(key)
         value = self._content.get(key, {})
         if not isinstance(value, dict):

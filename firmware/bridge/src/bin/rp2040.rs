@@ -31,10 +31,10 @@ use static_cell::StaticCell;
 
 const FIRMWARE: &str = concat!("bridge-rp2040 ", env!("CARGO_PKG_VERSION"));
 
-/// The HAL panics below 1.93 kHz.
+/// Slowest SPI clock that is set, Hz. The HAL panics below 1.93 kHz.
 const SLOWEST_SCLK_HZ: u32 = 2_000;
 
-/// The chip has no serial number. The number comes from the flash beside it, of 2 MB.
+/// Size of the flash beside the chip. The chip has no serial number, so the flash's unique number is used.
 const FLASH_BYTES: usize = 2 * 1024 * 1024;
 
 bind_interrupts!(struct Irqs {
@@ -50,7 +50,7 @@ static ABOVE_USB: InterruptExecutor = InterruptExecutor::new();
 #[embassy_executor::main]
 async fn main(main: Spawner) {
     let p = embassy_rp::init(Default::default());
-    // before anything else runs: while the number is read, no code can run from flash
+    // before anything else runs: while the serial number is read, no code can run from flash
     let serial = serial(p.FLASH);
     let cs = Output::new(p.PIN_17, Level::High);
     let mut config = spi::Config::default();
@@ -92,7 +92,7 @@ async fn shine(mut led: Output<'static>) {
     lamp::run(|lit| led.set_level(lit.into()), &LINK).await
 }
 
-/// Call it once.
+/// Returns the flash's unique number as text. Call it once.
 fn serial(flash: Peri<'static, FLASH>) -> Option<&'static str> {
     static ROOM: StaticCell<[u8; 16]> = StaticCell::new();
     let mut id = [0; 8];
@@ -100,7 +100,7 @@ fn serial(flash: Peri<'static, FLASH>) -> Option<&'static str> {
     Some(port::hex(id, ROOM.init([0; 16])))
 }
 
-/// The HAL does not report the clock that it sets, so this repeats its rule.
+/// Sets the SPI clock and returns the resulting clock, Hz. The HAL does not report it, so this repeats the HAL's rule.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let hz = hz.max(SLOWEST_SCLK_HZ);
     controller.set_frequency(hz);

@@ -64,7 +64,7 @@ async fn watch(mut rdy: Input<'static>) {
     }
 }
 
-/// Returns if no edge comes within the deadline, or if a reading fails.
+/// Reads a sample at each edge. Returns if no edge comes within the deadline, or if a reading fails.
 async fn until_it_fails(gyro: &mut Gyro, sampler: &mut Sampler, back_off: &mut BackOff) {
     let deadline = Duration::from_micros(sampler.silence_ns().div_ceil(1_000));
     let mut temp = None;

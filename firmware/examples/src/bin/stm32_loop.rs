@@ -15,7 +15,7 @@ fn main() -> ! {
     let p = embassy_stm32::init(Default::default());
     let mut config = spi::Config::default();
     config.mode = spi::MODE_3;
-    // the fastest below 10 MHz (F-21) from 16 MHz
+    // the fastest SPI clock below 10 MHz (F-21) that divides 16 MHz
     config.frequency = embassy_stm32::time::Hertz(8_000_000);
     let spi1 = Spi::new_blocking(p.SPI1, p.PA5, p.PA7, p.PA6, config);
     let cs = Output::new(p.PB6, Level::High, Speed::VeryHigh);

@@ -22,7 +22,7 @@ mod app {
 
     type Gyro = Adis16130<ExclusiveDevice<Spi<'static, Blocking, Master>, Output<'static>, Delay>, ()>;
 
-    /// The line of EXTI.
+    /// The EXTI line of RDY, which is pin PA10.
     const RDY: usize = 10;
 
     /// Length of a tick in cycles: 10 ms of the internal oscillator of 16 MHz.
@@ -60,7 +60,7 @@ mod app {
         // one transfer per command, so that both channels are read before the next edge (F-22, F-33)
         let config = Config::new().with_framing(Framing::Command);
         let rdy = Input::new(p.PA10, Pull::Up);
-        // line 10 belongs to port A since the reset
+        // EXTI line 10 is connected to port A by default
         pac::EXTI.ftsr(0).modify(|w| w.set_line(RDY, true));
         pac::EXTI.imr(0).modify(|w| w.set_line(RDY, true));
         cx.core.SYST.set_clock_source(SystClkSource::Core);

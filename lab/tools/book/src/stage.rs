@@ -43,7 +43,7 @@ pub fn fill(root: &Path, staged: &Path, commands: &str) -> Result<()> {
     Ok(fs::write(staged.join("SUMMARY.md"), summary)?)
 }
 
-/// The path in the book of a file of the repository.
+/// The path at which the book has a file of the repository.
 fn place(file: &Path) -> PathBuf {
     if let Ok(inside) = file.strip_prefix("docs") {
         let is_first = inside == Path::new("README.md");

@@ -36,25 +36,25 @@ STATED = ["part", "serial", "created", "simulated", "capture_sha256"]
 
 @dataclass(frozen=True)
 class Task:
-    """A task as it is sent to a worker: no connection, no key, no secret."""
+    """A task as it is sent to a worker. It holds no connection and no credentials."""
 
     file: _store.File
     out: str
     recipe: Recipe
     digest: str
     max_memory: int
-    """Limit of a command, bytes."""
+    """Memory limit of a command, bytes."""
     program: str
     """The version that the run expects of every worker."""
 
     @property
     def key(self) -> str:
-        """The name of the row."""
+        """The name of the row's file, without its ending."""
         return self.file.key(self.digest)
 
 
 def needed_memory(file: _store.File) -> int:
-    """An estimate from above of the memory that one file takes, bytes."""
+    """An upper estimate of the memory that the analysis of a file takes, bytes."""
     name = file.url.rsplit("/", 1)[-1].lower()
     ending = f".{name.rsplit('.', 1)[-1]}"
     return BASE_BYTES + file.size * BYTES_PER_BYTE.get(ending, BYTES_PER_UNKNOWN_BYTE)
@@ -177,7 +177,8 @@ def _verdict(path: str, task: Task) -> dict[str, Any]:
 
 
 def _take_stated(row: dict[str, Any], verdict: dict[str, Any]) -> None:
-    """Fills in the facts that a capture states, as its calibration has them. A log of other software states none."""
+    """Fills in the facts that a capture states, if no calibration gives them. A log of other software states
+    none."""
     created = "SIMULATED" if verdict.get("simulated") else verdict.get("created")
     _take(row, {**verdict, "created": created, "capture_sha256": verdict.get("samples_sha256")}, STATED)
 
@@ -221,7 +222,8 @@ def _of_axis(axis: dict[str, Any]) -> dict[str, Any]:
 
 
 def _merged(calibrated: list[dict[str, Any]], measured: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The axes of both lists. The noise of axis ``x`` of a capture is that of its column ``x_code``."""
+    """Merges both lists by the names of the axes. The noise of axis ``x`` of a capture is that of its column
+    ``x_code``."""
     by_name = {axis["name"]: axis for axis in calibrated}
     for axis in measured:
         name = axis["name"][: -len("_code")] if axis["name"].endswith("_code") else axis["name"]

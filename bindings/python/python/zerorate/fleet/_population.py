@@ -27,7 +27,7 @@ def robust_z(values: Numbers) -> Numbers:
 
 @dataclass(frozen=True)
 class Trend:
-    """A straight line through values over an order."""
+    """The slope of a straight line, fitted to values over time or over serial numbers."""
 
     slope: float
     u_slope: float
@@ -55,13 +55,13 @@ class Disagreement:
 
     serial: str
     axis: Optional[str]
-    """The axis, of a part with several."""
+    """The axis; None for a part with only one."""
     urls: tuple[str, str]
     temp_c: float
     difference_dps: float
     """Second correction minus first, at `temp_c`, °/s."""
     limit_dps: float
-    """95 % of differences are below it, if the unit did not change, °/s."""
+    """Limit below which 95 % of differences are if the unit did not change, °/s."""
 
 
 def disagreements(rows: Sequence[dict[str, Any]]) -> list[Disagreement]:

@@ -59,7 +59,7 @@ def stop() -> None:
 
 
 def resume() -> None:
-    """Commands may begin again."""
+    """Lets commands begin again after `stop`."""
     _stopping.clear()
 
 

@@ -32,7 +32,7 @@ class Recipe:
     imu: Options = None
     """Options of ``zerorate imu``, for logs with several axes."""
     timeout_s: float = 3600.0
-    """Longest time of one command."""
+    """Time limit of one command, s."""
 
     def digest(self) -> str:
         """Identifies this recipe together with this version of the program."""

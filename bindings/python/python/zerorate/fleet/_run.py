@@ -48,7 +48,7 @@ class Ended:
     seconds: float = 0.0
 
     def count(self, state: str, more: int = 1) -> None:
-        """Counts rows."""
+        """Adds rows to the count of a state."""
         self.states[state] = self.states.get(state, 0) + more
 
 

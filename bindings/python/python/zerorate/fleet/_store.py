@@ -85,7 +85,7 @@ def _followed(filesystem: Any, info: dict[str, Any]) -> dict[str, Any]:
 
 
 def inside(url: str) -> str:
-    """The beginning of the addresses of all files in a folder."""
+    """The prefix that the addresses of all files in a folder have."""
     filesystem, path = opened(url)
     return f"{path if is_local(filesystem) else filesystem.unstrip_protocol(path)}/"
 
@@ -114,7 +114,7 @@ def _modified(info: dict[str, Any]) -> str:
 
 
 def fetch(file: File, folder: str) -> str:
-    """The path of a local copy in `folder`; of a local file, its own."""
+    """Copies the file into `folder` and returns the path of the copy. A local file is not copied."""
     filesystem, path = opened(file.url)
     if is_local(filesystem):
         return path

@@ -18,7 +18,7 @@ from ._row import SCHEMA
 
 TABLE = "rows.parquet"
 PARTS = "parts"
-# Number of separate row files from which on they are packed: listing a million takes a thousand requests.
+# Row files are packed into Parquet parts if there are so many of them: listing a million takes a thousand requests.
 PACK_FROM = 10_000
 ROWS_IN_PART = 20_000
 
@@ -30,7 +30,8 @@ class Counts:
     rows: int = 0
     states: dict[str, int] = field(default_factory=dict)
     reasons: list[tuple[str, str, int, str, str]] = field(default_factory=list)
-    """State, code, count, and address and text of an example, of all rows that are not ``ok``; most frequent first."""
+    """Each reason why rows are not ``ok``, the most frequent first: state, code, count, and the address and error text
+    of an example."""
 
 
 def table(out: str, *, pack_from: int = PACK_FROM) -> Counts:

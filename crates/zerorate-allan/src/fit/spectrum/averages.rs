@@ -67,7 +67,6 @@ fn gaps(values: &[f64]) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// A line through two points.
 struct Line {
     from: (f64, f64),
     to: (f64, f64),

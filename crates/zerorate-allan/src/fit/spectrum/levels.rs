@@ -14,7 +14,7 @@ use core::f64::consts::PI;
 use realfft::num_complex::Complex64;
 use realfft::{FftError, RealFftPlanner};
 
-/// Number of response frequencies per frequency of a mean.
+/// The response of a mean of n samples is computed at multiples of the sample rate divided by this times n.
 const FINENESS: usize = 4;
 /// Largest number of samples whose gaps are examined.
 const LOOKED_AT: usize = 1 << 20;

@@ -231,7 +231,8 @@ impl Level<'_> {
         let density = |power: &[f64]| -> Vec<f64> { power[1..].iter().map(|power| power / self.rate_hz()).collect() };
         let (raw, fair) = (density(&power.raw), density(&power.fair));
         let mut bins = with_power(edges((length / USED_FROM).max(FIRST), end, widest), &raw);
-        // the taper correlates frequencies, and the overlap segments: in each segment a frequency counts once
+        // The taper correlates adjacent frequencies, and the overlap adjacent segments. So a frequency of a segment
+        // counts as one degree of freedom instead of two.
         let freedom = |width: usize| width as f64 * power.count * self.present;
         bins.iter_mut().for_each(|bin| bin.freedom = freedom(bin.end - bin.first));
         let narrow = take_out_narrow(&raw, &mut bins, hz, freedom);

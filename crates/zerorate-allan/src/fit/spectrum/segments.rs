@@ -26,7 +26,7 @@ const WANDER: usize = 512;
 
 /// The power of a level at frequencies 0, 1 … of its segments.
 pub(super) struct Power {
-    /// The mean squares, divided by the share of power that gaps leave at its frequency.
+    /// The mean squares, divided by the share of the power that gaps do not spread to other frequencies.
     pub(super) raw: Vec<f64>,
     /// The mean squares without the power that gaps add: unbiased for noise of any colour.
     pub(super) fair: Vec<f64>,
@@ -119,7 +119,7 @@ pub(super) fn masked(values: &[f64], length: usize) -> Result<Power, FftError> {
     })
 }
 
-/// The values less a line through the means of every `block` values, and 0 for a missing value.
+/// The values less straight lines that join the means of every `block` values. A missing value becomes 0.
 fn without_wander(values: &[f64], block: usize) -> Vec<f64> {
     let mut means: Vec<f64> = values
         .chunks(block)

@@ -76,7 +76,7 @@ fn white_noise_behind_a_filter_is_not_rejected() {
     assert!(inside * 10 >= all * 9, "{inside} of {all}");
 }
 
-/// Noise correlated over three samples, of which a quarter is lost one by one and in bursts.
+/// The noise is correlated over three samples. A quarter of the samples is lost, one by one or in bursts.
 #[test]
 fn gaps_of_any_length_leave_n_alone() {
     let mut inside = 0;
@@ -104,7 +104,8 @@ fn lose_a_quarter(x: &mut [f64], burst: usize, seed: u64) {
     }
 }
 
-/// A record longer than one transform: every bin has the density, and random walk does not leak into the segments.
+/// The record is longer than one transform. In each octave the mean power is the density times the response, so the
+/// random walk does not leak into the segments.
 #[test]
 fn a_long_record_has_the_same_spectrum() {
     let truth = Truth { n: 0.01, k: 2e-3, ..Truth::default() };
@@ -224,7 +225,8 @@ fn a_slow_low_pass_of_the_second_order_leaves_n() {
     assert!(inside >= 4, "{inside} of 6");
 }
 
-/// Adjacent samples behind a filter, or of correlated noise, differ little. One sample is not enough for the bias yet.
+/// Adjacent samples behind a filter, or of correlated noise, differ little. Even so, the advice for the bias must not
+/// be an average of one sample.
 #[test]
 fn a_filter_does_not_shorten_the_average_for_the_bias() {
     let averaging_s = |rate: &[f64]| match advice(&of(rate)).unwrap().averaging {
@@ -311,7 +313,8 @@ fn noise_correlated_over_few_samples_gives_both_n() {
     }
 }
 
-/// Above the upper end the spectrum is measured, and lower than the flicker that the model may have by chance.
+/// Above the upper end of the model, the measured density may be lower than that of flicker which the fit finds by
+/// chance. The model must hold all the same.
 #[test]
 fn a_steep_filter_above_slow_noise_is_not_rejected() {
     let slow = Truth { k: 1e-3, ..Truth::default() };
@@ -323,8 +326,8 @@ fn a_steep_filter_above_slow_noise_is_not_rejected() {
     }
 }
 
-/// The resonance is masked as a line, and a shape that ended in it would be free there: one record of four was
-/// rejected.
+/// The resonance is masked as a line. No bin constrains a shape that ends inside the mask, and one of four records was
+/// rejected for this reason.
 #[test]
 fn a_resonant_low_pass_is_not_rejected() {
     for (q, seed) in [2.0, 5.0].into_iter().flat_map(|q| (860..863).map(move |seed| (q, seed))) {

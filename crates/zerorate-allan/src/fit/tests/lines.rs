@@ -1,4 +1,4 @@
-//! Lines, by sines of known power, and the check of the model's curve.
+//! Tests spectral lines with sines of known power, and the comparison of the measured curve with the model.
 
 use super::*;
 use crate::Cause;
@@ -123,7 +123,7 @@ fn an_impractical_length_is_not_advised() {
     assert!(endless.contains("in any practical record") && !endless.contains("602803200"), "{endless}");
 }
 
-/// 300 samples do not show the band of a sensor. N is 10 % off, with an interval of half that.
+/// 300 samples do not show the filter of a sensor. N is then 10 % off, although its interval is only ±5 %.
 #[test]
 fn a_short_record_has_a_warning() {
     let white = Truth { n: 0.01, ..Truth::default() };

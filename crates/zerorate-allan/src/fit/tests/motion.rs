@@ -16,7 +16,8 @@ fn axes_that_jump_together_are_motion() {
     assert_eq!(found.kind, MotionKind::Jump);
 }
 
-/// A knock that two axes feel, and bit errors of their own. Bit errors on all axes fall together by chance.
+/// Two axes have a knock in common and a bit error each. Many bit errors on both axes coincide by chance, which is not
+/// motion.
 #[test]
 fn glitches_that_fall_together_are_a_knock() {
     let with_glitches = |at: &[usize], seed| {

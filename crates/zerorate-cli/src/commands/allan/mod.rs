@@ -1,4 +1,4 @@
-//! `zerorate allan`: the Allan deviation of a rate at rest over the averaging time.
+//! `zerorate allan`: the Allan deviation of a sensor at rest over the averaging time.
 
 mod imu_yaml;
 mod pool;
@@ -218,7 +218,8 @@ fn records(args: &AllanArgs) -> Result<Vec<Record>> {
     Ok(each.into_iter().flatten().collect())
 }
 
-/// The warnings about the records. A single record has each of them in full; several have one line for each code.
+/// The warnings about the records. A single record has each warning in full. With several records or a list of
+/// columns, warnings with the same code share a line.
 fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     match records {
         [only] if !args.column.is_list() => warnings::of_motion(records).into_iter().chain(only.warnings()).collect(),

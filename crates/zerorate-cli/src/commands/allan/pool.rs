@@ -46,7 +46,7 @@ impl PoolReport {
     pub fn new(report: AllanReport, pool: &Pool) -> Self {
         let of = |spread: &allan::Spread| {
             let &allan::Spread { records, relative, least, largest, .. } = spread;
-            // the last letter of the name is the coefficient
+            // the name ends with the letter of the coefficient, as in `angle random walk N`
             let letter = spread.noise.name().chars().last().unwrap_or_default();
             (letter.to_ascii_lowercase(), Spread { records, relative, least, largest })
         };

@@ -1,4 +1,4 @@
-//! Formats the results as text and as CSV.
+//! Formats deviations and noise coefficients as text, and deviations as CSV.
 
 use anyhow::Result;
 use std::fmt::Write;
@@ -7,7 +7,7 @@ use zerorate_imu::{AllanReport, DetrendReport, PointReport};
 use zerorate_view::noise::{self, TermRow, term_rows};
 use zerorate_view::plot::number;
 
-/// Formats the line above the table.
+/// Formats the line above the table: the file, the length and rate of the record, the statistic and the confidence.
 pub fn heading(report: &AllanReport) -> String {
     format!(
         "{}: {} samples at {:.6} Hz, {}, {}",

@@ -1,4 +1,5 @@
-//! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a part or on its recording.
+//! `zerorate calibrate` and `recalibrate`: the procedure of AN-1042 (F-51) or another method, on a part or on its
+//! recording.
 
 mod deliver;
 mod forecast;

@@ -1,4 +1,4 @@
-//! Options for the durations and limits of F-51. The core defines the defaults.
+//! Options for the method, the durations and the limits of a calibration. The core defines most defaults.
 
 use crate::commands::earth::EarthArgs;
 use clap::{Args, ValueEnum};
@@ -67,7 +67,7 @@ enum MethodArg {
     Cycle,
 }
 
-/// A line with the durations of the procedure, so that the user notices a wrong unit. `None` for other methods.
+/// A line with the durations of AN-1042's steps, so that the user notices a wrong unit. `None` for the other methods.
 pub fn durations(plan: &Plan) -> Option<String> {
     let [average, warmup, settle, offset] = [plan.average_s, plan.warmup_s, plan.settle_s, plan.offset_s].map(Seconds);
     (plan.method == Method::An1042).then(|| {
@@ -77,7 +77,8 @@ pub fn durations(plan: &Plan) -> Option<String> {
 }
 
 impl PlanArgs {
-    /// The plan for the core. On a recording, a method without steps uses all of it.
+    /// The plan of the measurement. On a recording, the methods `warmup` and `cycle` use all of it unless `--settle`
+    /// is given.
     pub fn plan(&self, recorded: bool) -> Plan {
         let method = match self.method {
             MethodArg::An1042 => Method::An1042,

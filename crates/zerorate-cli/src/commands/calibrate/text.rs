@@ -25,7 +25,7 @@ pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str
     text + "\n" + &what_next(file, serial)
 }
 
-/// All warnings. A warning about one axis starts with its name.
+/// The warnings about the measurement, then those about one of several axes, which start with the name of the axis.
 pub fn warnings(report: &CalibrationReport) -> Vec<String> {
     let own = report.axes.iter().flat_map(|axis| axis.warnings.iter().map(|one| format!("axis {}: {one}", axis.name)));
     report.warnings.iter().map(ToString::to_string).chain(own).collect()
@@ -93,7 +93,7 @@ fn found(numbers: &AxisNumbers, factor: f64) -> String {
         .unwrap_or_default()
 }
 
-/// Formats the averages of steps 4 and 6; `None` with another method.
+/// Formats the averages of steps 4 and 6 of AN-1042; `None` for the other methods.
 fn means(numbers: &AxisNumbers) -> Option<String> {
     let (b1_dps, t1_c, b2_dps, t2_c) = (numbers.b1_dps?, numbers.t1_c?, numbers.b2_dps?, numbers.t2_c?);
     Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
@@ -175,7 +175,8 @@ mod tests {
         CalibrationReport::new(outcomes, &calibration, &[], zerorate::Setting::name)
     }
 
-    /// Several axes are in a list, each with its warnings. A single axis is at the top level, as in earlier versions.
+    /// The JSON lists several axes, each with its warnings. The numbers of a single axis are at the top level, as in
+    /// earlier versions.
     #[test]
     fn axes_are_listed_where_there_are_several() {
         let two = [outcome(-0.5, Warning::Restless), outcome(0.25, Warning::RestUnjudged)];

@@ -210,7 +210,7 @@ fn limits(args: &ChamberArgs) -> Result<()> {
 
 /// Prepares the measurement. The chamber is started first, so that no hour is spent if it does not respond.
 fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: PlanFile, files: Files) -> Result<Job> {
-    // from here on Ctrl-C only requests a stop, since the chamber must be set to its safe temperature
+    // now the first Ctrl-C only requests a stop, since the chamber must be set to its safe temperature
     interrupt::listen();
     let is_simulated = args.device.device.is_simulated();
     let (safe_c, stop) = (plan.plan.safe_c, interrupt::stop());
@@ -229,7 +229,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     prepare(acquisition, (control, writer), plan, files, options).map_err(worded)
 }
 
-/// Adds advice on how to start anew.
+/// Adds advice to the error about finished steps beside the output that cannot be used.
 fn worded(error: Error) -> Error {
     match error.downcast::<UnusableSteps>() {
         Ok(unusable) => Usage(format!("{unusable}; take another -o, or --restart to begin anew")).into(),

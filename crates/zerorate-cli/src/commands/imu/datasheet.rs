@@ -42,7 +42,6 @@ pub fn table(report: &ImuReport) -> Option<Table> {
     })
 }
 
-/// The heads of the table's columns.
 const HEAD: [&str; 5] = ["figure", "data sheet", "axis", "measured [95 % interval]", "verdict"];
 
 fn row(axis: &str, line: &LineReport) -> Vec<String> {
@@ -62,7 +61,8 @@ fn found(line: &LineReport) -> String {
     }
 }
 
-/// Formats the verdict, with the ratio if it is meaningful.
+/// Formats the verdict. `better` and `worse` are followed by the ratio of the measured value to the data sheet's, if
+/// the measured interval lies above zero.
 fn judged(line: &LineReport) -> String {
     let measured = line.measured.filter(|_| line.measured_lo.is_some_and(|lo| lo > 0.0));
     match measured.filter(|_| matches!(line.verdict, "better" | "worse")) {

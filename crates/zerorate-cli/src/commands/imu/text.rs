@@ -1,4 +1,4 @@
-//! Formats the result as text.
+//! Formats the noise coefficients of all axes as text.
 
 use anyhow::Result;
 use std::fmt::Write;

@@ -1,4 +1,4 @@
-//! Time limits, shortened for the tests. tests/serve/safety.rs tests the rest from outside.
+//! Tests of the time limits, which are shortened. tests/serve/safety.rs tests the other limits from outside.
 
 use super::*;
 use crate::serve::session_thread::{BEHIND, SessionRequest, Subscription};

@@ -65,7 +65,7 @@ fn a_bag_is_tables_and_no_program() {
 fn the_parent_reports_a_crash_of_the_reader() {
     let bench = Bench::new();
     let depth = 200_000u32;
-    // FileMetaData of docs/…/parquet.thrift in the compact protocol: version 1, then the list of the schema's elements
+    // FileMetaData of Parquet in Thrift's compact protocol: version 1, then the list of the schema's elements
     let mut footer = vec![0x15, 0x02, 0x19, 0xFC];
     let mut size = depth + 1;
     while size > 0x7F {
@@ -77,7 +77,7 @@ fn the_parent_reports_a_crash_of_the_reader() {
     footer.extend([0x35, 0x00, 0x18, 0x01, b'a', 0x15, 0x02, 0x00].repeat(depth as usize));
     // type: INT32, repetition: required, name: x
     footer.extend([0x15, 0x02, 0x25, 0x00, 0x18, 0x01, b'x', 0x00]);
-    // no rows in no groups
+    // number of rows: 0, row groups: none
     footer.extend([0x16, 0x00, 0x19, 0x0C, 0x00]);
     let length = (footer.len() as u32).to_le_bytes();
     let nested = [b"PAR1", footer.as_slice(), &length, b"PAR1"].concat();

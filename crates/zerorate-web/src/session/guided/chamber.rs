@@ -33,8 +33,8 @@ impl ByHand {
         Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps })
     }
 
-    /// The end of a step that starts at `from_s`, s. For a finished step it is the real end; otherwise the end of
-    /// its minimum duration, but not before now for the running step.
+    /// The end of a step that starts at `from_s`, s. A finished step has its real end. Any other step ends after its
+    /// minimum duration, and the running step not before now.
     fn end_s(&self, step: usize, from_s: f64) -> f64 {
         let (plan, part) = (self.procedure.plan(), self.procedure.part());
         let least_s = plan.least_s(step, part) - plan.least_s(step + 1, part);

@@ -1,4 +1,4 @@
-//! The methods with a single recording: the hour of AN-1042, a warm-up, a cycle.
+//! The methods without a chamber: the procedure of AN-1042, a warm-up, and a temperature cycle.
 
 use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, Stage, label};
 use crate::message::{CalibrateCommand, Forecast, MethodName, Step};

@@ -18,7 +18,7 @@ use zerorate_allan::SettingName;
 use zerorate_record::{CaptureInfo, Row, SampleHash};
 use zerorate_view::remarks_apart;
 
-/// Time between two checks of pending refusals, s of the part's time.
+/// Shortest time between two checks of pending refusals, s of the part's time.
 const LOOK_EVERY_S: f64 = 2.0;
 /// Number of points of the reported curve.
 const POINTS: u8 = 9;
@@ -87,7 +87,7 @@ impl GuidedCalibration {
         if let Some(deg) = command.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
             return Err(format!("the latitude is {deg}°: give a number from -90 to 90"));
         }
-        // for a vertical axis (F-16); a recording may state the component for any axis
+        // the latitude gives the component along a vertical axis (F-16); a recording may state it for any axis
         let earth_dps = command.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin()).or(info.earth_dps);
         let procedure: Box<dyn GuidedMethod> = match command.method {
             MethodName::Chamber => Box::new(ByHand::new(command, part, earth_dps)?),

@@ -99,7 +99,7 @@ async fn next_event(shared: &SharedWire, within: Duration, counts: impl Fn(Event
     .await
 }
 
-/// The SPI bus behind the bridge. Each SPI transaction is one transfer.
+/// The SPI bus behind the bridge. Each operation with bytes is one request to the bridge.
 pub struct Transfers(pub SharedWire);
 
 impl ErrorType for Transfers {

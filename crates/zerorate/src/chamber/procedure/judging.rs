@@ -20,7 +20,7 @@ const REACH_S: f64 = 5400.0;
 const AVERAGE_MOVES_C: f64 = 1.0;
 /// Number of times that the average of a soak point may be repeated.
 const MAX_DISTURBED: u32 = 3;
-/// Seconds over which rest is judged while the temperature changes.
+/// Number of seconds after which rest is judged, except during an average.
 const REST_S: usize = 100;
 /// Least and greatest difference between the part's reading and the air, °C, by self-heating and the error of its
 /// sensor (M-03 with room for other parts).
@@ -93,7 +93,7 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Checks whether the present state is over, disturbed or impossible.
+    /// Checks whether the present state is over or disturbed, or the measurement must end.
     fn look(&mut self) -> Result<(), ChamberRefusal> {
         if let Some(frozen) = self.axes.iter().find_map(|axis| axis.health.frozen()) {
             let since_ns = frozen.since_ns.saturating_sub(self.started_ns);

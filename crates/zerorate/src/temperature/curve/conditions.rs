@@ -1,5 +1,6 @@
 //! Chooses the unknown conditions of a record by their evidence, before the search for models: whether the sensor was
-//! on before the logs, the noise and the lag of the thermometer, and the width in which a hysteresis turns.
+//! on before the logs, the noise and the lag of the thermometer, and the change of temperature over which a hysteresis
+//! passes from one branch to the other.
 
 use super::LogMeans;
 use super::evidence::{Model, Record, TURNS};
@@ -12,9 +13,9 @@ const REACHES: [usize; 4] = [3, 10, 30, 100];
 const NOISY: f64 = 0.1;
 /// Lags of the thermometer behind the sensor that are tried, s.
 const LATE_S: [f64; 4] = [5.0, 10.0, 20.0, 40.0];
-/// Gain of the log evidence that a lag of the thermometer needs. It is rarer than one of the bias.
+/// Gain of the log evidence that a lag of the thermometer needs. Such a lag is rarer than a lag of the bias.
 const FROM_LATE: f64 = 6.0;
-/// Gain of the log evidence that an unusual width of the turn needs ([`TURNS`]).
+/// Gain of the log evidence that an unusual value of [`TURNS`] needs.
 const FROM_TURNS: f64 = 3.0;
 /// A record whose log evidence is lower than the best one by this much, under the same noise, is not searched.
 const FAR: f64 = 20.0;
@@ -32,7 +33,7 @@ pub(super) fn best(logs: &[LogMeans]) -> Option<Explained> {
         let turns = TURNS[1..].iter().map(|turns| best.0.turning_within(*turns)).collect();
         best = better(turns, best, FROM_TURNS);
     }
-    // a thermometer that lags, and a bias that does, smooth alike
+    // a lag of the thermometer is tried only if the bias seems to lag, because the two look alike
     if best.1.following.lag_s > 0.0 {
         let turns = best.0.turns;
         let late = late_thermometers(logs, &best.0).into_iter().flat_map(|logs| Record::new(logs).starts());
@@ -69,7 +70,7 @@ fn smoothings(logs: &[LogMeans]) -> Vec<Vec<LogMeans>> {
     [logs.to_vec()].into_iter().chain(reaches.iter().map(smoothed)).collect()
 }
 
-/// The logs as those of a thermometer that lags the sensor, smoothed as in the record.
+/// The logs for each lag of the thermometer that is tried, smoothed over the same time as in the record.
 fn late_thermometers(logs: &[LogMeans], record: &Record) -> Vec<Vec<LogMeans>> {
     let reach = |log: &LogMeans| (log.thermometer().smoothed_s / log.block_s() / 2.0) as usize;
     let reach = record.logs.iter().map(reach).max().unwrap_or(0).max(REACHES[0]);

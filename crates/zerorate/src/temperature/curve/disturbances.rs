@@ -1,11 +1,11 @@
-//! Finds steps and outliers among the means, in the whitened record after the curve.
+//! Finds steps and outliers in the whitened residuals of the curve.
 
 use super::evidence::{Model, Record, StepAt};
 use super::search;
 use crate::temperature::gls;
 use alloc::vec::Vec;
 
-/// Gain in χ² from which a step or an outlier is accepted. By chance, one record in a thousand has one.
+/// Gain in χ² from which a step or an outlier is accepted. By chance, fewer than one record in a thousand has one.
 const GAIN: f64 = 30.0;
 /// Largest number of steps in all logs together.
 const MOST_STEPS: usize = 8;
@@ -76,7 +76,7 @@ fn strongest(record: &Record, model: &Model) -> Option<Disturbance> {
             let shapes: Vec<Vec<f64>> = some.iter().flat_map(|at| shapes(*at, left.len())).collect();
             let gains: Vec<f64> = filter.whiten_all(&shapes).iter().map(gain).collect();
             for (at, pair) in some.iter().zip(gains.chunks_exact(2)) {
-                // a step at the very beginning is the level, and codes without noise step by themselves
+                // no step is looked for near the ends, or among codes without noise, which step by themselves
                 let is_rounded = record.logs[log].rounding() > 0.0;
                 let is_inner = *at >= NEAR_END && at + NEAR_END < left.len() && !is_rounded;
                 let (glitch, step) = (pair[0], if is_inner { pair[1] } else { 0.0 });

@@ -27,10 +27,10 @@ pub(super) struct Record {
     was_on: bool,
     /// Logarithm of the prior probability of `was_on`.
     log_start: f64,
-    /// Whether no lag is tried, because the best one would be longer than any that boards have.
+    /// Whether no lag is tried, because the best one is so long that it stands for another effect.
     pub(super) without_lag: bool,
-    /// Share of the temperature span in which the direction of the temperature turns the bias from one branch to the
-    /// other.
+    /// Share of the temperature span over which the bias passes from one branch of the hysteresis to the other after
+    /// the temperature has reversed.
     pub(super) turns: f64,
 }
 
@@ -90,13 +90,13 @@ pub(super) struct Products {
     log_determinant: f64,
 }
 
-/// Sizes of the first order that are tried, as ratios of the scale.
+/// Prior standard deviations of the first order that are tried, as ratios of the scale.
 const SIZES: [f64; 3] = [0.3, 1.0, 3.0];
-/// Ratios of one order to the one before that are tried.
+/// Ratios of the standard deviation of each order to that of the order before that are tried.
 const SHRINKS: [f64; 2] = [0.15, 0.35];
-/// Offsets by the direction of the temperature that are tried, as ratios of the scale.
+/// Prior standard deviations of the offset by the direction of the temperature that are tried, as ratios of the scale.
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
-/// Offsets of the logs that are tried, as ratios of the scale.
+/// Prior standard deviations of the offsets of the logs that are tried, as ratios of the scale.
 const STARTS: [f64; 9] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1, 0.3, 1.0];
 /// Prior probability that a sensor that lags begins out of balance.
 const UNSETTLED: f64 = 0.02;
@@ -105,12 +105,12 @@ const WAS_ON: f64 = 0.1;
 /// Lag from which longer ones become unlikely, s. If the sensor was on before, the start of a log does not show
 /// the lag, and in still air the rest of the log shows little of it.
 const USUAL_LAG_S: f64 = 80.0;
-/// Prior standard deviation of the missing bias at the start of a log whose sensor lags and was on before, as a
-/// ratio of its expected size.
+/// If a sensor lags and was on before the log, its bias is behind at the start. Its distance is uncertain by this
+/// share of the expected one (1 σ of the prior).
 const BEHIND: f64 = 0.3;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
-/// Shares of the span within which the direction of the temperature may turn the bias, the usual one first.
+/// Values of [`Record::turns`] that are tried, the usual one first.
 pub(super) const TURNS: [f64; 5] = [0.05, 0.02, 0.1, 0.2, 0.3];
 /// Least white noise of a mean, as a ratio of the scale.
 const LEAST_WHITE: f64 = 1e-6;
@@ -166,7 +166,7 @@ impl Record {
         Self { logs, steps: self.steps.clone(), ..*self }
     }
 
-    /// The same record with another width of the turn between both directions.
+    /// The same record with another value of [`Record::turns`].
     pub(super) fn turning_within(&self, turns: f64) -> Self {
         Self { logs: self.logs.clone(), steps: self.steps.clone(), turns, ..*self }
     }
@@ -183,7 +183,7 @@ impl Record {
         ((self.white() / libm::sqrt(2.0 * block_s)).max(LEAST_WHITE * self.scale), length_s)
     }
 
-    /// Makes the filters of the logs for a noise.
+    /// Makes the filter of each log for noise of this strength.
     pub(super) fn filters(&self, noise: &SlowNoise) -> Vec<Filter> {
         self.logs.iter().map(|log| self.filter(noise, log)).collect()
     }
@@ -251,7 +251,7 @@ impl Record {
         sums
     }
 
-    /// The shapes that are tried.
+    /// The prior spreads that are tried.
     pub(super) fn shapes(&self) -> Vec<PriorSpreads> {
         let directions = if self.two_directions { &DIRECTIONS[..] } else { &DIRECTIONS[..1] };
         let starts = if self.logs.len() > 1 { &STARTS[..] } else { &STARTS[..1] };
@@ -268,7 +268,8 @@ impl Record {
         shapes
     }
 
-    /// Logarithm of the prior of a shape and of the lag of `following`. `None` if the shape equals another one.
+    /// Logarithm of the prior probability of these spreads and of the lag of `following`. `None` for unsettled spreads
+    /// without a lag, which equal the settled ones.
     pub(super) fn log_prior(&self, shape: &PriorSpreads, following: &LagAndPlay) -> Option<f64> {
         let of_shape = match (following.lag_s > 0.0, shape.is_unsettled) {
             (false, false) => 0.0,
@@ -281,7 +282,7 @@ impl Record {
         Some(self.log_start + of_shape + of_lag)
     }
 
-    /// Expected size of the bias that is out of balance at the start of a log.
+    /// Expected size of the part of the bias that still lags behind at the start of a log.
     fn transient(&self, log: &LogMeans, following: &LagAndPlay) -> f64 {
         let (low_c, high_c) = self.series.span_c();
         self.scale / (high_c - low_c) * log.start_c_per_s().abs() * following.lag_s
@@ -330,7 +331,7 @@ impl Record {
         log_evidence.is_finite().then_some(Solved { coefficients, log_evidence, information, used })
     }
 
-    /// Computes the coefficients under the prior of a shape.
+    /// Computes the coefficients under these prior spreads.
     pub(super) fn solve_shape(&self, products: &Products, shape: &PriorSpreads) -> Option<Solved> {
         self.solve(products, &self.variances(shape))
     }
@@ -345,7 +346,6 @@ impl Record {
         Some(self.solve(products, &variances)?.log_evidence)
     }
 
-    /// Makes the model of a solution.
     pub(super) fn model(
         &self,
         solved: &Solved,

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 const COMMON: f64 = 0.9;
 /// Exponent of the likelihoods of other axes. They are too sharp, because they hold for the best noise alone.
 const TRUST: f64 = 0.5;
-/// Lowest log likelihood relative to the best lag.
+/// Lower limit of the log likelihoods, relative to that of the best lag.
 const FLOOR: f64 = -30.0;
 /// Number of lags, evenly spaced in logarithm, at which priors are computed.
 const PLACES: usize = 200;
@@ -41,11 +41,12 @@ impl LagLikelihood {
     }
 }
 
-/// The prior of a lag: half of it on 0, half evenly over the logarithm, and the factor of the other axes.
+/// The prior of a lag: half of the probability is on 0, and half is even over the logarithm of the lag. The other axes
+/// contribute a factor.
 #[derive(Clone, Debug)]
 pub(super) struct LagPrior<'a> {
     others: &'a [&'a LagLikelihood],
-    /// Logarithm of the mean likelihood of the others under the prior without them.
+    /// Logarithm of the likelihood of the other axes, averaged over the prior without them.
     log_mean: f64,
 }
 

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 /// Number of parts of a block, which show the temperature within it and the white noise.
 const PARTS: usize = 8;
-/// Number of blocks of a long log.
+/// Number of blocks of a log that is long enough for blocks of [`SHORTEST_S`].
 const BLOCKS: f64 = 900.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 1.0;
@@ -103,8 +103,8 @@ impl MeansBuilder {
         }
     }
 
-    /// Says whether the sensor was on before the log began, if that is known. A bias that lags is then behind from
-    /// the start. Otherwise it begins in balance.
+    /// Says whether the sensor was on before the log began, if that is known. If it was on, a bias that lags is behind
+    /// from the start. Otherwise the bias begins in balance.
     #[must_use]
     pub fn was_on(self, was_on: Option<bool>) -> Self {
         Self { was_on, ..self }
@@ -263,7 +263,8 @@ pub(super) fn slope_per_c<'a>(blocks: impl Iterator<Item = &'a Block> + Clone) -
     if square > 0.0 { product / square } else { 0.0 }
 }
 
-/// Value and slope of a parabola through `reach` values to either side of each value, and at the ends through as many.
+/// Fits a parabola to each value and the `reach` values to either side, and returns its value and slope there. Near
+/// the ends, the same number of values is used.
 fn local_parabolas(values: &[f64], reach: usize) -> Vec<[f64; 2]> {
     let width = (2 * reach + 1).min(values.len());
     let smoothed = |at: usize| {
@@ -310,7 +311,7 @@ impl LogMeans {
         if self.seen == 0 { 0.0 } else { 1.0 - self.blocks.len() as f64 / self.seen as f64 }
     }
 
-    /// Facts about the thermometer.
+    /// How coarse the thermometer is, how long it stuck, and how its readings were smoothed.
     #[must_use]
     pub fn thermometer(&self) -> Thermometer {
         self.thermometer
@@ -327,9 +328,9 @@ impl LogMeans {
         libm::hypot(self.white, slope_per_c * self.temps_white)
     }
 
-    /// The same means with the temperature smoothed by a local parabola over `reach` blocks to either side, and of a
-    /// thermometer that lags the sensor by `late_s`. Without smoothing, a lag would be found where there is none,
-    /// because a lag averages the noise of the thermometer.
+    /// The same means with the temperature smoothed by a local parabola over `reach` blocks to either side. It is also
+    /// corrected for a thermometer that lags the sensor by `late_s`. Without smoothing, a lag would be found where
+    /// there is none, because a lag averages the noise of the thermometer.
     #[must_use]
     pub(super) fn smoothed(&self, reach: usize, late_s: f64) -> Self {
         let parabolas = local_parabolas(&self.block_temps_c(), reach);
@@ -373,7 +374,6 @@ impl LogMeans {
         self.length_s
     }
 
-    /// Removes a block.
     pub(super) fn remove(&mut self, at: usize) {
         self.blocks.remove(at);
         self.indices.remove(at);
@@ -430,8 +430,8 @@ impl LogMeans {
         self.was_on.unwrap_or(unknown)
     }
 
-    /// Whether it is not known if the sensor was on before the log began, and this matters, because the temperature
-    /// changes from the start. False for a coarse thermometer, which does not show how the temperature starts.
+    /// Whether the log leaves open if the sensor was on before, and this matters because the temperature changes from
+    /// the start. False for a coarse thermometer, which does not show how the temperature starts.
     pub(super) fn may_have_been_on(&self) -> bool {
         let ends = |(low, high): (f64, f64), c: &f64| (low.min(*c), high.max(*c));
         let (low_c, high_c) = self.parts_c.iter().fold((f64::MAX, f64::MIN), ends);

@@ -138,13 +138,15 @@ impl LogCurve {
         gls::dot(&self.series.at(temp_c), &self.coefficients)
     }
 
-    /// Standard uncertainty of the bias at a temperature, °C. It includes hysteresis and the spread of starts.
+    /// Standard uncertainty of the bias at a temperature, °C. It includes hysteresis, the spread from log to log, and
+    /// rounding to codes.
     #[must_use]
     pub fn u_at(&self, temp_c: f64) -> f64 {
         libm::sqrt(self.variance(&self.series.at(temp_c)) + self.level_variance())
     }
 
-    /// Variance of the level by hysteresis (uniform between both directions), by the spread of starts and by rounding.
+    /// Variance of the level by hysteresis (uniform between both directions), by the spread from log to log and by
+    /// rounding.
     fn level_variance(&self) -> f64 {
         let [hysteresis, spread] = [self.hysteresis, self.spread_of_starts].map(|value| value.unwrap_or(0.0));
         hysteresis * hysteresis / 3.0 + spread * spread + self.rounding * self.rounding
@@ -183,8 +185,9 @@ impl LogCurve {
         variance.max(0.0)
     }
 
-    /// Returns the polynomial of order 3 about a temperature that fits the curve best, by least squares over its
-    /// span. Its covariance includes hysteresis, the spread of starts and the difference from the curve.
+    /// Returns the polynomial of order 3 about a temperature that fits the curve best, by least squares over its span.
+    /// Its covariance includes hysteresis, the spread from log to log, rounding to codes, and the difference from the
+    /// curve.
     #[must_use]
     pub fn cubic(&self, about_c: f64) -> Cubic {
         let half_c = (self.span_c().1 - self.span_c().0) / 2.0;
@@ -276,7 +279,8 @@ impl AxisRecord {
     }
 }
 
-/// Whether the logs cover a part of their temperatures both while the sensor warms and while it cools.
+/// Whether the logs cover more than the share [`SHARED`] of their temperatures both while the sensor warms and while
+/// it cools.
 fn has_two_directions(logs: &[LogMeans]) -> bool {
     let temps = logs.iter().flat_map(|log| log.blocks().iter().map(|block| block.temp_c));
     let (low_c, high_c) = temps.fold((f64::MAX, f64::MIN), |(low, high): (f64, f64), c| (low.min(c), high.max(c)));

@@ -21,7 +21,7 @@ const B_STEPS: (i32, i32) = (-4, 12);
 const K_STEPS: (i32, i32) = (-4, 16);
 /// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 3.0;
-/// Longest lag that is tried: in s, and as a share of the longest log.
+/// Longest lag that is tried: the smaller of a time, s, and a share of the longest log.
 const LONGEST_LAG: (f64, f64) = (600.0, 1.0 / 6.0);
 /// Smallest play that is tried, °C.
 const LEAST_PLAY_C: f64 = 0.05;
@@ -41,13 +41,13 @@ const ROUNDS: usize = 2;
 /// A point in the lattice of noises: the steps of B and of K.
 type Place = (i32, i32);
 
-/// The result of the search.
+/// The lags, plays and noises to which the search has come.
 struct Refined {
     lags: Vec<f64>,
     plays: Vec<f64>,
     /// The noises that matter, the best first.
     places: Vec<Place>,
-    /// The best way in which the bias follows the temperature.
+    /// The best lag and play.
     following: LagAndPlay,
 }
 
@@ -58,7 +58,7 @@ struct Search<'a> {
     /// B and K at step 0 of the lattice.
     units: SlowNoise,
     filters: BTreeMap<Place, Vec<Filter>>,
-    /// The columns that were computed so far, by the bits of lag and play.
+    /// The columns that were computed so far. Their key is the bits of lag and play.
     columns: BTreeMap<(u64, u64), Vec<Columns>>,
 }
 
@@ -70,7 +70,8 @@ pub(super) fn best(record: &Record) -> Option<Model> {
     models.into_iter().max_by(|one, other| one.log_score.total_cmp(&other.log_score))
 }
 
-/// Returns the logarithm of the evidence of a record under the noise of a model, with its lag and play or without.
+/// Returns the log evidence of a record under the noise of a model. It is the larger of two: with the lag and play of
+/// the model, and without.
 pub(super) fn log_evidence_like(record: &Record, model: &Model) -> f64 {
     let mut search = Search::new(record, &[]);
     let place = search.place(&model.noise);
@@ -140,7 +141,7 @@ fn spread((least, most): (f64, f64)) -> Vec<f64> {
     [0.0].into_iter().chain((0..=count as i32).map(|k| least * libm::pow(ratio, f64::from(k)))).collect()
 }
 
-/// The shortest and the longest lag.
+/// The shortest and the longest lag that are tried, s.
 fn lag_ends_s(record: &Record) -> (f64, f64) {
     (SHORTEST_LAG_S, longest_lag_s(&record.logs))
 }
@@ -244,7 +245,7 @@ impl<'a> Search<'a> {
         Record::products(filters, columns)
     }
 
-    /// Log evidence over all shapes, with the factor of the other axes for the lag.
+    /// Log evidence over all prior spreads, with the factor of the other axes for the lag.
     fn score(&mut self, place: Place, following: &LagAndPlay) -> f64 {
         let Some(products) = self.products(place, following) else { return f64::NEG_INFINITY };
         let score = |shape: &PriorSpreads| {
@@ -256,7 +257,8 @@ impl<'a> Search<'a> {
         all + self.lag.log_factor(following.lag_s)
     }
 
-    /// Adds values near the best between those whose evidence differs too much. Returns each value with its score.
+    /// Adds values near the best one, between neighbours whose evidence differs too much. Returns each value with its
+    /// score.
     fn finer(
         &mut self,
         place: Place,
@@ -307,7 +309,7 @@ impl<'a> Search<'a> {
         if all.is_empty() { vec![start] } else { all.into_iter().map(|(place, _)| place).collect() }
     }
 
-    /// The ways of following that matter under a noise, with the logarithms of their prior probabilities.
+    /// The pairs of lag and play that matter under a noise, with the logarithms of their prior probabilities.
     fn relevant(
         &mut self,
         place: Place,
@@ -326,7 +328,7 @@ impl<'a> Search<'a> {
         all.into_iter().map(|(following, prior, _)| (following, prior)).collect()
     }
 
-    /// The models of all shapes that matter.
+    /// Returns a model for each of the prior spreads that matter.
     fn models(&mut self, place: Place, following: &LagAndPlay, log_prior: f64) -> Vec<Model> {
         let Some(products) = self.products(place, following) else { return Vec::new() };
         let noise = self.noise(place);
@@ -346,7 +348,7 @@ impl<'a> Search<'a> {
         relevant.map(model).collect()
     }
 
-    /// Largest logarithm of the evidence of a bias that does not depend on the temperature, over all noises.
+    /// Largest log evidence of a bias that does not depend on the temperature, over a coarse lattice of noises.
     fn log_evidence_without(&mut self) -> f64 {
         let mut best = f64::NEG_INFINITY;
         for place in

@@ -14,13 +14,13 @@ struct Simulated {
     play_c: f64,
     /// Whether the sensor cools again, for another 30 minutes.
     cools: bool,
-    /// Offset of the start.
+    /// Offset of the bias in this log.
     offset: f64,
     /// Step of the thermometer, °C.
     step_c: f64,
     /// Time from switch-on to the start of the log, samples.
     begins: usize,
-    /// Coefficient of the bias over (T − 25 °C)/20 °C.
+    /// Coefficients of the bias in powers of (T − 25 °C)/20 °C, the constant first.
     bias: [f64; 4],
 }
 
@@ -42,7 +42,7 @@ impl Simulated {
         self.bias.iter().rev().fold(0.0, |sum, term| sum * d + term)
     }
 
-    /// Rates and temperatures.
+    /// Returns the rate and the temperature, °C, of each sample.
     fn samples(&self) -> Vec<(f64, f64)> {
         let half = 18_000;
         let warm = |k: usize| 5.0 + 40.0 * (1.0 - libm::exp(-(k as f64) / RATE_HZ / 500.0));
@@ -146,7 +146,8 @@ fn the_other_axes_tell_the_lag_of_a_flat_axis() {
     assert!((alone.following.lag_s - 60.0).abs() > 15.0, "{:?}", alone.following);
 }
 
-/// The mean lag, the largest error, and its largest ratio to the uncertainty, with another thermometer.
+/// Returns the curve that another thermometer gives, its largest error, and the largest ratio of an error to its
+/// uncertainty.
 fn with_thermometer(of: &Simulated, thermometer: impl Fn(usize, f64, &mut Normal) -> f64) -> (LogCurve, f64, f64) {
     let mut random = Normal(77);
     let mut samples = of.samples();
@@ -156,8 +157,8 @@ fn with_thermometer(of: &Simulated, thermometer: impl Fn(usize, f64, &mut Normal
     (found, most, ratio)
 }
 
-/// A lag averages the noise of the thermometer. So a lag was found where there is none, and the curve was off by
-/// 0.03 °/s.
+/// A lag averages the noise of the thermometer. If the readings are not smoothed, a lag is found where there is none,
+/// and the curve is off by 0.03 °/s.
 #[test]
 fn noise_of_the_thermometer_is_not_a_lag() {
     let (found, most, ratio) = with_thermometer(&WARMING, |_, temp_c, random| temp_c + 0.5 * random.next());
@@ -183,7 +184,7 @@ fn a_thermometer_that_lags_the_sensor_is_found() {
     assert!((found.lag_s() + 20.0).abs() < 5.0 && most < 0.004 && ratio < 4.0, "{} {most} {ratio}", found.lag_s());
 }
 
-/// A kink that no series of order 6 follows looks like a lag of a sixth of the log. The curve with this lag was off by
+/// A kink that no series of order 6 follows looks like a lag of a sixth of the log. A curve with this lag is off by
 /// 0.4 °/s.
 #[test]
 fn a_lag_at_the_longest_that_is_tried_is_not_taken() {

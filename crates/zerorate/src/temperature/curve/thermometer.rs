@@ -3,7 +3,7 @@
 use super::means::median;
 use alloc::vec::Vec;
 
-/// Facts about the thermometer of a log.
+/// The steps of the thermometer of a log, its lag, and what was done about its faults.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Thermometer {
     /// The smallest step between two readings, °C, if the readings are so coarse that each was taken as an interval.
@@ -43,12 +43,12 @@ const LEAST_JUMP_C: f64 = 0.5;
 const AT_END: (f64, f64) = (20.0, 0.1);
 /// Share of changes that reverse the one before, above which the readings count as noisy.
 const NOISY: f64 = 0.1;
-/// Longest gap between readings that is interpolated: in s, and in usual gaps.
+/// Longest gap between readings that is interpolated: the larger of a time, s, and a multiple of the median gap.
 const GAP: (f64, f64) = (60.0, 4.0);
 /// Largest relative difference of run lengths if the thermometer is read at fixed times.
 const EVEN: f64 = 0.15;
 
-/// Number of readings to either side that tell a failed reading.
+/// A reading is compared with this many readings to either side, to tell whether it has failed.
 const BESIDE: usize = 10;
 /// A reading has failed if it differs by more than this from the median of the readings beside it, °C.
 const FAILED_C: f64 = 2.0;
@@ -114,7 +114,8 @@ fn runs(temps_c: &[f64]) -> Vec<Run> {
     runs
 }
 
-/// Whether all runs have one length, because the thermometer is read at fixed times and each reading is held.
+/// Whether more than nine in ten runs have about the same length. Then the thermometer is read at fixed times, and
+/// each reading is held.
 fn are_even(runs: &[Run]) -> bool {
     let inner = &runs[1..runs.len() - 1];
     let usual = median(inner.iter().map(|run| run.length() as f64).collect());
@@ -146,8 +147,8 @@ fn least_step_c(runs: &[Run]) -> f64 {
     runs.windows(2).map(|pair| (pair[1].temp_c - pair[0].temp_c).abs()).fold(f64::MAX, f64::min)
 }
 
-/// Returns the changes of the readings as knots: at a change, the temperature is midway between both readings. If
-/// it turns within a run, it is taken to go a quarter of a step into the run.
+/// Returns the changes of the readings as knots: at a change, the temperature is midway between both readings. If the
+/// temperature turns within a run, it is assumed to go a quarter of a step beyond the change.
 fn changes(runs: &[Run]) -> Vec<(f64, f64)> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
     for pair in runs.windows(2) {

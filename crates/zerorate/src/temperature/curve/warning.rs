@@ -24,15 +24,15 @@ pub enum CurveWarning {
     LateThermometer { late_s: f64 },
     /// The best lag would be about the longest that is tried, s, and none was taken.
     LongLag { longest_s: f64 },
-    /// The sensor moved: first and last time, s, and number of times. The times were left out.
+    /// The sensor moved `times` times between `from_s` and `to_s`. These times were left out.
     Moved { from_s: f64, to_s: f64, times: usize },
     /// The logs have one direction of the temperature, so the hysteresis is not known.
     OneDirection,
-    /// The bias was still lagging behind at the end: this change, in `unit`, was to come.
+    /// At the end, the bias still lagged: a change of `unsettled`, in `unit`, was to come.
     StillFollowing { unsettled: f64, unit: &'static str },
     /// Steps of the level were removed: their number, and the size of the largest in `unit`.
     Jumped { jumps: usize, largest: f64, unit: &'static str },
-    /// A polynomial of order 3 differs from the curve by up to this much, in `unit`.
+    /// A polynomial of order 3 differs from the curve by up to `left`, in `unit`.
     BeyondCubic { left: f64, unit: &'static str },
 }
 

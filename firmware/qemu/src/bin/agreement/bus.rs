@@ -51,7 +51,7 @@ impl SpiDevice for Bus<'_> {
     }
 }
 
-/// RDY, which no counted work reads.
+/// RDY, which no counted operation reads.
 pub struct NoPin;
 
 impl digital::ErrorType for NoPin {

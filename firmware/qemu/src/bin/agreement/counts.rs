@@ -1,4 +1,5 @@
-//! Instruction counts: SysTick runs on virtual time, of which the emulator gives every instruction the same.
+//! Counts instructions by SysTick. It runs on virtual time, and the emulator gives every instruction the same share of
+//! it.
 
 use crate::bus::{Answers, Bus, NoPin};
 use adis16130::blocking::Adis16130;
@@ -19,10 +20,10 @@ const BLOCKS_PER_S: usize = 10;
 /// Registers of a part that runs with F-30 and has a reading of each channel waiting (docs/facts.md section 3).
 const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempStatus, 0x48), (Address::Mode, 0x22)];
 
-/// The counts, by name.
+/// The count of each operation, by its name.
 type Counts = [(&'static str, Ticks); 14];
 
-/// Smallest and largest number of ticks of a piece of work.
+/// Smallest and largest number of ticks of an operation over all readings.
 #[derive(Clone, Copy)]
 pub struct Ticks {
     pub least: u32,
@@ -41,10 +42,10 @@ impl Ticks {
     }
 }
 
-/// Counts everything, reading by reading; `None` without readings.
+/// Counts every operation for each reading; `None` without readings.
 ///
-/// Each piece of work is a function called through a pointer that the compiler cannot see through, with its operands
-/// in memory. So nothing can be moved out of it, and the count includes call, operands and return.
+/// Each operation is a function called through a pointer that the compiler cannot see through, with its operands in
+/// memory. So nothing can be moved out of it, and the count includes call, operands and return.
 pub fn all(readings: &[Reading], corrections: &Corrections, seed: u64, systick: SYST) -> Option<Counts> {
     let mut bench = Bench { counter: Counter::new(systick), readings };
     let Corrections { integer, curve, single, .. } = *corrections;
@@ -174,8 +175,8 @@ impl Bench<'_> {
         })
     }
 
-    /// Counts the tracker. It takes a mean within a second, at the end of one, where it learns from the last 16 s, and
-    /// where it finds a motion or a step. At last it is asked for the bias.
+    /// Counts the tracker for a mean within a second, at the end of a second, where it learns from the last 16 s, and
+    /// where it finds a motion or a step. It also counts a request for the bias.
     fn tracker(&mut self, seed: u64) -> Option<[Ticks; 5]> {
         let [mut within, mut second, mut learned, mut motion, mut tracked] = [Ticks::NONE; 5];
         let mut operands = (tracking::tracker(), Mean { rate_dps: None, temp_c: 0.0 });
