@@ -683,8 +683,8 @@ typedef struct zerorate_self_test_plan {
 } zerorate_self_test_plan;
 
 /**
- * The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). It is called as the functions
- * of the bus are.
+ * The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). The rules for calls of the
+ * bus's functions also hold for `set`.
  */
 typedef struct zerorate_self_test_pin {
   /**

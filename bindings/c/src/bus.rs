@@ -25,8 +25,8 @@ pub struct Bus {
     pub delay_us: Option<unsafe extern "C" fn(context: *mut c_void, us: u32)>,
 }
 
-/// The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). It is called as the functions
-/// of the bus are.
+/// The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). The rules for calls of the
+/// bus's functions also hold for `set`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SelfTestPin {

@@ -93,8 +93,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     }
 
     /// [`reset`](Self::reset), then [`init_verified`](Self::init_verified): call it at the start, after an error, and
-    /// after an async call was dropped. Tell a [`Sampler`] by [`Sampler::restarted`]. The next reading comes from a
-    /// new conversion.
+    /// after an async call was dropped. Then call [`Sampler::restarted`] of a sampler in use. The next reading comes
+    /// from a new conversion.
     pub async fn restart(&mut self) -> Result<(), InitError<SPI::Error>> {
         self.reset().await?;
         self.init_verified().await

@@ -102,7 +102,8 @@ impl Feeder {
         }
     }
 
-    /// Sends a sample. Returns false if the receiver is gone.
+    /// Sends a sample. Returns false if the receiver is gone. A full queue drops the sample, which the next one counts
+    /// as lost.
     fn offer(&mut self, mut sample: Sample) -> bool {
         sample.lost = sample.lost.saturating_add(self.owed);
         if self.when_full == WhenFull::Wait {

@@ -31,11 +31,29 @@ fn speaks_of_temperature(mut input: Input) -> bool {
     let mut ends = || -> std::io::Result<Vec<u8>> {
         let (mut bytes, len) = (Vec::new(), input.length()?);
         input.by_ref().take(ENDS).read_to_end(&mut bytes)?;
-        if len > 2 * ENDS {
-            input.seek(SeekFrom::Start(len - ENDS))?;
+        if len > ENDS {
+            input.seek(SeekFrom::Start((len - ENDS).max(ENDS)))?;
             input.by_ref().take(ENDS).read_to_end(&mut bytes)?;
         }
         Ok(bytes)
     };
     ends().is_ok_and(|bytes| bytes.windows(4).any(|word| word.eq_ignore_ascii_case(b"temp")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_of_a_file_are_searched() {
+        for length in [10, 70_000, 100_000, 140_000, 1_000_000] {
+            let with = |at: usize| {
+                let mut bytes = vec![b'0'; length];
+                bytes[at..at + 4].copy_from_slice(b"Temp");
+                speaks_of_temperature(bytes.into())
+            };
+            assert!(with(0) && with(length - 4), "{length}");
+        }
+        assert!(!speaks_of_temperature(vec![b'0'; 100_000].into()));
+    }
 }

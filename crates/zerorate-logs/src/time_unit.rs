@@ -7,7 +7,7 @@ use crate::time_names::SAMPLE_TIME_FINE;
 use std::path::Path;
 use zerorate_input::TimeUnit;
 
-/// Rates of sensors, Hz: from one sample in a minute or two to the fastest registers.
+/// Plausible rates of sensors, Hz: from one sample in 100 s to somewhat above the 32 kHz of the fastest IMUs.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=50_000.0;
 
 /// Rate below which a column may count in a finer unit than its name states: `millis` that are microseconds.

@@ -26,7 +26,7 @@ pub struct Client {
     pub damaged: u64,
 }
 
-/// A request to a bridge, sent again until it is answered.
+/// A request to a bridge. It is sent up to three times, until it is answered.
 #[derive(Copy, Clone, Debug)]
 pub struct Pending<'a> {
     command: Command<'a>,

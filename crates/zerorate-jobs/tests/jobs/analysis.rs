@@ -61,7 +61,8 @@ fn a_constant_column_is_refused() {
     assert!(!notes(&noise).contains("the same"));
 }
 
-/// A capture of a part that warms for 20 minutes from power-on. Its K is 1e-4 °/s/√s (M-04).
+/// A capture of 40 minutes from power-on, in which the part warms with time constants of 90 s and 600 s (M-03). Its K
+/// is 1e-4 °/s/√s (M-04).
 #[test]
 fn a_rate_that_follows_its_temperature_can_be_analysed() {
     let folder = Folder::new();

@@ -9,7 +9,7 @@ const SHORTEST_NS: u64 = 1_000_000;
 const RATIO: u64 = 8;
 /// Number of levels. Their bins are from 1 ms to 262 s long.
 const LEVELS: u32 = 7;
-/// Number of bins that each level keeps: 2 s to 6 days.
+/// Number of bins that each level keeps. They span 2 s at the first level and 6 days at the last.
 pub const KEPT: usize = 2048;
 /// Number of values in a bin: smallest and largest of rate, corrected rate and temperature.
 const COLUMNS: usize = 6;

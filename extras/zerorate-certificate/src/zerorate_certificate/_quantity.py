@@ -103,7 +103,7 @@ def place_of(value: float, digits: int) -> int:
 
 def plain(value: float, place: int) -> str:
     """The value, rounded to this power of ten, without an exponent."""
-    # by the shortest decimal form: its halves, such as 0.125, round as a reader expects
+    # from the shortest decimal form: 2.675 becomes 2.68. The float lies just below, so format() would give 2.67
     return format(Decimal(repr(value)).quantize(Decimal(1).scaleb(place)), "f")
 
 

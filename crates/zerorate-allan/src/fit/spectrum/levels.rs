@@ -16,7 +16,7 @@ use realfft::{FftError, RealFftPlanner};
 
 /// The response of a mean of n samples is computed at multiples of the sample rate divided by this times n.
 const FINENESS: usize = 4;
-/// Largest number of samples whose gaps are examined.
+/// Largest number of samples that are searched for gaps.
 const LOOKED_AT: usize = 1 << 20;
 
 /// The density and the lines that the levels before have measured.
