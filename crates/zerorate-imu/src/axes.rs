@@ -8,7 +8,9 @@ use super::{ImuWarning, Kind, plausible};
 use crate::triads::{are_one_sensor, triads};
 use crate::{increments, kalibr};
 use std::path::Path;
-use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
+use zerorate_logs::{
+    Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, TimeUnit, Unit,
+};
 
 /// What the user states about the axes, for logs that do not state it.
 #[derive(Clone, Debug, Default)]
@@ -241,10 +243,11 @@ fn is_temperature(column: &Column) -> bool {
 
 /// True if a name is that of a temperature: `temp_c`, `imu_temp`, `Temperature`, `T`.
 fn is_temperature_name(name: &str) -> bool {
+    let is_time = name == "t" || TimeUnit::of_column(name).is_some();
     let name = name.rsplit('.').next().unwrap_or_default().to_lowercase();
     let is_word =
         |word: &str| matches!(word, "t" | "temps" | "temperature" | "temperatures") || word.ends_with("temp");
-    name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature")
+    !is_time && (name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature"))
 }
 
 /// Asks for the columns of a kind if the user states something about the kind, but no column name shows it. Asks also

@@ -266,3 +266,13 @@ fn an_axis_that_is_always_negative_gets_its_sign_from_another() {
     assert_eq!(codes[..3], [-900, -899, -898]);
     assert!((found.columns[1].facts().mean() + 898.0).abs() < 0.1);
 }
+
+/// A time column beside a given rate is not a temperature, although its name has the word `t`.
+#[test]
+fn a_time_is_not_a_temperature() {
+    for (name, expected) in
+        [("t", false), ("t_s", false), ("t_ms", false), ("T", true), ("t_c", true), ("temp_raw", true)]
+    {
+        assert_eq!(is_temperature_name(name), expected, "{name}");
+    }
+}

@@ -15,6 +15,9 @@ use zerorate_allan::SettingName;
 use zerorate_input::InputError;
 use zerorate_input::delimited::Delimiter;
 
+/// Largest length of a byte in hexadecimal digits: `0x68`.
+const BYTE: usize = 4;
+
 /// The places of the wanted cells in each line of a file.
 pub struct Cut<'a> {
     pub path: &'a Path,
@@ -234,8 +237,8 @@ impl<'t> Reading<'_, 't> {
 
     fn cell(&self, cell: &str) -> Cell {
         match Numerals::new(self.piece.numerals.decimal()).read(cell, 0) {
-            // the address of a sensor, which is told from others as it is written
-            Ok(_) if cell.starts_with("0x") => Cell::Word(cell.to_owned()),
+            // a byte is the address of a sensor, and is named as it is written
+            Ok(_) if cell.starts_with("0x") && cell.len() <= BYTE => Cell::Word(cell.to_owned()),
             Ok(Number::Integer(integer)) => Cell::Number(integer as f64),
             Ok(Number::Decimal(number)) => Cell::number(number),
             Ok(Number::Missing) => Cell::Missing,

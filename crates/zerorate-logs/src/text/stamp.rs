@@ -72,9 +72,13 @@ impl Stamp {
     fn of_logger(line: &str) -> Option<(Range<usize>, usize)> {
         let mut blanks = line.match_indices(' ').map(|(at, _)| at);
         let (first, second) = (blanks.next()?, blanks.next().unwrap_or(line.len()));
-        let is_time =
-            |place: &Range<usize>| dates::nanoseconds(&plain(&line[place.clone()]), DateFormat::default()).is_some();
-        let time = [0..second, first + 1..second, 0..first].into_iter().find(is_time)?;
+        let is_time = |place: &Range<usize>| {
+            let time = &line[place.clone()];
+            !time.ends_with(',') && dates::nanoseconds(&plain(time), DateFormat::default()).is_some()
+        };
+        let is_date = line[..first].bytes().all(|byte| byte.is_ascii_digit() || byte == b'-');
+        let behind_date = Some(first + 1..second).filter(|_| is_date);
+        let time = [0..second, 0..first].into_iter().chain(behind_date).find(is_time)?;
         let rest = line[time.end..].trim_start_matches([' ', '-']);
         let end = line.len() - rest.len();
         preamble(rest).map(|_| (time, end))
