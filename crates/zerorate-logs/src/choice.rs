@@ -112,7 +112,7 @@ impl Columns<'_> {
             ColumnSelection::First(names) => self.positions(names)?,
             _ => Vec::new(),
         };
-        if let (ColumnSelection::All, []) = (wanted, default) {
+        if let (ColumnSelection::All, [], None) = (wanted, default, args.rate) {
             self.check_blocks(time)?;
         }
         let time = match (wanted, default) {
@@ -176,11 +176,9 @@ impl Columns<'_> {
 
     /// The time column in front of the wanted columns, if the file has several sensors, each behind a time of its own.
     fn time_of_block(&self, values: &[usize]) -> Option<usize> {
-        let first = values.first()?;
-        let of = |(time, block): &(usize, Vec<usize>)| block.contains(first).then_some(*time);
         let blocks = self.blocks();
-        let (time, block) = blocks.iter().find(|block| of(block).is_some())?;
-        (blocks.len() > 1 && values.iter().all(|at| block.contains(at))).then_some(*time)
+        let (time, _) = blocks.iter().find(|(_, block)| values.iter().all(|at| block.contains(at)))?;
+        (blocks.len() > 1 && !values.is_empty()).then_some(*time)
     }
 
     /// Each time column that at least three columns of numbers follow, with these columns, as in

@@ -251,6 +251,11 @@ fn sensors_beside_each_other_have_their_own_times() {
                 found.columns.iter().map(|column| (column.rate_hz.round(), column.series.len())).collect();
             assert_eq!(rates, [[(100.0, 1200); 3], [(50.0, 600); 3]].concat(), "{gyro}");
         }
+        // a given rate is that of all columns
+        let log = ColumnOptions { rate: Some(200.0), ..ColumnOptions::default() };
+        let columns =
+            zerorate_logs::read_all(Path::new("imu.csv"), text.into_bytes().into(), ColumnSelection::All, &log);
+        assert!(columns.unwrap().iter().all(|column| column.rate_hz == 200.0));
     }
 }
 
