@@ -42,7 +42,7 @@ const TASKS: [Task; 13] = [
     Task {
         name: "check",
         usage: "[STEP…]",
-        about: "Check formatting, lints, generated files and bare targets, while you work",
+        about: "Check formatting, lints, documentation and bare targets, while you work",
         help: check::help,
         run: check::run,
     },

@@ -101,7 +101,7 @@ const MAX_AHEAD: i32 = 3;
 /// edge of the second sample the temperature was unread (F-32), and it has not been read since.
 const RATES_ONLY: u8 = 2;
 
-/// Number of readings in a row that may fail, or find nothing new, before there is a pause between them.
+/// After this many readings in a row that fail, or find nothing new, a pause follows each further one.
 const PATIENT_READINGS: u8 = 16;
 
 /// The longest pause is 2¹⁰ edges. While nothing is read, these take a tenth of a second with F-30.

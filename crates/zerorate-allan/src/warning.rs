@@ -162,8 +162,8 @@ rows!(match AllanWarning {
             plural(octaves as u64)
         ),
     },
-    Self::Rejected { error, most: _, misfit } =>
-        Row { code: "model-rejected", text: format_args!("off by {:.0} %: {misfit}", error * 100.0) },
+    Self::Rejected { error, most, misfit } =>
+        Row { code: "model-rejected", text: format_args!("{}{misfit}", off(error, most)) },
     Self::FollowsTemperature { explained, slope, span_c } => Row {
         code: "follows-temperature",
         text: format_args!("{:.0} % of slow variance is temperature; take it out", explained * 100.0),
@@ -207,6 +207,11 @@ impl Noise {
             Self::RateRamp => "rate ramp R",
         }
     }
+}
+
+/// The relative error of a model, as the beginning of a sentence, unless the model was rejected for another reason.
+fn off(error: f64, most: f64) -> String {
+    if error < most / (1.0 + most) { String::new() } else { format!("off by {:.0} %: ", error * 100.0) }
 }
 
 /// The record length that would identify a coefficient, as the end of a sentence.

@@ -7,8 +7,8 @@ use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::Columns;
 use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, RawType, RowFilter, Setting, TimeUnit, Unit};
 
-/// How a log is read: options that `allan`, `imu` and `tempcal` share.
-#[derive(Args, Clone, Debug, Default)]
+/// How a log is read: options that `allan`, `imu`, `tempcal` and `correct` share.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "The log")]
 pub struct LogArgs {
     /// The topic, where a bag or a PX4 log has several IMUs. `imu` takes two, one with the gyroscope and one with the
@@ -62,8 +62,8 @@ pub struct LogArgs {
 
     /// The columns hold the angle or the velocity of each sample (delta angle, delta velocity) in place of the rate;
     /// give the unit rad/s for rad, and m/s² for m/s. `--increments=no` says that they hold rates.
-    #[arg(long, value_name = "YES|NO", num_args = 0..=1, require_equals = true, default_missing_value = "yes",
-        value_parser = BoolishValueParser::new(), help_heading = UNITS)]
+    #[arg(long, value_name = "yes|no", num_args = 0..=1, require_equals = true, default_missing_value = "yes",
+        value_parser = BoolishValueParser::new(), hide_possible_values = true, help_heading = UNITS)]
     increments: Option<bool>,
 
     /// Take the given unit where the name of a column states another.

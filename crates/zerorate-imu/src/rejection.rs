@@ -10,13 +10,16 @@ pub enum Rejection {
     NoModel(String),
     /// The model is rejected. The number is its relative error.
     Rejected(f64),
+    /// The sensor moves.
+    Moves,
 }
 
 impl Rejection {
     /// The rejection of a model; `None` if the model is valid.
     #[must_use]
     pub fn about(fit: &Fit) -> Option<Self> {
-        fit.is_rejected.then_some(Self::Rejected(fit.model_error))
+        let why = if fit.motion_ratio.is_some() { Self::Moves } else { Self::Rejected(fit.model_error) };
+        fit.is_rejected.then_some(why)
     }
 
     /// True if another rejection has the same reason, even with another number.
@@ -29,7 +32,7 @@ impl Rejection {
     pub const fn code(&self) -> &'static str {
         match self {
             Self::NoModel(_) => "no-model",
-            Self::Rejected(_) => "model-rejected",
+            Self::Rejected(_) | Self::Moves => "model-rejected",
         }
     }
 }
@@ -44,6 +47,10 @@ impl fmt::Display for Rejection {
                 let percent = error * 100.0;
                 write!(f, "the noise model is off by {percent:.0} %, so none of its coefficients is a result")
             }
+            Self::Moves => f.write_str(
+                "the sensor moves: some windows of 10 s are over 10 times as loud as others, so no coefficient is a \
+                 result",
+            ),
         }
     }
 }
@@ -78,7 +85,7 @@ impl Rejections {
     /// True if a file with the numbers may be written. With `accept_rejected`, only a missing model forbids it.
     #[must_use]
     pub fn allow(&self, accept_rejected: bool) -> bool {
-        self.each().all(|doubt| accept_rejected && matches!(doubt, Rejection::Rejected(_)))
+        self.each().all(|doubt| accept_rejected && !matches!(doubt, Rejection::NoModel(_)))
     }
 
     /// Each reason with the axes that have it.
@@ -95,7 +102,7 @@ fn of_kind(kind: &[(String, Rejection)]) -> String {
         [(_, Rejection::Rejected(_)), _, ..] => {
             let axes = axes(|(name, doubt)| match doubt {
                 Rejection::Rejected(error) => format!("{name} by {:.0} %", error * 100.0),
-                Rejection::NoModel(_) => name.clone(),
+                Rejection::NoModel(_) | Rejection::Moves => name.clone(),
             });
             format!("the noise model is off ({axes}), so none of its coefficients is a result")
         }

@@ -1,5 +1,6 @@
 //! A rate that the user gave, compared with the stamps of the log.
 
+use crate::TimeUnit;
 use crate::sample::Sampled;
 use crate::setting::Names;
 use crate::warning::LogWarning;
@@ -35,7 +36,19 @@ pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> 
     if rows.is_sorted_by(|one, next| one < next) {
         return times.time_base(unit, Names::default()).ok().map(|time_base| (time_base.rate_hz, RATE_OFF));
     }
+    if !rows.is_sorted() {
+        return median_rate_hz(&rows, unit).map(|rate_hz| (rate_hz, COARSE_RATE_OFF));
+    }
     let steps = rows.windows(2).filter(|pair| pair[0] < pair[1]).count();
     let rate_hz = (rows.len() - 1) as f64 * unit.per_s() / rows.last()?;
-    (rows.is_sorted() && steps > FEWEST_STEPS).then_some((rate_hz, COARSE_RATE_OFF))
+    (steps > FEWEST_STEPS).then_some((rate_hz, COARSE_RATE_OFF))
+}
+
+/// The rate of stamps of which a few are wrong, from the median step, Hz. `None` if more than a tenth of the steps do
+/// not rise.
+fn median_rate_hz(rows: &[f64], unit: TimeUnit) -> Option<f64> {
+    let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    let rise = steps.len() > FEWEST_STEPS && 10 * steps.len() >= 9 * (rows.len() - 1);
+    rise.then(|| unit.per_s() / steps[steps.len() / 2])
 }

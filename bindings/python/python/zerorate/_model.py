@@ -143,13 +143,15 @@ class Fit:
     """Rate ramp R, only where significant."""
     model_error: float
     """The spectrum scatters about the model as if the model were off by this share: 0.016 is 1.6 %."""
+    motion_ratio: float | None
+    """If the sensor moves: the standard deviation of loud windows of ten seconds over that of quiet ones."""
     p_value: float
     """Probability of more scatter than was measured, if the model is right within `model_error`."""
     f_max_hz: float
     """The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and `Allan.model`
     is that of the measured spectrum."""
     rejected: bool
-    """True if the model is off by more than 10 %, so that nothing is identified."""
+    """True if the model is off by more than 10 % or the sensor moves, so that nothing is identified."""
     terms: list[Term] = field(default_factory=list)
     """Gauss–Markov terms, the sensor's band, lines and warm-up, if significant."""
     warnings: list[str] = field(default_factory=list)
@@ -166,7 +168,8 @@ def fitted(found: _zerorate._Fit, warnings: list[str], unit: str) -> Fit:
     """The fit of the extension, with the units of its coefficients."""
     units = {"n": f"{unit}·√s", "b": unit, "k": f"{unit}/√s", "q": f"{unit}·s", "r": f"{unit}/s"}
     coefficients: dict[str, Any] = {name: _coefficient(found.get(name), units[name]) for name in units}
-    others: dict[str, Any] = {name: found.get(name) for name in ("model_error", "p_value", "f_max_hz", "rejected")}
+    names = ("model_error", "motion_ratio", "p_value", "f_max_hz", "rejected")
+    others: dict[str, Any] = {name: found.get(name) for name in names}
     return Fit(**coefficients, **others, terms=[_term(**term) for term in found["terms"]], warnings=warnings)
 
 

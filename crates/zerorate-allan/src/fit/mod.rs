@@ -181,12 +181,13 @@ pub struct Fit {
     /// The Allan variance that the terms predict.
     pub model: Model,
     /// Model error ε: the spectrum scatters about the model as if the model were wrong by this share. 0 if chance
-    /// explains the scatter. The error of the curve beyond chance counts instead if it is larger. If the sensor moves,
-    /// so does the ratio of the standard deviations of its loud and quiet windows.
+    /// explains the scatter. The error of the curve beyond chance counts instead if it is larger.
     pub model_error: f64,
+    /// The standard deviation of loud windows of ten seconds over that of quiet ones, if the sensor moves.
+    pub motion_ratio: Option<f64>,
     /// Probability of a larger scatter than the measured one, if the model with ε is right.
     pub p_value: f64,
-    /// Whether the model is wrong by more than [`MOST_ERROR`]. Nothing is identified then.
+    /// Whether the model is wrong by more than [`MOST_ERROR`], or the sensor moves. Nothing is identified then.
     pub is_rejected: bool,
     /// The frequency band and the likely cause of the misfit, if the model is rejected.
     pub misfit: Option<Misfit>,
@@ -456,10 +457,9 @@ fn described(
     let sines = all.iter().flat_map(|whole| whole.sines.iter().copied()).collect();
     let top_hz = chosen.problem.table.top_hz;
     let lines: Vec<Line> = all.iter().map(|whole| whole.line).filter(|line| line.frequency_hz < top_hz).collect();
-    let above = spectrum.above(top_hz, rate_hz);
-    let measured = MeasuredSpectrum { rate_hz, record_s: raw.record_s, top_hz, above, sines };
+    let measured =
+        MeasuredSpectrum { rate_hz, record_s: raw.record_s, top_hz, above: spectrum.above(top_hz, rate_hz), sines };
     let model = Model::new(&chosen.found, &measured)?.with_gaps_of(rate);
-    let own = &chosen.found;
     let curves = Curves::of(rate, rate_hz);
     let curve = curves.whole();
     // longer averages rest on slow noise alone: there a misfit is only a warning
@@ -471,23 +471,24 @@ fn described(
     let is_rejected = chosen.problem.error > MOST_ERROR || off_short.is_some() || moves.is_some();
     let misfit = is_rejected.then(|| match moves {
         Some(spread) => Misfit::of_motion(&chosen.problem, spread),
-        None => Misfit::of((&chosen.problem, own), off_short, (&curves, &model)),
+        None => Misfit::of((&chosen.problem, &chosen.found), off_short, (&curves, &model)),
     });
     let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
     let scatter = Scatter::of(&curves, &model);
-    let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
-    let doubt = PredictionError::of((&chosen.problem, own), &model, &measured, Some(&scatter))?;
-    let (chi2, freedom) = select::chi2(&chosen.problem, own);
+    let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, chosen.found.at[N2], &model));
+    let doubt = PredictionError::of((&chosen.problem, &chosen.found), &model, &measured, Some(&scatter))?;
+    let (chi2, freedom) = select::chi2(&chosen.problem, &chosen.found);
     let (n, other) = coefficients.n(widening, tail_at_zero);
     let fit = Fit {
         n,
         b: coefficients.of(B2),
         k: coefficients.k(),
-        q: own.form.quantised.then(|| coefficients.of(Q2)),
-        r: (own.form.drift == Some(Drift::Ramp)).then(|| coefficients.ramp()),
+        q: chosen.found.form.quantised.then(|| coefficients.of(Q2)),
+        r: (chosen.found.form.drift == Some(Drift::Ramp)).then(|| coefficients.ramp()),
         terms: coefficients.terms(&lines),
         model: model.with(doubt),
-        model_error: off_short.map_or(0.0, OffCurve::error).max(chosen.problem.error).max(moves.unwrap_or(0.0)),
+        model_error: off_short.map_or(0.0, OffCurve::error).max(chosen.problem.error),
+        motion_ratio: moves,
         p_value: chi2_above(chi2, freedom),
         is_rejected,
         misfit,

@@ -77,6 +77,8 @@ pub enum Differs {
         /// Model error ε of the record's own model.
         error: f64,
     },
+    /// The sensor moved during the record.
+    Moves,
     /// The white noise of the record differs.
     White {
         /// N of the record divided by the median N of all records.
@@ -223,6 +225,7 @@ fn outliers_by_own_model(records: &[PoolRecord<'_>]) -> Vec<Outlier> {
     let of = |(record, PoolRecord { fit, .. }): (usize, &PoolRecord<'_>)| {
         let ratio = fit.n.value / middle;
         let differs = match fit.is_rejected {
+            true if fit.motion_ratio.is_some() => Differs::Moves,
             true => Differs::Rejected { error: fit.model_error },
             false if libm::fabs(libm::log(ratio)) > libm::log1p(MOST_ERROR) => Differs::White { ratio },
             false => return None,
@@ -337,6 +340,7 @@ fn common(
         terms: coefficients.terms(&[]),
         model: model.with(doubt),
         model_error: chosen.problem.error,
+        motion_ratio: None,
         p_value: chi2_above(chi2, freedom),
         is_rejected,
         misfit,

@@ -1,6 +1,8 @@
-//! `zerorate correct`: corrects a recorded file and keeps its raw columns.
+//! `zerorate correct`: corrects a capture and keeps its raw columns, or corrects the gyroscope of a log.
 
+use super::imu::axes::option;
 use super::serial::{GIVE, Part, one_line};
+use crate::column::{LogArgs, UNITS, listed, positive};
 use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, say, warn};
@@ -8,12 +10,16 @@ use crate::part::PartArgs;
 use crate::wording::{coded, flag, form};
 use anyhow::{Error, Result, anyhow, bail};
 use clap::Args;
-use std::io::ErrorKind;
+use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Wording};
+use zerorate_imu::{ImuOptions, KindOptions};
 use zerorate_input::limits;
 use zerorate_jobs::JobWarning;
+use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::correct::Job;
+use zerorate_jobs::tempcal::{CorrectedLog, TempcalOptions, UnitLog};
+use zerorate_logs::{Names, Unit};
 use zerorate_record::{CaptureInfo, Format};
 use zerorate_view::SessionWarning;
 
@@ -27,10 +33,14 @@ use zerorate_view::SessionWarning;
 /// out of range and readings of a sensor that had stopped are flagged and have no corrected rate. A row without a
 /// temperature takes the last temperature before it. The result carries the id of the calibration and is never
 /// corrected again.
+///
+/// A calibration of `zerorate tempcal` corrects the gyroscope of any log of that unit. The result is a table (.csv)
+/// with t_s, temp_c, and NAME_dps and NAME_corrected_dps of each axis. The correction follows the temperature with the
+/// lag of the calibration; at its start, the sensor counts as warmed through.
 #[derive(Args, Debug)]
 pub struct CorrectArgs {
-    /// The capture, in any form.
-    #[arg(value_name = "CAPTURE")]
+    /// The capture, in any form, or the log.
+    #[arg(value_name = "CAPTURE|LOG")]
     pub capture: PathBuf,
 
     /// The calibration file.
@@ -55,11 +65,44 @@ pub struct CorrectArgs {
     /// Overwrite an existing file, and only warn where the calibration has another serial number.
     #[arg(long)]
     force: bool,
+
+    #[command(flatten)]
+    log: LoggedArgs,
+}
+
+/// What a log does not say, in the words of `zerorate tempcal`.
+#[derive(Args, Debug, Default, PartialEq)]
+struct LoggedArgs {
+    /// The columns of the gyroscope, by name or by number from 0, if their names do not say so.
+    #[arg(long, value_name = "LIST", help_heading = UNITS)]
+    gyro: Option<String>,
+
+    /// The unit of the gyroscope's columns [default: the one that their names state].
+    #[arg(long, value_name = "UNIT", help_heading = UNITS)]
+    gyro_unit: Option<Unit>,
+
+    /// The size of a step of 1 in the gyroscope's columns, in their unit, such as 1/131.
+    #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit", help_heading = UNITS)]
+    gyro_scale: Option<f64>,
+
+    /// The column with the temperature, °C [default: the only one whose unit or name says so].
+    #[arg(long, value_name = "NAME", help_heading = UNITS)]
+    temp_column: Option<String>,
+
+    #[command(flatten)]
+    reading: LogArgs,
 }
 
 pub fn run(args: &CorrectArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force);
     let calibration = load(&args.cal, &mut outputs)?;
+    if calibration.is_of_logs() {
+        return log(args, &calibration, outputs);
+    }
+    if args.log != LoggedArgs::default() {
+        let what = "corrects captures; options of logs need a calibration of `zerorate tempcal`";
+        return Err(Usage(format!("{} {what}", args.cal.display())).into());
+    }
     let reader = outputs.capture(&args.capture)?;
     let part = args.part.of(reader.info(), &mut outputs)?;
     let job = Job::new(&args.capture, reader, &part, &calibration)?;
@@ -73,6 +116,41 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
         other => warn(&[format!("{}: {name}: {}", other.code(), other.with(flag))]),
     })?;
     say(format_args!("{}: {rows} samples, corrected with calibration {}", args.output.display(), calibration.id()));
+    Ok(())
+}
+
+/// Corrects the gyroscope of a log.
+fn log(args: &CorrectArgs, calibration: &Calibration, outputs: Outputs) -> Result<()> {
+    if form(args.format, &args.output)? != Format::Csv {
+        return Err(Usage("a corrected log is a table: give -o a name that ends in .csv".to_owned()).into());
+    }
+    let LoggedArgs { gyro, gyro_unit, gyro_scale, temp_column, reading } = &args.log;
+    if reading.only.len() > 1 {
+        return Err(Usage("--where: correct takes one; run it once for each".to_owned()).into());
+    }
+    let columns = gyro.as_deref().and_then(listed).unwrap_or_default();
+    let options = TempcalOptions {
+        axes: ImuOptions {
+            columns: None,
+            gyro: KindOptions { columns, unit: *gyro_unit, scale: *gyro_scale, codes: None },
+            accel: KindOptions::default(),
+            log: reading.options(Names(option)),
+            more_topics: Vec::new(),
+        },
+        codes: CodeOptions::default(),
+        temperature: temp_column.clone(),
+        reference_c: None,
+        max_u_dps: None,
+    };
+    let mut outputs = outputs.reading([args.capture.as_path()])?;
+    let output = outputs.derived(&args.output)?;
+    let corrected = CorrectedLog::new(&UnitLog::File(args.capture.clone()), &options, calibration)?;
+    corrected.write_csv(&mut BufWriter::new(output.file()?))?;
+    output.publish()?;
+    warn(&corrected.notes);
+    let (file, rows) = (args.output.display(), corrected.rows());
+    warn(corrected.outside.map(coded).as_slice());
+    say(format_args!("{file}: {rows} samples, corrected with calibration {}", calibration.id()));
     Ok(())
 }
 

@@ -82,7 +82,7 @@ pub struct TempcalArgs {
 /// The form of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Form {
-    /// A calibration of the gyroscopes, which `zerorate export` and Python take.
+    /// A calibration of the gyroscopes, which `zerorate correct`, `zerorate export` and Python take.
     Toml,
     /// Parameters of PX4: TC_Gn and TC_An of all sensors in the log.
     Px4,

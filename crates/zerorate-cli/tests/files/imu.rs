@@ -123,7 +123,7 @@ fn a_slow_turn_is_motion() {
     let turned = |(row, line): (usize, &str)| {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
         if (4000..4600).contains(&row) {
-            cells[4] = (cells[4].parse::<f64>().unwrap() + 30.0).to_string();
+            cells[1] = (cells[1].parse::<f64>().unwrap() + 30.0).to_string();
         }
         cells.join(",") + "\n"
     };

@@ -261,6 +261,8 @@ fn a_wrong_unit_of_time_or_rate_is_noticed() {
     bench.zerorate("imu log.csv").fails(2, &["with --time-unit ms"]);
 
     let said = |line: &str| bench.zerorate(line).ended_with(0).stderr;
+    log("t_ms", &|row| (if row == 3 { 0 } else { 10 * row }).to_string());
+    assert!(said("imu log.csv --rate 200").contains("rate-contradicts"), "one wrong stamp among the right ones");
     let expected = "rate-contradicts: log.csv: 200.000000 Hz was given, and the stamps tell 100.000000 Hz";
     for step in [1, 4] {
         log("t_ms", &|row| (10 * (row / step * step)).to_string());

@@ -27,11 +27,15 @@ pub struct FitReport {
     pub r: Option<CoefficientReport>,
     /// Relative error ε of the model, from the scatter of the spectrum about it.
     pub model_error: Option<f64>,
+    /// The standard deviation of loud windows of ten seconds over that of quiet ones, if the sensor moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "types", ts(optional))]
+    pub motion_ratio: Option<f64>,
     /// Probability of a larger scatter than the measured one, if the model with ε is right.
     pub p_value: Option<f64>,
     /// The frequency up to which the model holds, Hz.
     pub f_max_hz: Option<f64>,
-    /// True if the model is rejected because its error is too large. Nothing is identified then.
+    /// True if the model is rejected: its error is too large, or the sensor moves. Nothing is identified then.
     pub rejected: bool,
     /// The other terms, in the unit of the rate.
     #[cfg_attr(feature = "types", ts(type = "({ kind: string } & Record<string, unknown>)[]"))]
@@ -87,6 +91,7 @@ impl FitReport {
             q: of('Q'),
             r: of('R'),
             model_error: fit.map(|fit| fit.model_error),
+            motion_ratio: fit.and_then(|fit| fit.motion_ratio),
             p_value: fit.map(|fit| fit.p_value),
             f_max_hz: fit.map(|fit| fit.max_freq_hz),
             rejected: fit.is_some_and(|fit| fit.is_rejected),

@@ -218,12 +218,15 @@ impl<'a> RowMaker<'a> {
         if options.period_ns.is_none() { self.write(&mut mean) } else { Ok(()) }
     }
 
-    /// Passes the row of these samples to the listener and empties the mean. Before the first temperature, there is no
-    /// row and the mean keeps its samples.
+    /// Passes the row of these samples to the listener and empties the mean. Before the first temperature there is no
+    /// row; the next row has the losses and flags of these samples.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
         // all axes have the same temperature
         self.corrector.read(self.axes.first().and_then(|first| mean.temp.mean(&first.temp)));
-        let Some(temp_c) = self.corrector.temp_c().filter(|_| !mean.is_empty()) else { return Ok(()) };
+        let Some(temp_c) = self.corrector.temp_c().filter(|_| !mean.is_empty()) else {
+            *mean = Mean { lost: mean.lost, flags: mean.flags, ..Mean::default() };
+            return Ok(());
+        };
         self.warn(mean.flags);
         let means = mean.rates.iter().zip(&self.axes).map(|(sum, axis)| sum.mean(&axis.rate)).enumerate();
         let mut rates_dps: Vec<_> = means.map(|(index, rate)| self.corrector.correct(index, rate)).collect();

@@ -1,12 +1,14 @@
 //! The bias over temperature of all axes in logs of one unit.
 
 mod ardupilot;
+mod corrected;
 mod log;
 mod reading;
 
 use crate::code_scales::CodeOptions;
 use crate::{CodedRefusal, InvalidOptions};
 use anyhow::Result;
+pub use corrected::CorrectedLog;
 pub use log::UnitLog;
 use zerorate::Calibration;
 use zerorate::temperature::curve::{CurveRefusal, LogCurve};

@@ -42,7 +42,8 @@ fn undo(imu: &mut ImuColumns, parameters: &BTreeMap<String, f64>, log: &Path) ->
     Ok(())
 }
 
-fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<ImuColumns>> {
+/// Reads the axes and the temperature of each IMU in a log.
+pub(super) fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<ImuColumns>> {
     let mut of_axes = options.axes.clone();
     let assumed = options.codes.apply(&mut of_axes)?;
     let parameters = parameters(log)?;

@@ -197,6 +197,7 @@ fn remarks(record: &Record) -> Vec<String> {
     match (&record.fit, record.model()) {
         (None, _) => Vec::new(),
         (Some(_), None) => vec!["no model".to_owned()],
+        (_, Some(fit)) if fit.motion_ratio.is_some() => vec!["rejected: the sensor moves".to_owned()],
         (_, Some(fit)) if fit.is_rejected => vec![format!("rejected: off by {:.0} %", fit.model_error * 100.0)],
         (_, Some(fit)) => {
             let text = |term: GaussMarkov| {

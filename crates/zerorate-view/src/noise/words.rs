@@ -16,6 +16,7 @@ pub fn is_without_misfit(fit: &FitReport) -> bool {
 pub fn misfit(fit: &FitReport) -> String {
     let percent = fit.model_error.unwrap_or_default() * 100.0;
     match fit.rejected {
+        true if fit.motion_ratio.is_some() => "rejected, since the sensor moves".to_owned(),
         true => format!("off by {percent:.1} % of the spectrum, rejected"),
         false if is_without_misfit(fit) => "no misfit found".to_owned(),
         false => format!("may be off by {percent:.1} % of the spectrum"),

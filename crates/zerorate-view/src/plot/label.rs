@@ -57,7 +57,8 @@ impl Labels {
         self.place(text, clear)
     }
 
-    /// The corner of the frame where a box of this size covers the fewest points of lines.
+    /// The corner of the frame where a box of this size covers no label, if there is one, and the fewest points of
+    /// lines.
     pub fn corner(&self, (width, height): (f64, f64)) -> Area {
         let Area { left, right, top, bottom } = self.area;
         let gap = 12.0;
@@ -65,7 +66,10 @@ impl Labels {
         let (near, far) = (left + gap, right - gap - width);
         let (high, low) = (top + gap, bottom - gap - height);
         let corners = [at(far, high), at(near, low), at(far, low), at(near, high)];
-        let covered = |area: &Area| self.ink.iter().filter(|point| area.contains(**point)).count();
+        let covered = |area: &Area| {
+            let labels = self.taken.iter().filter(|other| other.overlaps(area)).count();
+            (labels, self.ink.iter().filter(|point| area.contains(**point)).count())
+        };
         corners.into_iter().min_by_key(covered).unwrap_or(corners[0])
     }
 }
@@ -106,5 +110,8 @@ mod tests {
         labels.avoid(&[(0.0, 299.0), (400.0, 1.0)]);
         let corner = labels.corner((50.0, 40.0));
         assert!(corner.left > 200.0 && corner.top > 150.0, "{corner:?}");
+        labels.take(corner);
+        let next = labels.corner((50.0, 40.0));
+        assert!(next.left < 200.0 && next.top < 150.0, "{next:?}");
     }
 }

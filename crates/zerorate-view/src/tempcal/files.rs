@@ -41,19 +41,20 @@ pub fn calibration(
         )));
     }
     let unit = LogUnit {
-        part: word(&unit.part),
+        part: axis_name(&unit.part),
         serial: unit.serial,
         software: SOFTWARE.to_owned(),
         device: unit.logs,
         t3_c: first.reference_c,
     };
-    let axis = |(axis, curve): (&AxisCurve, _)| (word(&axis.name), curve, axis.warnings.clone());
+    let axis = |(axis, curve): (&AxisCurve, _)| (axis_name(&axis.name), curve, axis.warnings.clone());
     let axes: Vec<(String, &LogCurve, Vec<String>)> = gyroscopes.into_iter().map(axis).collect();
     Ok(Calibration::of_log_curves(unit, &axes))
 }
 
-/// Makes a name valid for a calibration file.
-fn word(name: &str) -> String {
+/// The name of an axis or a part in a calibration file. Characters that the file does not allow become `_`.
+#[must_use]
+pub fn axis_name(name: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
     name.chars().map(letter).take(40).collect()
 }

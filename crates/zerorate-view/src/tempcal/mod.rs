@@ -8,7 +8,7 @@ mod sensor;
 mod words;
 
 pub use autopilot::{ardupilot, px4};
-pub use files::{UnitNames, calibration, csv};
+pub use files::{UnitNames, axis_name, calibration, csv};
 pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
 pub use sensor::{

@@ -209,21 +209,27 @@ impl ImuColumns {
         let samples = values(column, log)?;
         let was_on = if skipped_s > 0.0 { Some(true) } else { self.was_on(start_s) };
         let mut means = MeansBuilder::new(samples.len(), rate_hz).was_on(was_on);
-        let is_same = self.temps_c.len() == samples.len();
+        let temps_c = self.temps_of(samples.len(), rate_hz, start_s);
+        samples.into_iter().zip(temps_c).for_each(|(sample, temp_c)| means.push(sample, temp_c));
+        Ok(means.finish())
+    }
+
+    /// The last temperature before each sample of an axis, °C; NaN where it is missing. `samples`, `rate_hz` and
+    /// `start_s` are those of the axis.
+    pub fn temps_of(&self, samples: usize, rate_hz: f64, start_s: Option<f64>) -> impl Iterator<Item = f64> {
+        let is_same = self.temps_c.len() == samples;
         let per_sample = self.temps_hz / rate_hz;
         let later = start_s.zip(self.temps_start_s).map(|(axis_s, temps_s)| (axis_s - temps_s) * self.temps_hz);
-        for (index, sample) in samples.into_iter().enumerate() {
+        (0..samples).map(move |index| {
             let at = match later {
                 None if is_same => index as f64,
                 None => (index as f64 + 0.5) * per_sample,
                 // the middle of the sample, so that rounding does not matter
                 Some(later) => (index as f64 + 0.5) * per_sample + later,
             };
-            // the last temperature before the sample
             let temp_c = if at < 0.0 { None } else { self.temps_c.get(at as usize) };
-            means.push(sample, temp_c.copied().unwrap_or(f64::NAN));
-        }
-        Ok(means.finish())
+            temp_c.copied().unwrap_or(f64::NAN)
+        })
     }
 }
 

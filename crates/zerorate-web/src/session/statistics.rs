@@ -225,8 +225,11 @@ impl Statistics {
             ));
         }
         if let Some(fit) = self.fit.as_ref().filter(|fit| fit.is_rejected) {
-            let off = 100.0 * fit.model_error;
-            return Some(format!("the rate contains more than noise: the model is off by {off:.0} %"));
+            let why = match fit.motion_ratio {
+                Some(_) => "the sensor moves".to_owned(),
+                None => format!("the model is off by {:.0} %", 100.0 * fit.model_error),
+            };
+            return Some(format!("the rate contains more than noise: {why}"));
         }
         let missing = self.recent.iter().filter(|rate| rate.is_nan()).count() as f64 / self.recent.len().max(1) as f64;
         if missing > MOST_MISSING {

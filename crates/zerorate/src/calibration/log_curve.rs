@@ -10,6 +10,9 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use zerorate_allan::FLOOR_PER_B;
 
+/// The method of calibrations that were made from logs.
+pub(super) const METHOD: &str = "tempcal";
+
 /// Facts about a unit that its curves do not hold.
 #[derive(Clone, Debug)]
 pub struct LogUnit {
@@ -37,7 +40,7 @@ impl Calibration {
             part: unit.part,
             serial: unit.serial.as_deref().map(one_line),
             created: None,
-            method: Some("tempcal".to_string()),
+            method: Some(METHOD.to_string()),
             software: Some(one_line(&unit.software)),
             device: Some(one_line(&unit.device)),
             config: None,

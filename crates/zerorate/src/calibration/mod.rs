@@ -301,6 +301,12 @@ impl Calibration {
         }
     }
 
+    /// Whether the calibration was made from logs in °/s, so that it corrects logs and not the codes of a part.
+    #[must_use]
+    pub fn is_of_logs(&self) -> bool {
+        self.method.as_deref() == Some(log_curve::METHOD)
+    }
+
     /// Identifies the calibration by 12 hexadecimal digits, which corrected data carry. They depend on the part, the
     /// serial number, the date, and the coefficients of the corrections.
     #[must_use]

@@ -2,6 +2,7 @@
 
 use crate::notice::Warning;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Means over whole seconds. `temp_c`, `at_rest` and each list in `rates_dps` are as long as `start_s`. A second
 /// without a reading is in none of them.
@@ -97,7 +98,11 @@ impl Record {
     /// Returns the slope of a line through the temperatures from an index on, °C/s, and its standard uncertainty
     /// from the scatter about the line. `None` for fewer than ten seconds.
     pub(super) fn drift(&self, from: usize) -> Option<Drift> {
-        let (times, temps) = (self.start_s.get(from..)?, self.temp_c.get(from..)?);
+        self.drift_within(from..self.len())
+    }
+
+    fn drift_within(&self, seconds: Range<usize>) -> Option<Drift> {
+        let (times, temps) = (self.start_s.get(seconds.clone())?, self.temp_c.get(seconds)?);
         let n = times.len() as f64;
         if times.len() < 10 {
             return None;
@@ -113,6 +118,14 @@ impl Record {
         let variance = times.iter().zip(temps).map(left).sum::<f64>() / (n - 2.0);
         Some(Drift { c_per_s, u_c_per_s: libm::sqrt(variance / spread), mean_c })
     }
+
+    /// Whether the temperature drifts by less than a limit from an index on. It does not where it only turns round:
+    /// there, half of the time surely drifts by more.
+    pub(super) fn is_settled(&self, from: usize, limit_c_per_s: f64) -> bool {
+        let half = from + (self.len() - from) / 2;
+        let turns = self.drift_within(from..half).is_some_and(|drift| drift.is_above(limit_c_per_s));
+        !turns && self.drift(from).is_some_and(|drift| drift.is_below(limit_c_per_s))
+    }
 }
 
 /// The slope of a line through temperatures, its standard uncertainty, and the mean of the temperatures.
@@ -127,6 +140,11 @@ impl Drift {
     /// Whether the drift is below a limit, with a probability of 97.7 %.
     pub fn is_below(&self, limit_c_per_s: f64) -> bool {
         self.c_per_s.abs() + 2.0 * self.u_c_per_s <= limit_c_per_s
+    }
+
+    /// Whether the drift is above a limit, with the same probability.
+    fn is_above(&self, limit_c_per_s: f64) -> bool {
+        self.c_per_s.abs() - 2.0 * self.u_c_per_s > limit_c_per_s
     }
 }
 
@@ -151,5 +169,19 @@ mod tests {
         let expected = libm::sqrt(n / (n - 2.0) * 0.01 / spread);
         assert!((drift.u_c_per_s / expected - 1.0).abs() < 1e-3, "{drift:?}, not {expected}");
         assert_eq!(record.drift(131), None);
+    }
+
+    #[test]
+    fn a_temperature_that_turns_round_is_not_settled() {
+        let settles = |bend_c: f64| {
+            let mut record = Record::new(1);
+            for k in 0..100_u32 {
+                let (at_s, error_c) = (f64::from(k), if k % 2 == 0 { 0.1 } else { -0.1 });
+                record.start_s.push(at_s);
+                record.temp_c.push(20.0 + bend_c * (at_s - 49.5) * (at_s - 49.5) / 2500.0 + error_c);
+            }
+            record.is_settled(0, 0.01)
+        };
+        assert!(settles(0.0) && settles(0.2) && !settles(1.0));
     }
 }

@@ -24,25 +24,46 @@ impl LagAndPlay {
     /// without play. Both start in balance and in the middle of the play.
     pub(super) fn temps_c(&self, blocks: &[Block]) -> (Vec<f64>, Held) {
         let Some(first) = blocks.first() else { return Default::default() };
-        let (mut late_c, mut held_c, mut last) = (first.temp_c, first.temp_c, *first);
-        let follow = |block: &Block| {
-            late_c = self.late_c(late_c, &last, block);
-            held_c = held_c.clamp(late_c - self.play_c, late_c + self.play_c);
-            last = *block;
-            held_c
-        };
-        let temps_c = blocks.iter().map(follow).collect();
-        (temps_c, Held { at_c: held_c, of_c: late_c })
+        let mut followed = FollowedTemperature::new(*self, first.middle_s(), first.temp_c);
+        let temps_c = blocks.iter().map(|block| followed.push(block.middle_s(), block.temp_c)).collect();
+        (temps_c, Held { at_c: followed.held_c, of_c: followed.late_c })
+    }
+}
+
+/// The temperature that the bias follows, from the temperatures that are read one after another.
+#[derive(Clone, Copy, Debug)]
+pub struct FollowedTemperature {
+    following: LagAndPlay,
+    late_c: f64,
+    held_c: f64,
+    last_s: f64,
+    last_c: f64,
+}
+
+impl FollowedTemperature {
+    /// Starts in balance with the first temperature, and in the middle of the play.
+    #[must_use]
+    pub fn new(following: LagAndPlay, at_s: f64, temp_c: f64) -> Self {
+        Self { following, late_c: temp_c, held_c: temp_c, last_s: at_s, last_c: temp_c }
     }
 
-    /// The solution of lag · late' = T − late with T as a straight line from a block to the next.
-    fn late_c(&self, late_c: f64, last: &Block, block: &Block) -> f64 {
-        let passed_s = block.middle_s() - last.middle_s();
-        if self.lag_s <= 0.0 || passed_s <= 0.0 {
-            return block.temp_c;
+    /// Takes the temperature at a time, s and °C, and returns the one that the bias follows, °C.
+    pub fn push(&mut self, at_s: f64, temp_c: f64) -> f64 {
+        self.late_c = self.late_c_at(at_s, temp_c);
+        let play_c = self.following.play_c;
+        self.held_c = self.held_c.clamp(self.late_c - play_c, self.late_c + play_c);
+        (self.last_s, self.last_c) = (at_s, temp_c);
+        self.held_c
+    }
+
+    /// The solution of lag · late' = T − late with T as a straight line since the last temperature.
+    fn late_c_at(&self, at_s: f64, temp_c: f64) -> f64 {
+        let (passed_s, lag_s) = (at_s - self.last_s, self.following.lag_s);
+        if lag_s <= 0.0 || passed_s <= 0.0 {
+            return temp_c;
         }
-        let behind_c = (block.temp_c - last.temp_c) / passed_s * self.lag_s;
-        let decay = libm::exp(-passed_s / self.lag_s);
-        block.temp_c - behind_c + (late_c - last.temp_c + behind_c) * decay
+        let behind_c = (temp_c - self.last_c) / passed_s * lag_s;
+        let decay = libm::exp(-passed_s / lag_s);
+        temp_c - behind_c + (self.late_c - self.last_c + behind_c) * decay
     }
 }

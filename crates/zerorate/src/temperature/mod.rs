@@ -29,7 +29,7 @@ use crate::part::{Axis, TypicalBias};
 use crate::uncertainty::Uncertainty;
 use alloc::vec::Vec;
 use basis::Basis;
-pub use follow::LagAndPlay;
+pub use follow::{FollowedTemperature, LagAndPlay};
 use interval::{Peak, honest_u};
 use model_averaging::{Weighed, weigh};
 use posterior::{Powers, Record};

@@ -129,7 +129,8 @@ struct ControlArgs {
 
     /// Instead of the commands: hand, or sim:… for twin: [default: hand; sim: for twin:].
     ///
-    /// hand: you set the chamber. sim:lag_s=…,overshoot=…,door_at_s=…,door_for_s=…,room_c=…: a simulated chamber.
+    /// hand: you set the chamber. sim:lag_s=…,overshoot=…,door_at_s=…,door_for_s=…,room_c=…,start_c=…: a simulated
+    /// chamber.
     #[arg(long, value_name = "CHAMBER", conflicts_with = "set_temperature")]
     chamber: Option<ChamberSpec>,
 }

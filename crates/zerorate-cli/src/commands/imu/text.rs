@@ -52,6 +52,7 @@ fn of_group(kind: Kind, axes: &[&AxisReport]) -> String {
         let is_rejected = report.model().is_some_and(|fit| fit.rejected);
         row.extend(columns.iter().map(|(_, of)| if is_rejected { "–".to_owned() } else { value(of) }));
         row.extend(report.model().map(|fit| match fit.model_error {
+            _ if fit.motion_ratio.is_some() => "motion".to_owned(),
             Some(error) if !is_without_misfit(fit) => format!("{:.1} %", error * 100.0),
             _ => "none found".to_owned(),
         }));

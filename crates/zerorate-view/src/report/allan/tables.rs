@@ -27,6 +27,7 @@ pub fn by_axis(group: &Group<'_>) -> Table {
     }
     rows.extend(gauss_markov_rows(&fits));
     let error = |fit: &FitReport| match fit.model_error {
+        _ if fit.motion_ratio.is_some() => "motion: rejected".to_owned(),
         Some(error) if fit.rejected => format!("{:.1} %: rejected", error * 100.0),
         Some(_) if is_without_misfit(fit) => "none found".to_owned(),
         Some(error) => format!("{:.1} %", error * 100.0),

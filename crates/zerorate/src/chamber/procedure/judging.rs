@@ -139,8 +139,9 @@ impl ChamberProcedure {
         let (window_s, timeout_s) = (self.plan.window_s, self.plan.settle_timeout_s);
         let average_s = self.average_s(planned_s);
         let limit_c_per_s = self.plan.drift_c_per_s(average_s, &self.part);
-        let Some(drift) = self.record.drift(self.record.index_of(self.now_s() - window_s)) else { return Ok(()) };
-        if here_s >= window_s && drift.is_below(limit_c_per_s) && self.is_near(&drift) {
+        let from = self.record.index_of(self.now_s() - window_s);
+        let Some(drift) = self.record.drift(from) else { return Ok(()) };
+        if here_s >= window_s && self.record.is_settled(from, limit_c_per_s) && self.is_near(&drift) {
             self.leave(false);
             self.present.average_s = average_s;
             return Ok(());
@@ -229,7 +230,7 @@ impl ChamberProcedure {
             end_s: self.now_s(),
             temp_c: mean(&self.record.temp_c),
             drift_c_per_min: drift.c_per_s * 60.0,
-            settled: drift.is_below(limit_c_per_s),
+            settled: self.record.is_settled(from, limit_c_per_s),
             rates_dps: self.record.rates_dps.iter().map(mean).collect(),
         };
         self.record.soaks.push(soak);

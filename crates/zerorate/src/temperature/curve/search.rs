@@ -348,16 +348,26 @@ impl<'a> Search<'a> {
         relevant.map(model).collect()
     }
 
-    /// Largest log evidence of a bias that does not depend on the temperature, over a coarse lattice of noises.
+    /// Largest log evidence of a bias that does not depend on the temperature, over a coarse lattice of noises and the
+    /// places around its best one.
     fn log_evidence_without(&mut self) -> f64 {
-        let mut best = f64::NEG_INFINITY;
-        for place in
-            (B_STEPS.0..=B_STEPS.1).step_by(4).flat_map(|b| (K_STEPS.0..=K_STEPS.1).step_by(2).map(move |k| (b, k)))
-        {
-            let Some(products) = self.products(place, &LagAndPlay::default()) else { continue };
-            let of = |shape: &PriorSpreads| self.record.log_evidence_without(&products, shape);
-            best = self.shapes.first().and_then(of).map_or(best, |score| best.max(score));
+        let (bs, ks) = ((B_STEPS.0..=B_STEPS.1).step_by(4), (K_STEPS.0..=K_STEPS.1).step_by(2));
+        let mut best = (f64::NEG_INFINITY, (0, 0));
+        for place in bs.flat_map(|b| ks.clone().map(move |k| (b, k))) {
+            best = self.better_without(best, place);
         }
-        best
+        let (b, k) = best.1;
+        for place in (b - 2..=b + 2).flat_map(|b| (k - 1..=k + 1).map(move |k| (b, k))) {
+            best = self.better_without(best, place);
+        }
+        best.0
+    }
+
+    /// The better one of `best` and the place, by the evidence of a bias that does not depend on the temperature.
+    fn better_without(&mut self, best: (f64, Place), place: Place) -> (f64, Place) {
+        let Some(products) = self.products(place, &LagAndPlay::default()) else { return best };
+        let of = |shape: &PriorSpreads| self.record.log_evidence_without(&products, shape);
+        let score = self.shapes.first().and_then(of);
+        score.filter(|score| *score > best.0).map_or(best, |score| (score, place))
     }
 }
