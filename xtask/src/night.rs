@@ -47,7 +47,7 @@ const STEPS: [Step; 18] = [
     Step::new("proofs", "xtask proofs --check --seed {seed}")
         .about("The C interface in Miri, and called at random under AddressSanitizer, where nightly Rust is installed")
         .at(Pace::Beside)
-        .installing("clang"),
+        .installing("clang libclang-rt-dev"),
     Step::new("mutants", "xtask mutants --share 120 --seed {seed} adis16130")
         .about("The tests of the driver fail where one of nine lines is made wrong")
         .at(Pace::Beside)

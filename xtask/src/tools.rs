@@ -21,6 +21,13 @@ pub fn available(tools: &[Tool], purpose: &str) -> Result<bool> {
     installed(&missing, purpose)
 }
 
+/// Like [`available`], for the library `file` that clang links.
+pub fn of_clang_available(file: &str, package: &str, purpose: &str) -> Result<bool> {
+    // clang prints the whole path of a file that it finds
+    let found = Command::new("clang").arg(format!("-print-file-name={file}")).output()?.stdout;
+    if found.starts_with(b"/") { Ok(true) } else { installed(&[package], purpose) }
+}
+
 /// Like [`available`], for a module of Debian's Python.
 pub fn module_available(module: &str, package: &str, purpose: &str) -> Result<bool> {
     let import = Command::new(DEBIAN_PYTHON).args(["-c", &format!("import {module}")]).stderr(Stdio::null()).status();

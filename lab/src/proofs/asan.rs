@@ -3,13 +3,15 @@
 
 use super::{WORK, nightly};
 use anyhow::{Result, ensure};
+use std::env::consts::ARCH;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use xtask::tools::{Tool, available};
+use xtask::tools::{Tool, available, of_clang_available};
 use xtask::venv::done;
 
 const PROJECT: &str = "bindings/c";
+const PURPOSE: &str = "AddressSanitizer";
 const CLANG: Tool = Tool { program: "clang", package: "clang" };
 const CALLS: u64 = 100_000_000;
 const CALLS_QUICK: u64 = 5_000_000;
@@ -18,7 +20,11 @@ const CALLS_QUICK: u64 = 5_000_000;
 pub fn run(check: bool, seed: u64) -> Result<()> {
     every_function_is_called("tests/fuzz.c")?;
     every_function_is_called("src/tests.rs")?;
-    if !nightly::available("rustc", "AddressSanitizer") || !available(&[CLANG], "AddressSanitizer")? {
+    let runtime = format!("libclang_rt.asan-{ARCH}.a");
+    if !nightly::available("rustc", PURPOSE)
+        || !available(&[CLANG], PURPOSE)?
+        || !of_clang_available(&runtime, "libclang-rt-dev", PURPOSE)?
+    {
         return Ok(());
     }
     let libraries = libraries()?;

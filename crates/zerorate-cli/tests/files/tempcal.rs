@@ -163,7 +163,7 @@ fn a_calibration_of_logs_corrects_another_log_with_its_lag() {
     assert!(worst(2) > 0.5 && worst(3) < 0.01, "{} before, {} after", worst(2), worst(3));
 
     let line = "correct swing.csv --cal unit.toml";
-    bench.zerorate(&format!("{line} -o out.parquet")).fails(2, &["ends in .csv"]);
+    bench.zerorate(&format!("{line} -o out.arrows")).fails(2, &["ends in .csv"]);
     bench
         .zerorate(&format!("{line} --gyro note --gyro-unit dps -o x.csv"))
         .fails(2, &["none of the gyroscope's axes"]);
