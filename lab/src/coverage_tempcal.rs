@@ -86,7 +86,7 @@ const KINDS: [Kind; 12] = [
     Kind { name: "cubic, no lag, begins up to 400 s after switch-on", begins_s: 400.0, ..AT_ONCE },
     Kind { name: "cubic, lag of 0 to 150 s, begins up to 400 s after switch-on", begins_s: 400.0, ..DRAWN },
     Kind { name: "cubic, no lag, thermometer with noise of 0.5 °C", noise_c: 0.5, ..AT_ONCE },
-    Kind { name: "cubic, no lag, thermometer in a draught of 0.05 °C", draught_c: 0.05, ..AT_ONCE },
+    Kind { name: "cubic, no lag, thermometer in a draught of 0.3 °C", draught_c: 0.3, ..AT_ONCE },
     Kind { name: "cubic, no lag, thermometer with steps of 0.5 °C", step_c: 0.5, ..AT_ONCE },
     Kind { name: "cubic, no lag, thermometer 20 s late", late_s: 20.0, ..AT_ONCE },
     Kind { name: "cubic with a kink of 0.01 °/s/°C, no lag", kink_dps_per_c: 0.01, ..AT_ONCE },

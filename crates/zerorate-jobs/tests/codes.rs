@@ -127,6 +127,7 @@ fn of_curves() -> Vec<CurveWarning> {
         CurveWarning::NoisyThermometer { smoothed_s: 603.0 },
         CurveWarning::LateThermometer { late_s: 20.0 },
         CurveWarning::LongLag { longest_s: 450.0 },
+        CurveWarning::LagOrDraught { lag_s: 322.0 },
         CurveWarning::OneDirection,
         CurveWarning::StillFollowing { unsettled: 0.0123, unit },
         CurveWarning::Jumped { jumps: 12, largest: 0.0123, unit },

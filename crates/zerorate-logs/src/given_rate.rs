@@ -37,7 +37,7 @@ pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> 
         return times.time_base(unit, Names::default()).ok().map(|time_base| (time_base.rate_hz, RATE_OFF));
     }
     if !rows.is_sorted() {
-        return median_rate_hz(&rows, unit).map(|rate_hz| (rate_hz, COARSE_RATE_OFF));
+        return median_rate_hz(rows, unit).map(|rate_hz| (rate_hz, COARSE_RATE_OFF));
     }
     let steps = rows.windows(2).filter(|pair| pair[0] < pair[1]).count();
     let rate_hz = (rows.len() - 1) as f64 * unit.per_s() / rows.last()?;

@@ -22,12 +22,65 @@ const FAR: f64 = 20.0;
 /// A lag above this share of the longest lag that is tried stands for another effect.
 const LONG_LAG: f64 = 0.8;
 
+/// Numbers of blocks to either side over which a draught at the thermometer is averaged.
+const DRAUGHTS: [usize; 2] = [30, 100];
+/// Least gain of the log evidence by a lag that may stand for a draught.
+const GAIN_OF_LAG: f64 = 6.0;
+/// A draught explains the logs as well as a lag if it gains all but this share.
+const AS_WELL: f64 = 0.2;
+
+/// Most log evidence that a draught may lack, since its average is less certain at the ends of a log.
+const LOST: f64 = 30.0;
+
 /// A record and its best model.
 type Explained = (Record, Model);
 
+/// The conditions that explain a record best, with its best model, and the record with the lag that explains it as well.
+pub(super) struct Conditions {
+    pub(super) record: Record,
+    pub(super) model: Model,
+    pub(super) with_lag: Option<(Record, f64)>,
+}
+
+impl Conditions {
+    /// Finds the conditions of these logs. `None` if no model can be computed.
+    pub(super) fn of(logs: &[LogMeans]) -> Option<Self> {
+        let (mut record, mut model) = best(logs)?;
+        let lag_s = model.following.lag_s;
+        if let Some((averaged, of_averaged)) = in_draught(logs, &record, &model) {
+            let with_lag = Some((record.over(averaged.series), lag_s));
+            return Some(Self { record: averaged, model: of_averaged, with_lag });
+        }
+        if lag_s > LONG_LAG * search::longest_lag_s(&record.logs) {
+            record = record.without_lag();
+            model = search::best(&record)?;
+        }
+        Some(Self { record, model, with_lag: None })
+    }
+}
+
+/// The logs without a lag, with the temperature averaged, if they are explained nearly as well as by the lag of the
+/// model. Where only the thermometer feels a draught, a lag averages its readings likewise.
+fn in_draught(logs: &[LogMeans], record: &Record, model: &Model) -> Option<Explained> {
+    if model.following.lag_s <= 0.0 {
+        return None;
+    }
+    let gain = model.log_score - search::best(&first_start(logs, record).without_lag())?.log_score;
+    let smoothed = |reach: &usize| logs.iter().map(|log| log.smoothed(*reach, 0.0)).collect::<Vec<LogMeans>>();
+    let averaged = best_of(DRAUGHTS.iter().map(|reach| first_start(&smoothed(reach), record).without_lag()))?;
+    let lacks = model.log_score - averaged.1.log_score;
+    (gain > GAIN_OF_LAG && lacks < (AS_WELL * gain).min(LOST)).then_some(averaged)
+}
+
+/// The record of these logs with the sensor switched on at their beginning, if it is not known to have been on.
+fn first_start(logs: &[LogMeans], other: &Record) -> Record {
+    let record = Record::new(logs.to_vec()).turning_within(other.turns);
+    record.starts().into_iter().next().unwrap_or(record)
+}
+
 /// Returns the record of these logs under the conditions that explain it best, and its best model. `None` if no model
 /// can be computed.
-pub(super) fn best(logs: &[LogMeans]) -> Option<Explained> {
+fn best(logs: &[LogMeans]) -> Option<Explained> {
     let mut best = best_of(smoothings(logs).into_iter().flat_map(|logs| Record::new(logs).starts()))?;
     if best.0.two_directions {
         let turns = TURNS[1..].iter().map(|turns| best.0.turning_within(*turns)).collect();
@@ -39,12 +92,7 @@ pub(super) fn best(logs: &[LogMeans]) -> Option<Explained> {
         let late = late_thermometers(logs, &best.0).into_iter().flat_map(|logs| Record::new(logs).starts());
         best = better(late.map(|record| record.turning_within(turns)).collect(), best, FROM_LATE);
     }
-    let (mut record, model) = best;
-    if model.following.lag_s <= LONG_LAG * search::longest_lag_s(&record.logs) {
-        return Some((record, model));
-    }
-    record.without_lag = true;
-    search::best(&record).map(|model| (record, model))
+    Some(best)
 }
 
 fn best_of(records: impl Iterator<Item = Record>) -> Option<Explained> {

@@ -166,6 +166,23 @@ impl Record {
         Self { logs, steps: self.steps.clone(), ..*self }
     }
 
+    /// The record with no lag tried.
+    pub(super) fn without_lag(self) -> Self {
+        Self { without_lag: true, ..self }
+    }
+
+    /// The record with its coefficients over another span, so that they can be averaged with those of that span.
+    pub(super) fn over(self, series: Series) -> Self {
+        Self { series, ..self }
+    }
+
+    /// The record without the steps and outliers that were found in the same logs.
+    pub(super) fn without_disturbances_of(mut self, found: &Self) -> Self {
+        self.steps.clone_from(&found.steps);
+        self.logs.iter_mut().zip(&found.logs).for_each(|(log, found)| log.keep_blocks_of(found));
+        self
+    }
+
     /// The same record with another value of [`Record::turns`].
     pub(super) fn turning_within(&self, turns: f64) -> Self {
         Self { logs: self.logs.clone(), steps: self.steps.clone(), turns, ..*self }

@@ -379,6 +379,12 @@ impl LogMeans {
         self.indices.remove(at);
     }
 
+    /// Keeps the blocks that `other` has, a part of the same log.
+    pub(super) fn keep_blocks_of(&mut self, other: &Self) {
+        let kept: Vec<bool> = self.indices.iter().map(|index| other.indices.binary_search(index).is_ok()).collect();
+        self.keep(|place| kept[place]);
+    }
+
     /// Keeps the blocks whose index fulfils a condition.
     pub(super) fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
         let kept = |values: usize| (0..values).map(&is_kept).collect::<Vec<bool>>();

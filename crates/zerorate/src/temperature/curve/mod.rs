@@ -26,6 +26,7 @@ use super::{TERMS, ThermalError, gls};
 use crate::noise::NoiseModel;
 use crate::temperature::sweeps;
 use alloc::vec::Vec;
+use conditions::Conditions;
 use evidence::{Model, Record};
 pub use lag::LagLikelihood;
 pub use means::{LogMeans, MeansBuilder};
@@ -55,6 +56,9 @@ pub struct LogCurve {
     pub thermometer_late_s: f64,
     /// The longest lag that was tried, s, if a lag near it would fit best; no lag was taken then.
     pub long_lag_s: Option<f64>,
+    /// The lag that explains the logs as well as a draught that only the thermometer feels, s. No lag was taken then,
+    /// and the uncertainty holds both.
+    pub lag_or_draught_s: Option<f64>,
     /// Posterior probability that the bias lags.
     pub late_probability: f64,
     /// Whether the sensor was probably on before the logs began, for logs that do not say.
@@ -233,6 +237,8 @@ const FEWEST: usize = 40;
 /// The logs of one axis of one unit, without their outliers, and with their steps found.
 pub struct AxisRecord {
     record: Record,
+    /// The logs with a lag, and the lag, s, if `record` has a draught at the thermometer in its place.
+    with_lag: Option<(Record, f64)>,
     glitches: usize,
     lag: LagLikelihood,
 }
@@ -247,10 +253,12 @@ impl AxisRecord {
         if blocks < FEWEST {
             return Err(ThermalError::TooFew { blocks, needed: FEWEST });
         }
-        let (mut record, first) = conditions::best(&logs).ok_or(ThermalError::Degenerate)?;
-        let (glitches, best) = disturbances::take_out(&mut record, first);
+        let found = Conditions::of(&logs).ok_or(ThermalError::Degenerate)?;
+        let Conditions { mut record, model, with_lag } = found;
+        let (glitches, best) = disturbances::take_out(&mut record, model);
         let lag = search::lag_likelihood(&record, &best);
-        Ok(Self { record, glitches, lag })
+        let with_lag = with_lag.map(|(other, lag_s)| (other.without_disturbances_of(&record), lag_s));
+        Ok(Self { record, with_lag, glitches, lag })
     }
 
     /// The means, without outliers.
@@ -271,11 +279,41 @@ impl AxisRecord {
     /// Returns an error if no model can explain the record.
     pub fn curve(&self, others: &[&LagLikelihood]) -> Result<LogCurve, ThermalError> {
         let Self { record, glitches, .. } = self;
-        let mut models: Vec<Model> = record.starts().iter().flat_map(|start| search::all(start, others)).collect();
-        search::weigh(&mut models);
+        let models = models(record, others);
         let best = models.iter().max_by(|one, other| one.weight.total_cmp(&other.weight));
         let best = best.ok_or(ThermalError::Degenerate)?;
-        Ok(average(record, &models, best, *glitches, left_out::span(record, best)))
+        let curve = average(record, &models, best, *glitches, left_out::span(record, best));
+        Ok(match &self.with_lag {
+            Some((with_lag, lag_s)) => curve.or_with_lag(&self::models(with_lag, others), *lag_s),
+            None => curve,
+        })
+    }
+}
+
+/// All models of a record that may matter, with their weights.
+fn models(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
+    let mut models: Vec<Model> = record.starts().iter().flat_map(|start| search::all(start, others)).collect();
+    search::weigh(&mut models);
+    models
+}
+
+/// Probability of a lag where a draught at the thermometer explains the logs nearly as well. The band of 95 % then holds
+/// the curves of both.
+const OF_LAG: f64 = 0.3;
+
+impl LogCurve {
+    /// The mean of this curve and of the models with a lag, which explain the logs as well.
+    fn or_with_lag(self, models: &[Model], lag_s: f64) -> Self {
+        let late: [f64; COEFFICIENTS] = core::array::from_fn(|k| mean(models, &|model| model.coefficients[k]));
+        let of_late = covariance(models, &late);
+        let apart = |k: usize| late[k] - self.coefficients[k];
+        let coefficients = core::array::from_fn(|k| self.coefficients[k] + OF_LAG * apart(k));
+        let product = |i: usize, j: usize| {
+            let within = (1.0 - OF_LAG) * self.covariance[i][j] + OF_LAG * of_late[i][j];
+            within + OF_LAG * (1.0 - OF_LAG) * apart(i) * apart(j)
+        };
+        let covariance = core::array::from_fn(|i| core::array::from_fn(|j| product(i, j)));
+        Self { coefficients, covariance, lag_or_draught_s: Some(lag_s), ..self }
     }
 }
 
@@ -333,6 +371,7 @@ fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, spa
         coefficients,
         covariance,
         following,
+        lag_or_draught_s: None,
         long_lag_s: record.without_lag.then(|| search::longest_lag_s(&record.logs)),
         thermometer_late_s: record.logs.first().map_or(0.0, |log| log.thermometer().late_s),
         late_probability: mean(&|model| f64::from(u8::from(model.following.lag_s > 0.0))),

@@ -165,6 +165,19 @@ fn noise_of_the_thermometer_is_not_a_lag() {
     assert!(found.lag_s() < 3.0 && most < 0.005 && ratio < 4.0, "{} {most} {ratio}", found.lag_s());
 }
 
+/// A lag averages a draught that only the thermometer feels. The curve with that lag is off by 0.1 °/s.
+#[test]
+fn a_draught_at_the_thermometer_is_not_taken_for_a_lag() {
+    let (air_c, kept) = (std::cell::Cell::new(0.0), libm::exp(-1.0 / RATE_HZ / 10.0));
+    let draughty = |_: usize, temp_c: f64, random: &mut Normal| {
+        air_c.set(kept * air_c.get() + 0.3 * libm::sqrt(1.0 - kept * kept) * random.next());
+        temp_c + air_c.get()
+    };
+    let (found, most, ratio) = with_thermometer(&WARMING, draughty);
+    let said = found.lag_or_draught_s;
+    assert!(said.is_some() && found.lag_s() < 3.0 && ratio < 2.5, "{said:?} {} {most} {ratio}", found.lag_s());
+}
+
 #[test]
 fn failed_readings_of_the_temperature_are_left_out() {
     let failing = |k: usize, temp_c: f64, _: &mut Normal| if k % 900 < 12 { 0.0 } else { temp_c };

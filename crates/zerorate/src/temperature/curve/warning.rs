@@ -24,6 +24,8 @@ pub enum CurveWarning {
     LateThermometer { late_s: f64 },
     /// The best lag would be about the longest that is tried, s, and none was taken.
     LongLag { longest_s: f64 },
+    /// A lag of this size, s, explains the logs as well as a draught that only the thermometer feels. None was taken.
+    LagOrDraught { lag_s: f64 },
     /// The sensor moved `times` times between `from_s` and `to_s`. These times were left out.
     Moved { from_s: f64, to_s: f64, times: usize },
     /// The logs have one direction of the temperature, so the hysteresis is not known.
@@ -58,6 +60,10 @@ rows!(match CurveWarning {
     Self::LongLag { longest_s } => Row {
         code: "lag-doubtful",
         text: format_args!("only a lag of about {longest_s:.0} s would fit, and none was taken; see the residuals"),
+    },
+    Self::LagOrDraught { lag_s } => Row {
+        code: "lag-doubtful",
+        text: format_args!("a lag of {lag_s:.0} s or a draught at the thermometer; the band holds both"),
     },
     Self::Moved { from_s, to_s, times } => Row {
         code: "motion",
@@ -117,9 +123,13 @@ impl LogCurve {
             (self.log_odds < NO_EVIDENCE).then_some(CurveWarning::Unrelated),
             coarse.map(|step_c| CurveWarning::CoarseThermometer { step_c }),
             (stuck_s > 0.0).then_some(CurveWarning::StuckThermometer { stuck_s }),
-            (smoothed_s > 0.0 && late_s == 0.0).then_some(CurveWarning::NoisyThermometer { smoothed_s }),
+            (smoothed_s > 0.0 && late_s == 0.0 && self.lag_or_draught_s.is_none())
+                .then_some(CurveWarning::NoisyThermometer { smoothed_s }),
             (late_s > 0.0).then_some(CurveWarning::LateThermometer { late_s }),
-            self.long_lag_s.map(|longest_s| CurveWarning::LongLag { longest_s }),
+            self.long_lag_s
+                .filter(|_| self.lag_or_draught_s.is_none())
+                .map(|longest_s| CurveWarning::LongLag { longest_s }),
+            self.lag_or_draught_s.map(|lag_s| CurveWarning::LagOrDraught { lag_s }),
             ends.map(|(first, last)| CurveWarning::Moved { from_s: first.0, to_s: last.1, times: moving.len() }),
             (jumps > 0).then_some(CurveWarning::Jumped { jumps, largest, unit }),
             (unsettled > UNSETTLED * u).then_some(CurveWarning::StillFollowing { unsettled, unit }),
