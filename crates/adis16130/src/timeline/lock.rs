@@ -50,13 +50,13 @@ pub(super) enum Grip {
     Firm,
     /// The edges did not lie on the grid, which is learned anew.
     Loose,
-    /// The edges lie on no grid. The period stays nominal, and the phase is followed slowly. Each check counts down, and
-    /// the one that finds 0 ends this state.
+    /// The edges lie on no grid. The period stays nominal, and the phase is followed slowly. Each check counts down,
+    /// and the one that finds 0 ends this state.
     Held(u8),
 }
 
-/// The first count of [`Grip::Held`]. The grid is learned anew after about 4300 edges (0.8 s with F-31). Learning up to
-/// the last gear takes about as long.
+/// The first count of [`Grip::Held`]. The grid is learned anew after about 4300 edges (0.8 s with F-31). Learning up
+/// to the last gear takes about as long.
 const HELD_CHECKS: u8 = 16;
 
 impl Grip {

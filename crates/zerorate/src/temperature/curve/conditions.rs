@@ -28,14 +28,14 @@ const DRAUGHTS: [usize; 2] = [30, 100];
 const GAIN_OF_LAG: f64 = 6.0;
 /// A draught explains the logs as well as a lag if it gains all but this share.
 const AS_WELL: f64 = 0.2;
-
 /// Most log evidence that a draught may lack, since its average is less certain at the ends of a log.
 const LOST: f64 = 30.0;
 
 /// A record and its best model.
 type Explained = (Record, Model);
 
-/// The conditions that explain a record best, with its best model, and the record with the lag that explains it as well.
+/// The conditions that explain the logs best, with the best model. Where a lag explains them as well, `with_lag` is the
+/// record with it, and the lag, s.
 pub(super) struct Conditions {
     pub(super) record: Record,
     pub(super) model: Model,

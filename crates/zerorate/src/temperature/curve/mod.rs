@@ -297,8 +297,8 @@ fn models(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     models
 }
 
-/// Probability of a lag where a draught at the thermometer explains the logs nearly as well. The band of 95 % then holds
-/// the curves of both.
+/// Probability of a lag where a draught at the thermometer explains the logs nearly as well. The band of 95 % then
+/// holds the curves of both.
 const OF_LAG: f64 = 0.3;
 
 impl LogCurve {
