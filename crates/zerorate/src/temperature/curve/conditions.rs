@@ -34,8 +34,8 @@ const LOST: f64 = 30.0;
 /// A record and its best model.
 type Explained = (Record, Model);
 
-/// The conditions that explain the logs best, with the best model. Where a lag explains them as well, `with_lag` is the
-/// record with it, and the lag, s.
+/// The conditions that explain the logs best, with the best model. Where a lag explains them as well, `with_lag` is
+/// the record with it, and the lag, s.
 pub(super) struct Conditions {
     pub(super) record: Record,
     pub(super) model: Model,
