@@ -47,7 +47,7 @@ pub fn imu_file(
 #[pyfunction]
 pub fn motion(axes: Vec<(String, PyRef<'_, Model>)>, skipped_s: f64) -> Vec<String> {
     let models: Vec<_> = axes.iter().map(|(name, model)| (name.as_str(), &model.fit)).collect();
-    ImuWarning::of_motion(&models, skipped_s, Names(argument)).iter().map(ImuWarning::coded).collect()
+    ImuWarning::of_motion(&models, &[], skipped_s, Names(argument)).iter().map(ImuWarning::coded).collect()
 }
 
 /// The kind of axis that a unit belongs to; None for other units.

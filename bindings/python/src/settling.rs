@@ -74,5 +74,5 @@ pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {
 
 /// Formats a warning as `code: text`. The text names the arguments of Python that remedy the problem.
 pub fn text(warning: &AllanWarning) -> String {
-    joined(&zerorate_imu::coded(warning, Names(argument)))
+    joined(&zerorate_imu::coded(warning, None, Names(argument)))
 }

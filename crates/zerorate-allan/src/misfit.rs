@@ -47,6 +47,7 @@ impl fmt::Display for Misfit {
             let places = (2.0 - libm::floor(libm::log10(hz.max(1e-9)))).clamp(0.0, 9.0);
             format!("{hz:.*}", places as usize)
         });
-        write!(f, "{ratio:.2} times the power in {from_hz}–{to_hz} Hz; {what}")
+        let places = if ratio < 10.0 { 2 } else { 0 };
+        write!(f, "{ratio:.places$} times the power in {from_hz}–{to_hz} Hz; {what}")
     }
 }

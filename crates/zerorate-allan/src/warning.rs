@@ -1,15 +1,15 @@
 //! The warnings about a curve or a noise model.
 
-use crate::rows;
+use crate::{Cause, rows};
 use alloc::format;
-use alloc::string::String;
+use alloc::string::{String, ToString};
 use core::fmt;
 
 /// The longest practical record, s: a thousand hours.
 pub const LONGEST_RECORD_S: f64 = 3.6e6;
 
-/// A warning about a valid result. `Display` states in one line what was seen and what to do. A number without a
-/// unit is in the unit of the rate.
+/// A warning about a valid result. `Display` states in one line what was seen and what to do, with `unit` for
+/// the unit of the rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
@@ -64,7 +64,9 @@ rows!(match AllanWarning {
     },
     Self::Drift { r, over_record } => Row {
         code: "drift",
-        text: format_args!("the rate drifts by {over_record:.3e} over the record and hides K; let the sensor settle"),
+        text: format_args!(
+            "the rate drifts by {over_record:.3e} {{unit}} over the record and hides K; let the sensor settle"
+        ),
     },
     Self::Glitches { glitches, samples, ratio } => Row {
         code: "glitches",
@@ -84,7 +86,7 @@ rows!(match AllanWarning {
     Self::Step { at_s, size } => Row {
         code: "step",
         text: format_args!(
-            "at {at_s:.1} s the level jumps by {size:.3e} (taken out); look for a knock or a switched supply"
+            "at {at_s:.1} s the level jumps by {size:.3e} {{unit}} (taken out); look for a knock or a switched supply"
         ),
     },
     Self::ManySteps { most } => Row {
@@ -98,14 +100,14 @@ rows!(match AllanWarning {
     Self::Lines { count, frequency_hz, rms } => Row {
         code: "lines",
         text: format_args!(
-            "{count} spectral line{}, the strongest at {frequency_hz:.3} Hz ({rms:.3e} rms); find the source",
+            "{count} spectral line{}, the strongest at {frequency_hz:.3} Hz ({rms:.3e} {{unit}} rms); find the source",
             plural(count as u64)
         ),
     },
     Self::WarmUp { size, tau_s } => Row {
         code: "warm-up",
         text: format_args!(
-            "the level {} by {:.3e} (time constant {}) and hides K; let the sensor settle",
+            "the level {} by {:.3e} {{unit}} (time constant {}) and hides K; let the sensor settle",
             if size < 0.0 { "rises" } else { "falls" },
             size.abs(),
             span(tau_s)
@@ -119,7 +121,9 @@ rows!(match AllanWarning {
     },
     Self::MemoryOrFilter { tau_s, n } => Row {
         code: "memory-or-filter",
-        text: format_args!("a memory of {tau_s:.3} s looks like a low-pass; N is {n:.3e} in the other reading"),
+        text: format_args!(
+            "a memory of {tau_s:.3} s looks like a low-pass; N is {n:.3e} {{unit}}·√s in the other reading"
+        ),
     },
     Self::DriftOrWalk { has_drift, worse } => Row {
         code: "drift-or-walk",
@@ -132,7 +136,7 @@ rows!(match AllanWarning {
     Self::PeriodOrWalk { period_s, k } => Row {
         code: "drift-or-walk",
         text: format_args!(
-            "a period of {period_s:.0} s fits better than K, which is {k:.3e} beside it; find the source"
+            "a period of {period_s:.0} s fits better than K, which is {k:.3e} {{unit}}/√s beside it; find the source"
         ),
     },
     Self::Unsteady { tau_s, ratio } => Row {
@@ -163,7 +167,7 @@ rows!(match AllanWarning {
         ),
     },
     Self::Rejected { error, most, misfit } =>
-        Row { code: "model-rejected", text: format_args!("{}{misfit}", off(error, most)) },
+        Row { code: "model-rejected", text: format_args!("{}{misfit}", off(error, most, misfit.cause)) },
     Self::FollowsTemperature { explained, slope, span_c } => Row {
         code: "follows-temperature",
         text: format_args!("{:.0} % of slow variance is temperature; take it out", explained * 100.0),
@@ -174,9 +178,26 @@ rows!(match AllanWarning {
     },
 });
 
+impl AllanWarning {
+    /// The text with this unit of the rate.
+    #[must_use]
+    pub fn in_unit(&self, unit: &str) -> String {
+        WithoutUnit(self).to_string().replace("{unit}", unit)
+    }
+}
+
+/// The text with `{unit}` in place of the unit of the rate.
+struct WithoutUnit<'a>(&'a AllanWarning);
+
+impl fmt::Display for WithoutUnit<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.text(f)
+    }
+}
+
 impl fmt::Display for AllanWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
+        f.write_str(&self.in_unit("unit"))
     }
 }
 
@@ -210,8 +231,9 @@ impl Noise {
 }
 
 /// The relative error of a model, as the beginning of a sentence, unless the model was rejected for another reason.
-fn off(error: f64, most: f64) -> String {
-    if error < most / (1.0 + most) { String::new() } else { format!("off by {:.0} %: ", error * 100.0) }
+fn off(error: f64, most: f64, cause: Cause) -> String {
+    let is_off = cause != Cause::Motion && error >= most / (1.0 + most);
+    if is_off { format!("off by {:.0} %: ", error * 100.0) } else { String::new() }
 }
 
 /// The record length that would identify a coefficient, as the end of a sentence.

@@ -222,7 +222,7 @@ impl Record {
 
     /// The warnings about the noise as scripts read them.
     pub fn noise_warnings(&self) -> impl Iterator<Item = String> {
-        self.of_noise().map(|warning| coded(warning, self.names))
+        self.of_noise().map(|warning| coded(warning, self.deviation_unit(), self.names))
     }
 
     /// The label that tells this record from others: the file and the column.
@@ -306,9 +306,10 @@ impl Record {
         let (start_s, end_s) =
             (first.skipped_s, first.skipped_s + first.analysis.samples as f64 / first.analysis.rate_hz);
         let spans: Vec<&[(f64, f64)]> = axes.iter().filter_map(|axis| axis.moving_s.as_deref()).collect();
-        let moving = shared(&spans).into_iter().map(|(from_s, to_s)| (start_s + from_s, start_s + to_s)).collect();
-        let moves = ImuWarning::of_moving(moving, (start_s, end_s), first.names);
-        moves.into_iter().chain(ImuWarning::of_motion(&Self::models(axes), start_s, first.names)).collect()
+        let moving = shared(&spans).into_iter().map(|(from_s, to_s)| (start_s + from_s, start_s + to_s));
+        let moving: Vec<(f64, f64)> = moving.collect();
+        let jumps = ImuWarning::of_motion(&Self::models(axes), &moving, start_s, first.names);
+        ImuWarning::of_moving(moving, (start_s, end_s), first.names).into_iter().chain(jumps).collect()
     }
 
     /// The value of the model at a point, if a model exists and describes this statistic.

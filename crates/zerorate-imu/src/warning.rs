@@ -75,16 +75,17 @@ impl fmt::Display for Rest {
     }
 }
 
-/// A warning about a record as scripts read it, `code: text`, with the names of the settings that help.
+/// A warning about a record as scripts read it, `code: text`, with the unit of the rate, if it is known, and the names
+/// of the settings that help.
 #[must_use]
-pub fn coded(warning: &AllanWarning, names: Names) -> String {
+pub fn coded(warning: &AllanWarning, unit: Option<&str>, names: Names) -> String {
     let help = match warning {
         AllanWarning::FollowsTemperature { .. } => {
             format!(" ({}, {})", names.of(Setting::Detrend), names.of(Setting::Skip))
         }
         _ => String::new(),
     };
-    format!("{}: {warning}{help}", warning.code())
+    format!("{}: {}{help}", warning.code(), warning.in_unit(unit.unwrap_or("unit")))
 }
 
 impl ImuWarning {
@@ -95,13 +96,16 @@ impl ImuWarning {
         (!moving_s.is_empty()).then_some(Self::Moves(moving_s, rest))
     }
 
-    /// One warning for all jumps, and one for all common glitches.
+    /// One warning for all jumps, and one for all common glitches. The longest rest also leaves out the times
+    /// `moving_s`.
     #[must_use]
-    pub fn of_motion(axes: &[(&str, &Fit)], skipped_s: f64, names: Names) -> Vec<Self> {
+    pub fn of_motion(axes: &[(&str, &Fit)], moving_s: &[(f64, f64)], skipped_s: f64, names: Names) -> Vec<Self> {
         let (jumps, knocks): (Vec<Moment>, Vec<Moment>) =
             Moment::all(axes, skipped_s).into_iter().partition(|moment| moment.kind == MotionKind::Jump);
         let end_s = axes.iter().map(|(_, fit)| skipped_s + 2.0 * fit.span_s.1).fold(skipped_s, f64::max);
-        let at_s: Vec<(f64, f64)> = jumps.iter().map(|jump| (jump.at_s, jump.at_s)).collect();
+        let at_s = jumps.iter().map(|jump| (jump.at_s, jump.at_s)).chain(moving_s.iter().copied());
+        let mut at_s: Vec<(f64, f64)> = at_s.collect();
+        at_s.sort_by(|one, other| one.0.total_cmp(&other.0));
         let rest = Rest::between(&at_s, (skipped_s, end_s), names);
         let jumps = (!jumps.is_empty()).then_some(Self::Jumps(jumps, rest));
         jumps.into_iter().chain((!knocks.is_empty()).then_some(Self::Knocks(knocks))).collect()

@@ -33,6 +33,15 @@ pub enum JobWarning {
     },
     /// A capture has rows before its first temperature. The number counts them.
     BeforeTemperature(u64),
+    /// So many rows of a log have no temperature in the minute before them.
+    TemperatureMissing(u64),
+    /// The bias lags, so the correction may be off after the start of a log or a gap.
+    LagAtStart {
+        /// The time for which it may be off, s.
+        for_s: f64,
+        /// The largest error, °/s.
+        most_dps: f64,
+    },
     /// Readings with these fault flags were left out of a stream.
     LeftOut(Flags),
     /// The time since a tracked bias was saved is unknown.
@@ -98,6 +107,14 @@ rows!(match JobWarning {
     Self::BeforeTemperature(rows) => Row {
         code: "before-temperature",
         text: format_args!("the first {rows} rows come before the first temperature and stay empty"),
+    },
+    Self::TemperatureMissing(rows) => Row {
+        code: "temperature-missing",
+        text: format_args!("{rows} rows have no temperature in the minute before them and stay empty"),
+    },
+    Self::LagAtStart { for_s, most_dps } => Row {
+        code: "lag-at-start",
+        text: format_args!("up to {most_dps:.3} °/s off for {for_s:.0} s after a start or gap, if it was not warm"),
     },
     Self::LeftOut(ref flags) => Row {
         code: "not-believed",

@@ -253,6 +253,8 @@ fn of_jobs() -> Vec<JobWarning> {
         JobWarning::Overflowed(120_000),
         JobWarning::LogFailed { after_s: 1830.0, why: full() },
         JobWarning::BeforeTemperature(1200),
+        JobWarning::TemperatureMissing(1200),
+        JobWarning::LagAtStart { for_s: 180.0, most_dps: 0.098 },
         JobWarning::LeftOut(Flags::IMPOSSIBLE),
         JobWarning::StateAgeUnknown,
         JobWarning::StateNotKept { why: full(), again_s: 60 },

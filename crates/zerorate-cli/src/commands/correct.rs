@@ -35,7 +35,7 @@ use zerorate_view::SessionWarning;
 /// corrected again.
 ///
 /// A calibration of `zerorate tempcal` corrects the gyroscope of any log of that unit. The result is a table (.csv)
-/// with t_s, temp_c, and NAME_dps and NAME_corrected_dps of each axis. The correction follows the temperature with the
+/// with t_s at the mean rate, temp_c, and NAME_dps and NAME_corrected_dps of each axis. The correction follows the temperature with the
 /// lag of the calibration; at its start, the sensor counts as warmed through.
 #[derive(Args, Debug)]
 pub struct CorrectArgs {
@@ -73,7 +73,8 @@ pub struct CorrectArgs {
 /// What a log does not say, in the words of `zerorate tempcal`.
 #[derive(Args, Debug, Default, PartialEq)]
 struct LoggedArgs {
-    /// The columns of the gyroscope, by name or by number from 0, if their names do not say so.
+    /// The columns of the gyroscope, by name or by number from 0, in the order of the calibration's axes, if their names
+    /// differ from these.
     #[arg(long, value_name = "LIST", help_heading = UNITS)]
     gyro: Option<String>,
 
@@ -121,8 +122,18 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
 
 /// Corrects the gyroscope of a log.
 fn log(args: &CorrectArgs, calibration: &Calibration, outputs: Outputs) -> Result<()> {
-    if form(args.format, &args.output)? != Format::Csv {
+    let is_csv = args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    if args.format.map_or(!is_csv, |format| format != Format::Csv) {
         return Err(Usage("a corrected log is a table: give -o a name that ends in .csv".to_owned()).into());
+    }
+    let (log_name, serial) = (args.capture.display().to_string(), args.serial.as_deref());
+    if serial.is_some()
+        && let Err(mismatch) = (Part { name: &log_name, serial, advice: GIVE }).check(calibration, &args.cal)
+    {
+        if !args.force {
+            bail!("{mismatch} (--force corrects nevertheless)");
+        }
+        warn(&[mismatch]);
     }
     let LoggedArgs { gyro, gyro_unit, gyro_scale, temp_column, reading } = &args.log;
     if reading.only.len() > 1 {
@@ -149,9 +160,18 @@ fn log(args: &CorrectArgs, calibration: &Calibration, outputs: Outputs) -> Resul
     output.publish()?;
     warn(&corrected.notes);
     let (file, rows) = (args.output.display(), corrected.rows());
-    warn(corrected.outside.map(coded).as_slice());
+    warn(&of_axes(calibration));
+    warn(&corrected.warnings.into_iter().map(coded).collect::<Vec<_>>());
     say(format_args!("{file}: {rows} samples, corrected with calibration {}", calibration.id()));
     Ok(())
+}
+
+/// The warnings in a calibration about its axes, each once.
+fn of_axes(calibration: &Calibration) -> Vec<String> {
+    let mut all: Vec<String> = calibration.axes.iter().flat_map(|axis| axis.warnings.clone()).collect();
+    all.sort();
+    all.dedup();
+    all
 }
 
 /// Reads a calibration and prints its warnings.
@@ -173,7 +193,10 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
 
 /// The error for a log or another file that was given as a calibration.
 fn other_file(path: &Path) -> Error {
-    anyhow!("{} is not a calibration file: give the TOML file that `zerorate calibrate -o` writes", path.display())
+    anyhow!(
+        "{} is not a calibration file: give the TOML file that `zerorate calibrate -o`, or `tempcal -o` for logs, writes",
+        path.display()
+    )
 }
 
 fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibration) -> Result<()> {

@@ -134,42 +134,64 @@ fn logs_of_one_unit_are_fitted_together() {
     bench.zerorate("tempcal log.csv other.csv").fails(2, &["give logs of the same unit"]);
 }
 
-/// The calibration of a sensor whose bias follows a minute late corrects a log in which the temperature swings.
+/// Writes a log whose bias follows the temperature a minute late.
+fn write_lagging(bench: &Bench, name: &str, temp_at: &dyn Fn(f64) -> f64) {
+    let (mut text, mut late_c) = ("t_s,gx [rad/s],temp_c,note\n".to_owned(), temp_at(0.0));
+    for (row, noise) in white(ROWS, SIGMA, 11).into_iter().enumerate() {
+        let at_s = row as f64 / RATE_HZ;
+        late_c += (temp_at(at_s) - late_c) / (60.0 * RATE_HZ);
+        let rate = (bias(&GYRO[0], late_c) + noise).to_radians();
+        let _ = writeln!(text, "{at_s:.3},{rate:.9},{:.3},7", temp_at(at_s));
+    }
+    bench.write(name, text);
+}
+
+/// Calibrates a lagging sensor from a log in which it warms and one in which it cools.
+fn calibrated_lagging() -> Bench {
+    let bench = Bench::new();
+    write_lagging(&bench, "warm.csv", &|at_s| 8.0 + 35.0 * (1.0 - (-at_s / 300.0).exp()));
+    write_lagging(&bench, "cool.csv", &|at_s| 12.0 + 30.0 * (-at_s / 200.0).exp());
+    bench.zerorate("tempcal warm.csv cool.csv --serial B7 -o unit.toml").ended_with(0);
+    bench
+}
+
 #[test]
 fn a_calibration_of_logs_corrects_another_log_with_its_lag() {
-    let bench = Bench::new();
-    let write = |name: &str, temp_at: &dyn Fn(f64) -> f64| {
-        let (mut text, mut late_c) = ("t_s,gx [rad/s],temp_c,note\n".to_owned(), temp_at(0.0));
-        for (row, noise) in white(ROWS, SIGMA, 11).into_iter().enumerate() {
-            let at_s = row as f64 / RATE_HZ;
-            late_c += (temp_at(at_s) - late_c) / (60.0 * RATE_HZ);
-            let rate = (bias(&GYRO[0], late_c) + noise).to_radians();
-            let _ = writeln!(text, "{at_s:.3},{rate:.9},{:.3},7", temp_at(at_s));
-        }
-        bench.write(name, text);
-    };
-    write("warm.csv", &|at_s| 8.0 + 35.0 * (1.0 - (-at_s / 300.0).exp()));
-    write("cool.csv", &|at_s| 12.0 + 30.0 * (-at_s / 200.0).exp());
-    write("swing.csv", &|at_s| 25.0 + 10.0 * (at_s / 150.0).sin());
-    bench.zerorate("tempcal warm.csv cool.csv -o unit.toml").ended_with(0);
-    bench.zerorate("correct swing.csv --cal unit.toml -o out.csv").ended_with(0).saying(&["out.csv: 24000 samples"]);
+    let bench = calibrated_lagging();
+    write_lagging(&bench, "swing.csv", &|at_s| 25.0 + 10.0 * (at_s / 150.0).sin());
+    let line = "correct swing.csv --cal unit.toml";
+    bench.zerorate(&format!("{line} -o out.csv")).ended_with(0).saying(&["out.csv: 24000 samples"]);
     let out = bench.text("out.csv");
-    let (head, rows) = out.split_once('\n').unwrap();
+    let (head, text) = out.split_once('\n').unwrap();
     assert_eq!(head, "t_s,temp_c,gx_dps,gx_corrected_dps");
-    let rows: Vec<Vec<f64>> =
-        rows.lines().map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let numbers = |row: &str| row.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = text.lines().map(numbers).collect();
     let mean = |rows: &[Vec<f64>], column: usize| rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64;
     let worst = |column: usize| rows.chunks(600).map(|rows| mean(rows, column).abs()).fold(0.0, f64::max);
     assert!(worst(2) > 0.5 && worst(3) < 0.01, "{} before, {} after", worst(2), worst(3));
 
-    let line = "correct swing.csv --cal unit.toml";
     bench.zerorate(&format!("{line} -o out.arrows")).fails(2, &["ends in .csv"]);
-    bench
-        .zerorate(&format!("{line} --gyro note --gyro-unit dps -o x.csv"))
-        .fails(2, &["none of the gyroscope's axes"]);
-    write("hot.csv", &|_| 60.0);
+    bench.zerorate(&format!("{line} --serial 7 -o x.csv")).fails(1, &["--force corrects nevertheless"]);
+    bench.write("renamed.csv", bench.text("swing.csv").replace("gx [rad/s]", "wx [rad/s]"));
+    let renamed = "correct renamed.csv --cal unit.toml -o renamed-out.csv";
+    bench.zerorate(renamed).fails(2, &["lacks axes of the calibration", "with --gyro, in the same order"]);
+    bench.zerorate(&format!("{renamed} --gyro 1")).ended_with(0);
+    assert_eq!(bench.text("renamed-out.csv").split_once('\n').unwrap().1, text);
+}
+
+#[test]
+fn a_correction_of_a_log_warns_where_it_may_be_off() {
+    let bench = calibrated_lagging();
+    write_lagging(&bench, "hot.csv", &|_| 60.0);
     let said = bench.zerorate("correct hot.csv --cal unit.toml -o hot-out.csv").ended_with(0).stderr;
     assert!(said.contains("warning: extrapolated: "), "{said}");
+    write_lagging(&bench, "cold.csv", &|at_s| 10.0 + 0.1 * at_s.min(300.0));
+    let silent = bench.text("cold.csv").replace(",40.000,", ",,");
+    bench.write("silent.csv", silent);
+    let said = bench.zerorate("correct silent.csv --cal unit.toml -o out.csv").ended_with(0).stderr;
+    assert!(said.contains("lag-at-start: up to 0.1") && said.contains("temperature-missing: 168"), "{said}");
+    let out = bench.text("out.csv");
+    assert!(out.lines().last().unwrap().ends_with(','), "no correction without a temperature");
 }
 
 /// A DataFlash log with the messages FMT, PARM and IMU of two sensors. ArduPilot corrected the first one from the

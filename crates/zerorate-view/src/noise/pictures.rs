@@ -225,6 +225,7 @@ fn subtitle(records: &[Record]) -> String {
     match models().filter(|fit| fit.is_rejected).count() {
         0 => {}
         count if records.len() > 1 => text += &format!(", {count} of the models rejected"),
+        _ if models().any(|fit| fit.motion_ratio.is_some()) => text += ", rejected: the sensor moves",
         _ => text += ", the model rejected",
     }
     if first.analysis.stat.is_allan() && models().next().is_some() {

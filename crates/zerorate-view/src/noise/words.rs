@@ -3,7 +3,7 @@
 use crate::Interval;
 use crate::plot::number;
 use zerorate_allan::{Corner, Estimate, Line, Term, span};
-use zerorate_imu::{AllanReport, CoefficientReport, FitReport};
+use zerorate_imu::{AllanReport, CoefficientReport, DetrendReport, FitReport};
 
 /// True if the model's error, beyond what chance explains, rounds to 0.0 %.
 #[must_use]
@@ -11,13 +11,37 @@ pub fn is_without_misfit(fit: &FitReport) -> bool {
     fit.model_error.is_some_and(|error| error < 0.0005)
 }
 
+/// Formats what was removed from the record before the analysis, in a sentence each.
+#[must_use]
+pub fn removed(report: &AllanReport) -> Vec<String> {
+    let skipped = (report.skipped_s > 0.0).then(|| format!("without the first {}", span(report.skipped_s)));
+    let unit = report.unit.unwrap_or("");
+    let detrended = report.detrend.as_ref().map(|detrend| {
+        let terms = detrend.coefficients.iter().zip(["/°C", "/°C²", "/°C³"]);
+        let terms = terms.map(|(value, per)| format!("{value:.4e} {unit}{per}")).collect::<Vec<_>>().join(", ");
+        format!(
+            "less a polynomial of order {} over temperature ({}): {terms}; it explains {:.1} % of the \
+             slow variance and took {} of the degrees of freedom. Of a random walk {:.0} % are left, so K is stated \
+             with what was lost, and long averages with fewer degrees of freedom",
+            detrend.order,
+            DetrendReport::METHOD,
+            detrend.explained * 100.0,
+            detrend.lost_dof,
+            detrend.walk_kept * 100.0
+        )
+    });
+    skipped.into_iter().chain(detrended).collect()
+}
+
 /// The deviation of the spectrum from the model, as a phrase.
 #[must_use]
 pub fn misfit(fit: &FitReport) -> String {
     let percent = fit.model_error.unwrap_or_default() * 100.0;
     match fit.rejected {
-        true if fit.motion_ratio.is_some() => "rejected, since the sensor moves".to_owned(),
-        true => format!("off by {percent:.1} % of the spectrum, rejected"),
+        true if fit.motion_ratio.is_some() => {
+            "rejected, since the sensor moves: no coefficient is a result".to_owned()
+        }
+        true => format!("off by {percent:.1} % of the spectrum, rejected: no coefficient is a result"),
         false if is_without_misfit(fit) => "no misfit found".to_owned(),
         false => format!("may be off by {percent:.1} % of the spectrum"),
     }

@@ -54,12 +54,16 @@ impl Scales {
         Path::new().set("d", path(upper.chain(lower)).close()).set("fill", colour).set("fill-opacity", 0.18)
     }
 
+    /// The tracks of the lower and upper limits.
+    pub fn limits(&self, points: &[Point]) -> [Vec<(f64, f64)>; 2] {
+        [|point: &Point| point.lo, |point: &Point| point.hi]
+            .map(|limit| points.iter().map(|point| self.at(point.tau_s, limit(point))).collect())
+    }
+
     /// The lower and upper limits as dotted lines.
     pub fn edges(&self, points: &[Point], colour: &str) -> Group {
-        let [lower, upper] = [|point: &Point| point.lo, |point: &Point| point.hi]
-            .map(|limit| path(points.iter().map(|point| self.at(point.tau_s, limit(point)))));
-        let dotted = |track| stroke(track, colour, 0.8).set("stroke-dasharray", "1 3");
-        Group::new().add(dotted(lower)).add(dotted(upper))
+        let dotted = |track: Vec<_>| stroke(path(track), colour, 0.8).set("stroke-dasharray", "1 3");
+        self.limits(points).map(dotted).into_iter().fold(Group::new(), Group::add)
     }
 
     /// The line through the deviations, with a dot at each unless there are many. `dash` distinguishes curves of the

@@ -76,6 +76,7 @@ fn panel(curve: &Curve, colour: &str, scales: &Scales, area: Area, marks: &[Mark
     let mut labels = Labels::new(area);
     labels.avoid(&scales.track(curve));
     labels.avoid(&scales.model(curve));
+    scales.limits(&curve.points).iter().for_each(|limit| labels.avoid(limit));
     Group::new().add(inside).add(legend(curve, &labels))
 }
 

@@ -3,7 +3,7 @@
 mod tables;
 
 use super::Fact;
-use crate::noise::{self, Group, TermRow, holds_below, misfit, term_rows};
+use crate::noise::{self, Group, TermRow, holds_below, misfit, removed, term_rows};
 use crate::plot::number;
 use crate::printable;
 use anyhow::Result;
@@ -84,11 +84,12 @@ impl Single {
             Fact::new("length", span(report.samples as f64 / report.rate_hz)),
         ];
         let model = report.model().map(|fit| Fact::new("noise model", misfit(fit)));
+        let removed = removed(&report).into_iter().map(|text| Fact::new("removed before", text));
         let holds = holds_below(&report).map(|hz| Fact::new("it holds below", format!("{} Hz", number(hz))));
         let unavailable = report.unavailable.iter();
         Self {
             name: report.label(),
-            facts: facts.into_iter().chain(model).chain(holds).collect(),
+            facts: facts.into_iter().chain(removed).chain(model).chain(holds).collect(),
             terms: term_rows(&report),
             unavailable: unavailable.map(|at| Fact::new(format!("{} s", number(at.tau_s)), &*at.reason)).collect(),
             report,

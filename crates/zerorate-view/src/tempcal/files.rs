@@ -49,14 +49,19 @@ pub fn calibration(
     };
     let axis = |(axis, curve): (&AxisCurve, _)| (axis_name(&axis.name), curve, axis.warnings.clone());
     let axes: Vec<(String, &LogCurve, Vec<String>)> = gyroscopes.into_iter().map(axis).collect();
+    let is_repeated = |(index, (name, ..)): &(usize, &(String, _, _))| axes[..*index].iter().any(|of| of.0 == *name);
+    if let Some((_, (name, ..))) = axes.iter().enumerate().find(is_repeated) {
+        return Err(InvalidOptions(format!("two axes would be called {name} in a calibration; rename their columns")));
+    }
     Ok(Calibration::of_log_curves(unit, &axes))
 }
 
-/// The name of an axis or a part in a calibration file. Characters that the file does not allow become `_`.
+/// The name of an axis or a part in a calibration file: the last 40 characters. What the file does not allow becomes `_`.
 #[must_use]
 pub fn axis_name(name: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
-    name.chars().map(letter).take(40).collect()
+    let letters: Vec<char> = name.chars().map(letter).collect();
+    letters[letters.len().saturating_sub(40)..].iter().collect()
 }
 
 /// The curves as a CSV table, with a row for each axis and temperature.

@@ -21,7 +21,7 @@ use zerorate_imu::{AllanReport, AnalysisOptions, AxisReport, MotionReport, Recor
 use zerorate_jobs::allan::{AllanOptions, allan};
 use zerorate_jobs::pool::Pool;
 use zerorate_logs::{ColumnOptions, RowFilter};
-use zerorate_view::noise::{are_axes, svg};
+use zerorate_view::noise::{are_axes, removed, svg};
 use zerorate_view::report::{AllanPage, allan_page};
 
 /// Compute the Allan deviation of a log at rest, and fit a noise model
@@ -265,7 +265,9 @@ fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
     let mixed = records.windows(2).find(|pair| pair[0].quantity != pair[1].quantity);
     mixed.filter(|_| args.csv || !args.plot.is_empty()).map_or(Ok(()), |pair| {
         let names = format!("{} and {} measure different quantities", pair[0].label(), pair[1].label());
-        Err(Usage(format!("{names}, but a picture or a CSV table has one unit: make one for each, or give --report")))
+        Err(Usage(format!(
+            "{names}, but a picture or a CSV table has one unit: choose columns of one, or give --report alone"
+        )))
     })
 }
 
@@ -300,13 +302,13 @@ impl Files {
     }
 }
 
-/// The HTML page of all records. The warnings about a single record are in its own section.
+/// The HTML page of all records. The warnings about the noise of a single record are in its own section.
 fn page(records: &[Record], warnings: Vec<String>) -> AllanPage<'_> {
     let title = match records {
         [first, ..] if are_axes(records) => first.file.display().to_string(),
         records => records.iter().map(Record::label).collect::<Vec<_>>().join(", "),
     };
-    let warnings = if records.len() > 1 { warnings } else { Vec::new() };
+    let warnings = if records.len() > 1 { warnings } else { warnings::of_motion(records) };
     let (title, command) = (format!("Allan analysis of {title}"), command_line());
     AllanPage { title, command, warnings, records, ..AllanPage::default() }
 }
@@ -351,7 +353,7 @@ fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
         _ if args.csv => print(&table::csv(&files)?),
         _ => files.iter().try_for_each(|report| {
             say(table::heading(report));
-            table::removed(report).iter().for_each(say);
+            removed(report).iter().for_each(say);
             print_lines(&table::text(report)?)?;
             if args.fit { print_lines(&table::coefficients_text(report)?) } else { Ok(()) }
         }),

@@ -2,8 +2,7 @@
 
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_allan::span;
-use zerorate_imu::{AllanReport, DetrendReport, PointReport};
+use zerorate_imu::{AllanReport, PointReport};
 use zerorate_view::noise::{self, TermRow, term_rows};
 use zerorate_view::plot::number;
 
@@ -17,27 +16,6 @@ pub fn heading(report: &AllanReport) -> String {
         report.stat.title(),
         noise::interval(report.confidence),
     )
-}
-
-/// Formats what was removed from the record before the analysis, one line each.
-pub fn removed(report: &AllanReport) -> Vec<String> {
-    let skipped = (report.skipped_s > 0.0).then(|| format!("without the first {}", span(report.skipped_s)));
-    let unit = report.unit.unwrap_or("");
-    let detrended = report.detrend.as_ref().map(|detrend| {
-        let terms = detrend.coefficients.iter().zip(["/°C", "/°C²", "/°C³"]);
-        let terms = terms.map(|(value, per)| format!("{value:.4e} {unit}{per}")).collect::<Vec<_>>().join(", ");
-        format!(
-            "less a polynomial of order {} over temperature ({}): {terms}; it explains {:.1} % of the \
-             slow variance and took {} of the degrees of freedom. Of a random walk {:.0} % are left, so K is stated \
-             with what was lost, and long averages with fewer degrees of freedom",
-            detrend.order,
-            DetrendReport::METHOD,
-            detrend.explained * 100.0,
-            detrend.lost_dof,
-            detrend.walk_kept * 100.0
-        )
-    });
-    skipped.into_iter().chain(detrended).collect()
 }
 
 /// Formats a row for each averaging time, then a line for each averaging time that was not possible.
@@ -81,8 +59,12 @@ pub fn coefficients_text(report: &AllanReport) -> Result<String> {
         }
     }
     if let Some((fit, p_value)) = report.model().and_then(|fit| Some((fit, fit.p_value?))) {
-        let with_that = if noise::is_without_misfit(fit) { "" } else { " with that" };
-        writeln!(text, "\nNoise model: {} (p = {p_value:.2}{with_that}).", noise::misfit(fit))?;
+        let chance = match noise::is_without_misfit(fit) {
+            _ if fit.rejected => String::new(),
+            true => format!(" (p = {p_value:.2})"),
+            false => format!(" (p = {p_value:.2} with that)"),
+        };
+        writeln!(text, "\nNoise model: {}{chance}.", noise::misfit(fit))?;
     }
     if let Some(hz) = noise::holds_below(report) {
         writeln!(text, "It holds below {} Hz; above it the sensor's filter shapes the noise.", number(hz))?;

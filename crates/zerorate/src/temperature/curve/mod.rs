@@ -297,23 +297,18 @@ fn models(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     models
 }
 
-/// Probability of a lag where a draught at the thermometer explains the logs nearly as well. The band of 95 % then
-/// holds the curves of both.
-const OF_LAG: f64 = 0.3;
+/// Share of the difference to the curve with a lag that is added to the standard uncertainty where a draught at the
+/// thermometer explains the logs nearly as well. The band of 95 % then holds the curves of both.
+const OF_LAG: f64 = 0.515;
 
 impl LogCurve {
-    /// The mean of this curve and of the models with a lag, which explain the logs as well.
+    /// This curve, with the difference to the models with a lag, which explain the logs as well, in its uncertainty.
     fn or_with_lag(self, models: &[Model], lag_s: f64) -> Self {
-        let late: [f64; COEFFICIENTS] = core::array::from_fn(|k| mean(models, &|model| model.coefficients[k]));
-        let of_late = covariance(models, &late);
-        let apart = |k: usize| late[k] - self.coefficients[k];
-        let coefficients = core::array::from_fn(|k| self.coefficients[k] + OF_LAG * apart(k));
-        let product = |i: usize, j: usize| {
-            let within = (1.0 - OF_LAG) * self.covariance[i][j] + OF_LAG * of_late[i][j];
-            within + OF_LAG * (1.0 - OF_LAG) * apart(i) * apart(j)
-        };
+        let late = |k: usize| mean(models, &|model| model.coefficients[k]);
+        let apart: [f64; COEFFICIENTS] = core::array::from_fn(|k| OF_LAG * (late(k) - self.coefficients[k]));
+        let product = |i: usize, j: usize| self.covariance[i][j] + apart[i] * apart[j];
         let covariance = core::array::from_fn(|i| core::array::from_fn(|j| product(i, j)));
-        Self { coefficients, covariance, lag_or_draught_s: Some(lag_s), ..self }
+        Self { covariance, lag_or_draught_s: Some(lag_s), ..self }
     }
 }
 
