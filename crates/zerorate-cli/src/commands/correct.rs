@@ -35,8 +35,8 @@ use zerorate_view::SessionWarning;
 /// corrected again.
 ///
 /// A calibration of `zerorate tempcal` corrects the gyroscope of any log of that unit. The result is a table (.csv)
-/// with t_s at the mean rate, temp_c, and NAME_dps and NAME_corrected_dps of each axis. The correction follows the temperature with the
-/// lag of the calibration; at its start, the sensor counts as warmed through.
+/// with t_s at the mean rate, temp_c, and NAME_dps and NAME_corrected_dps of each axis. The correction follows the
+/// temperature with the lag of the calibration; at its start, the sensor counts as warmed through.
 #[derive(Args, Debug)]
 pub struct CorrectArgs {
     /// The capture, in any form, or the log.
@@ -73,8 +73,8 @@ pub struct CorrectArgs {
 /// What a log does not say, in the words of `zerorate tempcal`.
 #[derive(Args, Debug, Default, PartialEq)]
 struct LoggedArgs {
-    /// The columns of the gyroscope, by name or by number from 0, in the order of the calibration's axes, if their names
-    /// differ from these.
+    /// The columns of the gyroscope, by name or by number from 0, in the order of the calibration's axes, if their
+    /// names differ from these.
     #[arg(long, value_name = "LIST", help_heading = UNITS)]
     gyro: Option<String>,
 
@@ -194,7 +194,8 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
 /// The error for a log or another file that was given as a calibration.
 fn other_file(path: &Path) -> Error {
     anyhow!(
-        "{} is not a calibration file: give the TOML file that `zerorate calibrate -o`, or `tempcal -o` for logs, writes",
+        "{} is not a calibration file: give the TOML file that `zerorate calibrate -o` writes, or `tempcal -o` for \
+         logs",
         path.display()
     )
 }

@@ -36,9 +36,9 @@ struct CorrectedAxis {
 }
 
 impl CorrectedLog {
-    /// Reads the axes of `calibration` from a log and corrects them. Columns that the options name stand for these axes
-    /// in their order. The temperature is delayed by the lag of the calibration; at the start of the log, the sensor
-    /// counts as warmed through.
+    /// Reads the axes of `calibration` from a log and corrects them. Columns that the options name stand for these
+    /// axes in their order. The temperature is delayed by the lag of the calibration; at the start of the log, the
+    /// sensor counts as warmed through.
     ///
     /// # Errors
     /// Returns an error if the log cannot be read, has no temperature, lacks an axis, or has several IMUs with them.
@@ -125,8 +125,8 @@ fn gyroscope(
     match found.len() {
         1 => Ok(found.remove(0)),
         0 => Err(InvalidOptions(format!(
-            "{path} lacks axes of the calibration, {}; its gyroscope has {}. Name the columns of these axes with --gyro, \
-             in the same order",
+            "{path} lacks axes of the calibration, {}; its gyroscope has {}. Name the columns of these axes with \
+             --gyro, in the same order",
             names.join(", "),
             others.join(", ")
         ))

@@ -56,7 +56,8 @@ pub fn calibration(
     Ok(Calibration::of_log_curves(unit, &axes))
 }
 
-/// The name of an axis or a part in a calibration file: the last 40 characters. What the file does not allow becomes `_`.
+/// The name of an axis or a part in a calibration file: the last 40 characters. What the file does not allow becomes
+/// `_`.
 #[must_use]
 pub fn axis_name(name: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
