@@ -841,7 +841,8 @@ typedef struct zerorate_tracked {
 #define ZERORATE_OK 0
 
 /**
- * Nothing was due at this edge, or it was stale: no sample, and no loss.
+ * No result, and no failure: nothing was due at this edge, the edge was stale, no temperature is known yet, or the
+ * rate is NaN.
  */
 #define ZERORATE_NOTHING 1
 
@@ -1210,7 +1211,7 @@ zerorate_status zerorate_procedure_next(struct zerorate_procedure *procedure);
 uint8_t zerorate_procedure_remedy(struct zerorate_procedure *procedure, size_t index);
 
 /**
- * Tells the procedure that the part was initialised, at a time of the samples' clock.
+ * Tells the procedure that the part was initialised at the time `t_ns`, by the clock of the samples.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */

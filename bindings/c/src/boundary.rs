@@ -48,7 +48,7 @@ pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, S
 /// The plain data behind a constant pointer.
 ///
 /// # Safety
-/// `data` is null or points to a valid `T`.
+/// `data` is null or points to a valid `T` that nothing changes during `'a`.
 pub unsafe fn input<'a, T>(data: *const T) -> Result<&'a T, Status> {
     // SAFETY: by the contract.
     unsafe { data.as_ref() }.ok_or(ZERORATE_E_NULL)

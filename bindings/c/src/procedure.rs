@@ -260,7 +260,7 @@ pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, in
     refused.and_then(|refusal| refusal.remedies().get(index).copied()).map_or(0, Remedy::code)
 }
 
-/// Tells the procedure that the part was initialised, at a time of the samples' clock.
+/// Tells the procedure that the part was initialised at the time `t_ns`, by the clock of the samples.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.

@@ -16,7 +16,8 @@ use zerorate_jobs::calibrate::{Files, OutputOptions, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
 use zerorate_view::Seconds;
 
-/// The arguments of ``zerorate.calibrate``. None means the default of the procedure.
+/// The arguments of ``zerorate.calibrate``. Where a setting of the plan is None, its default
+/// holds. Any other None was not given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct CalibrateOptions {

@@ -179,7 +179,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     ///
     /// The driver also checks the code that the data registers hold after a reset. It is a rate if the part still has
     /// its configuration and this channel has converted. Otherwise the result is [`ReadError::NoReading`] or the
-    /// fault. Until the channel has given a reading since MODE was written, each call first reads its status.
+    /// fault. After MODE was written, each call first checks the link and reads the channel's
+    /// status, until the channel has shown a conversion.
     ///
     /// With CLAMP = 0 codes wrap and only the status shows it: use [`read_rate_in_range`](Self::read_rate_in_range).
     pub async fn read_rate(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {

@@ -86,7 +86,7 @@ rows!(match AllanWarning {
     Self::Step { at_s, size } => Row {
         code: "step",
         text: format_args!(
-            "at {at_s:.1} s the level jumps by {size:.3e} {{unit}} (taken out); look for a knock or a switched supply"
+            "at {at_s:.1} s the level jumps by {size:.3e} {{unit}} (taken out); a knock or a switched supply?"
         ),
     },
     Self::ManySteps { most } => Row {
@@ -121,9 +121,7 @@ rows!(match AllanWarning {
     },
     Self::MemoryOrFilter { tau_s, n } => Row {
         code: "memory-or-filter",
-        text: format_args!(
-            "a memory of {tau_s:.3} s looks like a low-pass; N is {n:.3e} {{unit}}·√s in the other reading"
-        ),
+        text: format_args!("a memory of {tau_s:.3} s looks like a low-pass; then N is {n:.3e} {{unit}}·√s"),
     },
     Self::DriftOrWalk { has_drift, worse } => Row {
         code: "drift-or-walk",
@@ -136,7 +134,7 @@ rows!(match AllanWarning {
     Self::PeriodOrWalk { period_s, k } => Row {
         code: "drift-or-walk",
         text: format_args!(
-            "a period of {period_s:.0} s fits better than K, which is {k:.3e} {{unit}}/√s beside it; find the source"
+            "a period of {period_s:.0} s fits better than K ({k:.3e} {{unit}}/√s beside it); find the source"
         ),
     },
     Self::Unsteady { tau_s, ratio } => Row {

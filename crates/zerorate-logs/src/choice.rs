@@ -275,7 +275,8 @@ impl Columns<'_> {
         Ok(())
     }
 
-    /// All columns of numbers, except the time, and except an unnamed column among named ones, which is an index.
+    /// All columns of numbers, except the time, its fraction of a second, and an index. A column without a name among
+    /// named ones is an index.
     fn all(&self, time: Option<usize>) -> Vec<usize> {
         let are_named = self.names.iter().any(|name| !name.is_empty());
         let is_fraction = |index: usize| time.is_some_and(|time| self.is_fraction(index, time));
@@ -315,7 +316,7 @@ impl Columns<'_> {
 
     /// The column of this name or number. A name has precedence over a number.
     fn position(&self, wanted: &str, setting: Setting) -> Result<usize> {
-        // a name may be given with the mark of the comment that holds the header
+        // where the header is a comment, the user may give a name with the mark of that comment: `# gx`
         let bare = wanted.trim_start_matches(['#', '%', ' ']);
         let is_named = |(_, name): &(usize, &&str)| **name == wanted || !bare.is_empty() && **name == bare;
         let mut named = self.names.iter().enumerate().filter(is_named).map(|(at, _)| at);

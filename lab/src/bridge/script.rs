@@ -36,7 +36,7 @@ pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     Ok(alike)
 }
 
-/// A port that delivers a few prepared requests, and closes when enough was sent.
+/// A port that delivers prepared bytes. It closes once enough bytes were sent, or when the reader waits for more.
 struct Script {
     requests: VecDeque<u8>,
     sent: Vec<u8>,

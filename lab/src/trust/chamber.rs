@@ -44,7 +44,8 @@ const MOST: Duration = Duration::from_secs(120);
 /// The signals that are sent to end the program.
 const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
 
-/// Checks that the chamber is at its safe temperature at the end, or that the last line says that this is unknown.
+/// Makes the chamber fail. Checks that the run ends, that its result is right, and that its last line says truly
+/// whether the chamber is at its safe temperature.
 fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let mut random = random(class, seed);
     let fault = FAULTS[random.random_range(0..FAULTS.len())];

@@ -63,7 +63,7 @@ pub unsafe extern "C" fn zerorate_twin_transfer(rig: *mut Rig, bytes: *mut u8, l
 /// The level of RDY.
 ///
 /// # Safety
-/// `rig` came from [`zerorate_twin_new`].
+/// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_rdy(rig: *mut Rig) -> i32 {
     // SAFETY: by the contract.
@@ -73,7 +73,7 @@ pub unsafe extern "C" fn zerorate_twin_rdy(rig: *mut Rig) -> i32 {
 /// Lets simulated time pass.
 ///
 /// # Safety
-/// `rig` came from [`zerorate_twin_new`].
+/// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_delay_us(rig: *mut Rig, us: u32) {
     // SAFETY: by the contract.
@@ -83,17 +83,17 @@ pub unsafe extern "C" fn zerorate_twin_delay_us(rig: *mut Rig, us: u32) {
 /// Drives the self-test pins.
 ///
 /// # Safety
-/// `rig` came from [`zerorate_twin_new`].
+/// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_self_test(rig: *mut Rig, level: i32) -> i32 {
     // SAFETY: by the contract.
     unsafe { &mut *rig }.self_test.set_state(PinState::from(level != 0)).map_or(-1, |()| 0)
 }
 
-/// Simulated time, ns.
+/// Simulated time since the start, ns.
 ///
 /// # Safety
-/// `rig` came from [`zerorate_twin_new`].
+/// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_now_ns(rig: *mut Rig) -> u64 {
     // SAFETY: by the contract.
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn zerorate_twin_next_edge(rig: *mut Rig, t_ns: *mut u64, 
 /// Sets a fault: 0 none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut.
 ///
 /// # Safety
-/// `rig` came from [`zerorate_twin_new`].
+/// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_set_fault(rig: *mut Rig, fault: i32) {
     let fault = match fault {

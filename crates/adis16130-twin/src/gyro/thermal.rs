@@ -48,7 +48,8 @@ impl Thermal {
         self.powered = powered;
     }
 
-    /// Moves the ambient temperature to `to_c` within `over_s` from `t_s` on, in place of the profile.
+    /// Moves the ambient temperature linearly to `to_c` in `over_s`, from `t_s` on, and holds it there. The profile no
+    /// longer counts.
     pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_s: f64) {
         let from_c = self.ambient.at(t_s);
         self.ambient.outside = Some(Outside { from_c, to_c, from_s: t_s, over_s: over_s.max(0.0) });

@@ -1,8 +1,9 @@
-//! N and K for filters that model only white noise and a random walk.
+//! N and K for estimators that model only white noise and a random walk.
 //!
-//! Such a filter assumes a variance of N²/τ + K²τ/3. If the noise of the sensor is larger (flicker, correlated noise),
-//! the filter is overconfident. So N and K overbound the noise up to a horizon. Lines, a drift and a warm-up are not
-//! noise, and are left out.
+//! Such an estimator assumes an Allan variance of N²/τ + K²τ/3. If the noise of the sensor is larger (flicker,
+//! correlated noise), the estimator is overconfident. So N and K are raised until they cover the noise from 1 s to a
+//! horizon: all of its variance for a filter, nine tenths for a batch estimator, whose N stays. Lines, a drift and a
+//! warm-up are not noise, and are left out.
 
 use super::Fit;
 use crate::Deviation;

@@ -69,7 +69,7 @@ fn own_variance(
         Ok(lengths.iter().map(by_length).map(|change| change / SMALL).collect::<Vec<f64>>())
     };
     let slopes = free.iter().map(slope).collect::<Result<Vec<Vec<f64>>, FftError>>()?;
-    // the curvature with each parameter in units of its standard deviation if the others are held
+    // half the curvature of the deviance; the unit of each parameter is its standard deviation with the others fixed
     let cell = |a: usize, b: usize| {
         let (i, j) = (free[a], free[b]);
         curvature.at(i, j) * deviation(i) * deviation(j) / 2.0 + if a == b { 1e-9 } else { 0.0 }

@@ -5,7 +5,8 @@ use super::density::Table;
 use super::scoring::{ModelForm, Optimum, Problem};
 use super::select::DESCENT;
 
-/// Number of doublings of the record that are computed. Beyond, the evidence is assumed to grow with the length.
+/// Number of doublings of the record for which the gain in deviance is computed. Beyond them, the gain is assumed to
+/// be proportional to the length.
 const DOUBLINGS: i32 = 8;
 /// (1.96 + 0.84)²: the expected gain in deviance at which zero is outside the 95 % interval in four of five records.
 const ENOUGH: f64 = 7.849;
@@ -44,7 +45,7 @@ pub(super) fn needed_s(
     length_s * libm::exp2(f64::from(DOUBLINGS)) * ENOUGH / before.max(1e-3)
 }
 
-/// The expected gain in deviance by the coefficient, if every power has its expected value.
+/// The increase of the deviance if the coefficient at `place` is left out and every power has its expected value.
 fn evidence(form: ModelForm, at: &[f64], table: Table, place: usize) -> f64 {
     let mut problem = Problem::new(table, 0.0);
     let expected = problem.density(&form, at);

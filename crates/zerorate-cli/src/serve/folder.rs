@@ -16,7 +16,7 @@ use zerorate_web::session::{NoticeText, Session};
 #[derive(Debug, Default)]
 pub struct Folder {
     path: Option<PathBuf>,
-    /// Ids of calibrations that are in the folder or came from a file.
+    /// Ids of calibrations that are not written again: they came from a file, or a write was tried before.
     known: HashSet<String>,
     /// The files of each id in the folder.
     files: HashMap<String, Vec<PathBuf>>,

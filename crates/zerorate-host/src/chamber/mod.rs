@@ -16,7 +16,7 @@ use crate::{Result, Stop};
 use commands::CommandedChamber;
 use std::str::FromStr;
 
-/// A temperature chamber. Call `start` once at first, and `end` once at last.
+/// A temperature chamber. Call `start` once before everything else, and `end` once after it.
 pub trait Chamber: Send {
     /// Checks that the chamber responds. It does not change the temperature.
     ///

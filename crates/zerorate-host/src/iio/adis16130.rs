@@ -30,7 +30,7 @@ pub struct Adis16130 {
 }
 
 impl Adis16130 {
-    /// Reads the driver's scales and offsets, and checks that its readings are codes as in F-40 and F-41.
+    /// Reads the driver's scales and offsets, and checks that the scales are those of F-40 and F-41, within 0.5 %.
     pub fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
         let options = PartOptions { bandwidth_hz: address.bandwidth_hz, ..PartOptions::new() };
         let sampling = setup.sampling.config(options.divided);

@@ -89,7 +89,8 @@ pub struct AxisNumbers {
     pub truth: Option<TruthReport>,
 }
 
-/// The terms of a fitted curve beyond PBC and BTC.
+/// The terms of second and third order of a fitted curve, and what was estimated with them: lag, play, noise, steps
+/// and base motion.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct CurveTerms {

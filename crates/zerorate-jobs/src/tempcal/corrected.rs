@@ -90,11 +90,11 @@ impl CorrectedLog {
         }
         for (row, temp_c) in self.temps_c.iter().enumerate() {
             write!(out, "\n{:.6}", row as f64 / self.rate_hz)?;
-            let rates = self.axes.iter().flat_map(|axis| [axis.rates_dps[row], axis.corrected_dps[row]]);
-            for (value, digits) in std::iter::once((*temp_c, 4)).chain(rates.map(|rate| (rate, 7))) {
-                match value.is_finite() {
-                    true => write!(out, ",{value:.digits$}")?,
-                    false => write!(out, ",")?,
+            let rates = self.axes.iter().flat_map(|axis| [axis.rates_dps.get(row), axis.corrected_dps.get(row)]);
+            for (value, digits) in std::iter::once((Some(temp_c), 4)).chain(rates.map(|rate| (rate, 7))) {
+                match value.filter(|value| value.is_finite()) {
+                    Some(value) => write!(out, ",{value:.digits$}")?,
+                    None => write!(out, ",")?,
                 }
             }
         }

@@ -46,7 +46,8 @@ pub struct Head {
     pub marks: Marks,
     /// The decimal mark, if the first lines of the text show it.
     pub decimal: Option<Decimal>,
-    /// True if commas seem to be decimal marks as well as delimiters, because a cell begins like decimals: `05`.
+    /// True if commas seem to be decimal marks as well as delimiters, because a cell is `-0` or begins like decimals
+    /// (`05`).
     cuts_numbers: bool,
     /// True if the first cell of a row is an index, which has no name.
     pub index: bool,
@@ -365,7 +366,8 @@ struct Rows {
     dates: Vec<DateColumn>,
     all_integers: bool,
     decimal: Option<Decimal>,
-    /// True if a cell begins like the decimals of a number: `05`.
+    /// True if commas delimit and may have cut numbers: no cell has a decimal mark, and one is `-0` or looks like
+    /// decimals (`05`).
     cuts_numbers: bool,
     /// True if every second cell looks like the decimals of the cell before.
     all_are_cut: bool,

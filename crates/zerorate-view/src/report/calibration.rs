@@ -372,8 +372,7 @@ fn means(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<Fact> {
     ]
 }
 
-/// Facts about the run. Only a linear correction has the windows of AN-1042 and an uncertainty that allows for
-/// curvature.
+/// Facts about the run. The windows of AN-1042 and the treatment of curvature are shown for a linear correction only.
 fn run(run: &Run, is_line: bool) -> Vec<Fact> {
     let share = 100.0 * run.lost_samples as f64 / (run.samples + run.lost_samples).max(1) as f64;
     let earth = match run.earth_dps {

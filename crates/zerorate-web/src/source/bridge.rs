@@ -40,7 +40,7 @@ const SILENCE: Duration = Duration::from_secs(1);
 const BLOCKED: Duration = Duration::from_secs(30);
 
 impl Bridge {
-    /// Opens a bridge. `now_ms` is the page's time. Nothing was received yet.
+    /// Opens a bridge, and queues the first request to it. `now_ms` is the time of the page's clock, ms.
     #[must_use]
     pub fn open(now_ms: f64) -> Self {
         let config = Config::new().with_framing(Framing::Command);

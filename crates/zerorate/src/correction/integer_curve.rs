@@ -8,7 +8,7 @@ use core::fmt;
 /// The format of an [`IntegerCurve`]. It follows from the scales of rate and temperature alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveForm {
-    /// Left shift that makes the distance from T3, in codes, a signed number of 32 bits.
+    /// Left shift that scales the distance from T3, in codes, to the full range of a signed number of 32 bits.
     pub temp_shift: u32,
     /// First and last code of the rate.
     pub rate_codes: (i64, i64),

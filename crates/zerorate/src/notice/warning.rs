@@ -240,7 +240,7 @@ rows_with_remedies!(match Warning {
 });
 
 /// Says whether the effect of a standing warning is in the uncertainty or was taken out. A standing warning comes
-/// with every measurement by the same plan. `None` for other codes.
+/// with every measurement of the same part by the same plan. `None` for other codes.
 #[must_use]
 pub fn standing_place(code: &str) -> Option<&'static str> {
     match code {
@@ -252,7 +252,7 @@ pub fn standing_place(code: &str) -> Option<&'static str> {
 }
 
 impl Warning {
-    /// Whether the warning follows from the plan alone, so that every measurement by this plan has it.
+    /// Whether the warning follows from plan and part, so that every measurement of this part by this plan has it.
     #[must_use]
     pub fn is_standing(&self) -> bool {
         standing_place(self.code()).is_some()

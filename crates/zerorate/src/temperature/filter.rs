@@ -110,7 +110,8 @@ impl Filter {
         Whites { gram: (0..series.len()).map(row).collect(), series }
     }
 
-    /// Combines these series and `more`. `None` if a number is not finite.
+    /// The sums of products of the series in `whites` and `more`, and the estimates of the random walk. `None` if one
+    /// of these is not finite.
     pub(super) fn filtered(&self, whites: &Whites, more: &[White]) -> Option<Filtered> {
         let mut gram = whites.gram.clone();
         for (k, one) in more.iter().enumerate() {

@@ -29,9 +29,10 @@ const FINER_PLAYS: i32 = 8;
 const FINER_ROUNDS: i32 = 2;
 /// Largest number of lattice steps of noise, up and down, that are tried.
 const NOISE_REACH: i32 = 20;
-/// Spread over units of the logarithms of B and K, if the part states typical values.
+/// Prior standard deviation of ln B and ln K from one specimen of the part to another, if the part states typical
+/// values.
 const TYPICAL_SPREAD: [f64; 2] = [0.35, 0.5];
-/// Prior spread of the logarithms of B and K, if the part states no typical values.
+/// Prior standard deviation of ln B and ln K, if the part states no typical values.
 const UNKNOWN_SPREAD: [f64; 2] = [1.0, 1.5];
 /// Prior probability of a step in a recording.
 const STEP_PROBABILITY: f64 = 0.02;

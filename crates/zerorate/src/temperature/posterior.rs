@@ -21,7 +21,7 @@ pub(super) struct Posterior {
     pub(super) log_evidence: f64,
     pub(super) bias: Powers,
     pub(super) covariance: [Powers; TERMS],
-    /// Size and variance of each step.
+    /// Size of each step, °/s, and its variance, (°/s)².
     pub(super) steps: Vec<(f64, f64)>,
     /// Sine and cosine of the base motion, °/s. They are zero if the model has none.
     pub(super) motion_dps: [f64; 2],

@@ -109,8 +109,8 @@ pub struct ChamberArgs {
 struct ControlArgs {
     /// Set the chamber by this command, in which {temp_c} stands for the temperature in °C.
     ///
-    /// `sh -c` runs it, with a number such as -40.0 in place of each {temp_c}. It succeeds with exit status 0, and has
-    /// ten seconds. It has no input, and Ctrl-C does not reach it.
+    /// `sh -c` runs it, with a number such as -40.0 in place of each {temp_c}. It must end within ten seconds with
+    /// exit status 0. Its input is empty. Ctrl-C does not reach it, but after Ctrl-C it has only one second.
     #[arg(long, value_name = "COMMAND", requires = "read_temperature")]
     set_temperature: Option<String>,
 

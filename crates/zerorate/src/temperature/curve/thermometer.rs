@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 pub struct Thermometer {
     /// The smallest step between two readings, °C, if the readings are so coarse that each was taken as an interval.
     pub coarse_step_c: Option<f64>,
-    /// Total time in which the thermometer stuck, s.
+    /// Total time for which the thermometer was stuck, s.
     pub stuck_s: f64,
     /// Time over which the readings were smoothed, s, because they are noisy; 0 if they were not.
     pub smoothed_s: f64,
