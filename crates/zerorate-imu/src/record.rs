@@ -222,7 +222,8 @@ impl Record {
 
     /// The warnings about the noise as scripts read them.
     pub fn noise_warnings(&self) -> impl Iterator<Item = String> {
-        self.of_noise().map(|warning| coded(warning, self.deviation_unit(), self.names))
+        let unit = self.quantity.map(Quantity::unit);
+        self.of_noise().map(move |warning| coded(warning, unit, self.names))
     }
 
     /// The label that tells this record from others: the file and the column.
