@@ -37,7 +37,6 @@ const K: f64 = 1e-4;
 const FLICKER_DPS: f64 = 0.0006;
 const FLICKER_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 const LSB_PER_DPS: f64 = 131.0;
-const DRAUGHT_S: f64 = 10.0;
 
 /// The properties that all simulated logs of one kind share.
 struct Kind {
@@ -54,8 +53,10 @@ struct Kind {
     /// Noise of a reading of the thermometer, and its step, °C.
     noise_c: f64,
     step_c: f64,
-    /// Standard deviation of the air's draught, °C, with a memory of [`DRAUGHT_S`]: only the thermometer feels it.
-    draught_c: f64,
+    /// Standard deviation, °C, and correlation time, s, of a draught that the thermometer feels.
+    draught: (f64, f64),
+    /// Whether the sensor feels the draught too.
+    is_felt: bool,
     /// Lag of the thermometer behind the sensor, s.
     late_s: f64,
     /// Change of the slope of the bias at 25 °C, °/s/°C.
@@ -72,12 +73,13 @@ const AT_ONCE: Kind = Kind {
     begins_s: 0.0,
     noise_c: 0.02,
     step_c: 1.0 / 340.0,
-    draught_c: 0.0,
+    draught: (0.0, 10.0),
+    is_felt: false,
     late_s: 0.0,
     kink_dps_per_c: 0.0,
 };
 const DRAWN: Kind = Kind { name: "cubic, lag of 0 to 150 s", lag_s: 150.0, draws_lag: true, ..AT_ONCE };
-const KINDS: [Kind; 12] = [
+const KINDS: [Kind; 14] = [
     AT_ONCE,
     Kind { name: "order 5, no lag", is_hard: true, ..AT_ONCE },
     Kind { name: "cubic, lag of 60 s", lag_s: 60.0, ..AT_ONCE },
@@ -86,7 +88,15 @@ const KINDS: [Kind; 12] = [
     Kind { name: "cubic, no lag, begins up to 400 s after switch-on", begins_s: 400.0, ..AT_ONCE },
     Kind { name: "cubic, lag of 0 to 150 s, begins up to 400 s after switch-on", begins_s: 400.0, ..DRAWN },
     Kind { name: "cubic, no lag, thermometer with noise of 0.5 °C", noise_c: 0.5, ..AT_ONCE },
-    Kind { name: "cubic, no lag, thermometer in a draught of 0.3 °C", draught_c: 0.3, ..AT_ONCE },
+    Kind { name: "cubic, no lag, thermometer in a draught of 0.3 °C for 10 s", draught: (0.3, 10.0), ..AT_ONCE },
+    Kind { name: "cubic, no lag, thermometer in a draught of 1 °C for 60 s", draught: (1.0, 60.0), ..AT_ONCE },
+    Kind {
+        name: "cubic, lag of 120 s, both in a draught of 0.3 °C for 10 s",
+        draught: (0.3, 10.0),
+        is_felt: true,
+        lag_s: 120.0,
+        ..AT_ONCE
+    },
     Kind { name: "cubic, no lag, thermometer with steps of 0.5 °C", step_c: 0.5, ..AT_ONCE },
     Kind { name: "cubic, no lag, thermometer 20 s late", late_s: 20.0, ..AT_ONCE },
     Kind { name: "cubic with a kink of 0.01 °/s/°C, no lag", kink_dps_per_c: 0.01, ..AT_ONCE },
@@ -195,13 +205,15 @@ fn simulated(kind: &Kind, seed: u64) -> Log {
     flickers.iter_mut().flatten().for_each(|state| *state = normal(FLICKER_DPS));
     let mut log = Log { temps_c: Vec::new(), rates_dps: Default::default(), terms_dps };
     for k in 0..count {
-        let temp_c = course_c(k as f64 / RATE_HZ);
+        let kept = (-1.0 / (RATE_HZ * kind.draught.1)).exp();
+        draught_c = kept * draught_c + draught((1.0 - kept * kept).sqrt() * kind.draught.0);
+        let of_both_c = if kind.is_felt { draught_c } else { 0.0 };
+        let temp_c = course_c(k as f64 / RATE_HZ) + of_both_c;
         late_c = temp_c + (late_c - temp_c) * decay;
         held_c = f64::clamp(held_c, late_c - play_c, late_c + play_c);
         read_c = temp_c + (read_c - temp_c) * of_thermometer;
-        let kept = (-1.0 / (RATE_HZ * DRAUGHT_S)).exp();
-        draught_c = kept * draught_c + draught((1.0 - kept * kept).sqrt() * kind.draught_c);
-        log.temps_c.push(((read_c + draught_c + normal(kind.noise_c)) / kind.step_c).round() * kind.step_c);
+        let read_c = read_c + draught_c - of_both_c;
+        log.temps_c.push(((read_c + normal(kind.noise_c)) / kind.step_c).round() * kind.step_c);
         for axis in 0..AXES {
             walks[axis] += normal(K / RATE_HZ.sqrt());
             for (state, tau_s) in flickers[axis].iter_mut().zip(FLICKER_S) {

@@ -23,13 +23,13 @@ const FAR: f64 = 20.0;
 const LONG_LAG: f64 = 0.8;
 
 /// Numbers of blocks to either side over which a draught at the thermometer is averaged.
-const DRAUGHTS: [usize; 2] = [30, 100];
+const DRAUGHTS: [usize; 4] = [30, 100, 200, 300];
 /// Least gain of the log evidence by a lag that may stand for a draught.
 const GAIN_OF_LAG: f64 = 6.0;
-/// A draught explains the logs as well as a lag if it gains all but this share.
-const AS_WELL: f64 = 0.2;
-/// Most log evidence that a draught may lack, since its average is less certain at the ends of a log.
-const LOST: f64 = 30.0;
+/// A draught explains the logs as well as a lag if it lacks at most this share of the gain by the lag.
+const AS_WELL: f64 = 0.07;
+/// Log evidence that a draught may lack in any case.
+const LITTLE: f64 = 1.5;
 
 /// A record and its best model.
 type Explained = (Record, Model);
@@ -60,16 +60,23 @@ impl Conditions {
 }
 
 /// The logs without a lag, with the temperature averaged, if they are explained nearly as well as by the lag of the
-/// model. Where only the thermometer feels a draught, a lag averages its readings likewise.
+/// model. Where only the thermometer feels a draught, a lag averages its readings likewise. The shortest average that
+/// explains the logs is taken, because a long one is uncertain at the ends of a log.
 fn in_draught(logs: &[LogMeans], record: &Record, model: &Model) -> Option<Explained> {
     if model.following.lag_s <= 0.0 {
         return None;
     }
     let gain = model.log_score - search::best(&first_start(logs, record).without_lag())?.log_score;
-    let smoothed = |reach: &usize| logs.iter().map(|log| log.smoothed(*reach, 0.0)).collect::<Vec<LogMeans>>();
-    let averaged = best_of(DRAUGHTS.iter().map(|reach| first_start(&smoothed(reach), record).without_lag()))?;
-    let lacks = model.log_score - averaged.1.log_score;
-    (gain > GAIN_OF_LAG && lacks < (AS_WELL * gain).min(LOST)).then_some(averaged)
+    if gain < GAIN_OF_LAG {
+        return None;
+    }
+    let enough = model.log_score - (AS_WELL * gain).max(LITTLE);
+    let averaged = |reach: &usize| {
+        let smoothed: Vec<LogMeans> = logs.iter().map(|log| log.smoothed(*reach, 0.0)).collect();
+        let record = first_start(&smoothed, record).without_lag();
+        is_near(&record, model).then(|| best_of([record].into_iter()))?
+    };
+    DRAUGHTS.iter().filter_map(averaged).find(|(_, model)| model.log_score > enough)
 }
 
 /// The record of these logs with the sensor switched on at their beginning, if it is not known to have been on.
@@ -100,14 +107,17 @@ fn best_of(records: impl Iterator<Item = Record>) -> Option<Explained> {
     explained.max_by(|one, other| one.1.log_score.total_cmp(&other.1.log_score))
 }
 
-/// The likeliest of `others`, if its log evidence is above that of `usual` by more than `gain`. A record that is far
-/// worse under the noise of `usual` is not searched, because a search takes long.
+/// The likeliest of `others`, if its log evidence is above that of `usual` by more than `gain`.
 fn better(others: Vec<Record>, usual: Explained, gain: f64) -> Explained {
-    let score = usual.1.log_score;
     let scored = others.into_iter().map(|record| (search::log_evidence_like(&record, &usual.1), record));
     let likeliest = scored.max_by(|one, other| one.0.total_cmp(&other.0));
-    let worth = likeliest.filter(|(evidence, _)| *evidence > score - FAR).map(|(_, record)| record);
-    best_of(worth.into_iter()).filter(|(_, model)| model.log_score > score + gain).unwrap_or(usual)
+    let worth = likeliest.map(|(_, record)| record).filter(|record| is_near(record, &usual.1));
+    best_of(worth.into_iter()).filter(|(_, model)| model.log_score > usual.1.log_score + gain).unwrap_or(usual)
+}
+
+/// Whether a record is worth a search, which takes long: it is not if it is far worse under the noise of the model.
+fn is_near(record: &Record, model: &Model) -> bool {
+    search::log_evidence_like(record, model) > model.log_score - FAR
 }
 
 /// The logs as they are and, if the thermometer is noisy, with its temperature smoothed.
