@@ -42,8 +42,8 @@ impl NoiseModel {
 
     /// Covariance of two weighted sums of window means, (°/s)².
     ///
-    /// A random walk has no mean. So unless K is zero, the weights of each sum must add up to zero: the sum is
-    /// then a change between levels, not a level.
+    /// The level of a random walk has no finite variance. So unless K is zero, the weights of each sum must add up
+    /// to zero: the sum is then a change between levels, not a level.
     #[must_use]
     pub fn covariance(&self, a: &[WeightedMean], b: &[WeightedMean]) -> f64 {
         let kernel = Kernel::new(self);
@@ -57,8 +57,8 @@ impl NoiseModel {
         libm::sqrt(self.covariance(windows, windows).max(0.0))
     }
 
-    /// Lower triangle of the covariance matrix of means over windows of whole seconds, which follow each other
-    /// without overlap; the random walk starts from zero at second 0.
+    /// Lower triangle of the covariance matrix of means over windows of whole seconds, (°/s)². The windows follow
+    /// each other without overlap. The random walk starts from zero at second 0.
     #[must_use]
     pub(crate) fn covariances(&self, windows: &[Window]) -> Vec<Vec<f64>> {
         let (first, last) = (windows.first().map_or(0, |s| s.start_s), windows.last().map_or(0, |s| s.end_s));

@@ -21,8 +21,8 @@ pub use reading::{Reading, Scan};
 /// Largest number of axes of a part. A [`Scan`] takes memory for this many axes, however many the part has.
 pub const MAX_AXES: usize = 8;
 
-/// Allowed distance of a temperature from the span of a calibration if its noise is not known, °C. For the ADIS16130
-/// this is ten times the noise of a single reading (M-05).
+/// Allowed distance of a temperature from the span of a calibration if the noise of the temperature is not known, °C.
+/// For the ADIS16130 this is ten times the noise of a single reading (M-05).
 pub(crate) const UNKNOWN_MARGIN_C: f64 = 0.5;
 
 /// A kind of gyroscope: its name and its axes, which share one temperature.
@@ -78,8 +78,8 @@ impl Part {
     };
 }
 
-/// The properties of one axis, and of its temperature. An unknown property is `None`, and a step that needs it is
-/// left out. If the user has to know that, a warning says so.
+/// The properties of one axis, and of its temperature. An unknown property is `None`. A check that needs the property
+/// is then left out, and a warning says so where that matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// Scale of the rate codes, °/s.
@@ -226,7 +226,8 @@ impl SelfHeating {
         -self.fast_c * libm::expm1(-after_s / self.fast_s) - self.slow_c * libm::expm1(-after_s / self.slow_s)
     }
 
-    /// Time after which less than `rest_c` of the rise is left, s. By then the fast share is over.
+    /// Time after which less than `rest_c` of the rise is left, s. It follows from the slow share alone, because the
+    /// fast share is over by then.
     #[must_use]
     pub fn settles_to_s(&self, rest_c: f64) -> f64 {
         (self.slow_s * libm::log(self.slow_c / rest_c)).max(0.0)
@@ -257,7 +258,7 @@ impl TypicalBias {
         self.initial_dps.map(|initial_dps| 10.0 * initial_dps)
     }
 
-    /// The typical bias, °/s, if this bias is more than three times as large: one unit in 370 has so much.
+    /// The typical bias, °/s, if this bias is more than three times as large, as in one unit of 370.
     #[must_use]
     pub fn exceeded_by(&self, bias_dps: f64) -> Option<f64> {
         self.initial_dps.filter(|typical_dps| bias_dps.abs() > 3.0 * typical_dps)
@@ -325,7 +326,7 @@ impl Tone {
 }
 
 impl Axis {
-    /// The ADIS16130 in 24 bits, without an external capacitor. A 16-bit code is taken times 256 (F-43).
+    /// The ADIS16130 in 24 bits, without an external capacitor. Multiply 16-bit codes by 256 first (F-43).
     pub const ADIS16130: Self = Self {
         rate: Scale { lsb_per_unit: 23_488.0, zero_value: 0.0, ..Scale::OFFSET_24 }, // F-40
         temp: Scale { lsb_per_unit: 14_093.0, zero_value: 25.0, ..Scale::OFFSET_24 }, // F-41

@@ -18,7 +18,8 @@ pub struct Contribution {
 }
 
 impl CalibratedAxis {
-    /// The budget of PBC and BTC; empty for a file that does not state where its uncertainty comes from.
+    /// Returns the budget of PBC and BTC. It is empty if the calibration states no uncertainties, or its curve no
+    /// sources.
     #[must_use]
     pub fn budget(&self) -> Vec<Contribution> {
         if let Some(curve) = &self.curve {
@@ -50,7 +51,8 @@ const NOISE: &str = "noise of the recording";
 const MODELS: &str = "order, lag, play and steps that the recording leaves open";
 const BASE_MOTION: &str = "slow base motion, by its probability";
 
-/// Returns the contributions of `rest` and of the known sources. `rest` gets the variance that the known ones leave.
+/// Returns the contributions to the standard uncertainty `u` of the coefficient `name`: first `rest`, with the
+/// variance that the known sources leave, then each known source with its standard uncertainty.
 fn of(
     name: &'static str,
     u: f64,

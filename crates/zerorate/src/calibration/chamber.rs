@@ -58,7 +58,7 @@ impl Calibration {
     }
 }
 
-/// Builds one axis with its own warnings. If it is the only axis, the calibration carries them instead.
+/// Builds one axis. If it is the only axis, its list of warnings is empty, because the calibration carries them.
 fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),

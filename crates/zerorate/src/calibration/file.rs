@@ -26,7 +26,7 @@ pub enum FileError {
     Edited { line: usize },
     /// The end of the text is missing.
     Truncated { line: usize },
-    /// A value belongs to another part, or a number is impossible.
+    /// A value is impossible, or does not belong to the part or the schema of the file.
     Value { line: usize, axis: Option<String>, name: &'static str, why: String },
 }
 

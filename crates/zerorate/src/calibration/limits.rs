@@ -20,14 +20,14 @@ const NUMBERS: RangeInclusive<f64> = -1e9..=1e9;
 const SIZES: RangeInclusive<f64> = 0.0..=1e9;
 /// Allowed shares of a whole.
 const SHARES: RangeInclusive<f64> = 0.0..=1.0;
-/// Share by which the parts of a variance may exceed it, because of rounding.
+/// Share by which the sum of a variance's parts may exceed the variance, because of rounding.
 const ROUNDING: f64 = 1e-9;
 /// Temperatures that a temperature sensor may report, °C.
 const TEMPS_C: RangeInclusive<f64> = -100.0..=200.0;
 /// Largest rate of any gyroscope, °/s.
 const FASTEST_DPS: f64 = 1e5;
 
-/// Limits of the coefficients of a correction.
+/// Limits of a correction: the largest absolute values of PBC and BTC, and the range of T3.
 struct Limits {
     pbc_dps: f64,
     btc_dps_per_c: f64,
@@ -313,7 +313,8 @@ impl Span {
     }
 }
 
-/// Checks that a text is one line, because the check lines count lines.
+/// Checks that no text of a value has control characters. Each text must be one line, because the check lines count
+/// lines.
 fn one_line(key: &str, value: &DeValue<'_>) -> Result<(), String> {
     let many = value.as_array().into_iter().flatten().map(Spanned::get_ref);
     if many.chain([value]).filter_map(DeValue::as_str).any(|text| text.contains(char::is_control)) {

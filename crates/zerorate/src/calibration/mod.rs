@@ -377,7 +377,7 @@ impl CalibratedAxis {
     }
 }
 
-/// Rounds a probability to four decimals, as it is written.
+/// Rounds a probability to the four decimals that the file keeps.
 fn rounded(probability: f64) -> f64 {
     libm::round(1e4 * probability) / 1e4
 }

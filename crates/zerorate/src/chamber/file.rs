@@ -10,7 +10,7 @@ use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
 /// The only version of the file form that is supported.
 const SCHEMA: u32 = 1;
-/// Largest number of steps over all cycles, enough for a week.
+/// Largest number of steps over all cycles, enough for a week of ten-minute steps.
 pub(super) const MAX_STEPS: usize = 1000;
 
 /// Allowed set points of a plan, °C.
@@ -66,7 +66,7 @@ impl ChamberPlan {
     /// Reads the file of a plan.
     ///
     /// # Errors
-    /// Returns the line, the key and the remedy if the text is not a plan.
+    /// Returns an error with the line, the key and the remedy if the text is not a plan.
     pub fn parse(text: &str) -> Result<Self, ChamberPlanError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);

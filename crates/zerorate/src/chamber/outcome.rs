@@ -34,7 +34,7 @@ impl ChamberOutcome {
 /// A corrected mean, without the steps and the base motion that were removed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
-    /// Middle of the mean, s from the start.
+    /// Middle of the averaging window, s from the start of the measurement.
     pub at_s: f64,
     /// Temperature, °C.
     pub temp_c: f64,

@@ -119,8 +119,8 @@ impl Record {
         Some(Drift { c_per_s, u_c_per_s: libm::sqrt(variance / spread), mean_c })
     }
 
-    /// Whether the temperature drifts by less than a limit from an index on. It does not where it only turns round:
-    /// there, half of the time surely drifts by more.
+    /// Whether the temperature drifts by less than a limit from an index on. A temperature that turns round has no
+    /// slope over the whole time, so the drift of the first half must not be above the limit either.
     pub(super) fn is_settled(&self, from: usize, limit_c_per_s: f64) -> bool {
         let half = from + (self.len() - from) / 2;
         let turns = self.drift_within(from..half).is_some_and(|drift| drift.is_above(limit_c_per_s));

@@ -103,7 +103,7 @@ struct AxisForm {
     rate_dps: Vec<f64>,
 }
 
-/// The identity of a measurement. A saved text must agree with all of it.
+/// The identity of a measurement. A saved text must agree with every field.
 pub(super) struct Identity<'a> {
     plan_text: &'a str,
     part: &'a Part,

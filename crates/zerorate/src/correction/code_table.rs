@@ -46,8 +46,8 @@ impl<'a> CodeTable<'a> {
         self.rows_udps.get(row).copied()
     }
 
-    /// Returns the nearest row. For a temperature beyond the table it is the first or the last row, which is wrong
-    /// by BTC times the distance to it. A table without rows corrects nothing.
+    /// Returns the nearest row, µ°/s. For a temperature beyond the table this is the first or the last row, which is
+    /// wrong by BTC times the distance to that row. A table without rows gives 0.
     #[inline]
     #[must_use]
     pub fn look_up_held_udps(&self, temp_code: u32) -> i32 {
@@ -79,7 +79,7 @@ impl RowIndex {
         let step_lsb = step_c.max(1e-6) * temp.lsb_per_unit;
         let middle = rows.saturating_sub(1) as u32 / 2;
         let t3_code = temp.nearest_code(t3_c).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-        // T3 rounds to a code, which lies above or below the middle row
+        // the middle row lies at T3, up to half a code away from `t3_code`
         let rounded_off = (temp.code(t3_c) - f64::from(t3_code)).clamp(-0.5, 0.5);
         let off_q = libm::round(rounded_off * one / step_lsb) as i64;
         Self {

@@ -100,7 +100,7 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         self.config.validity.zip(self.temp_c).is_some_and(outside)
     }
 
-    /// Lowest and highest temperature that was read, °C.
+    /// Lowest and highest temperature that was read, °C. `None` before the first temperature.
     #[must_use]
     pub fn range_c(&self) -> Option<(f64, f64)> {
         self.range_c

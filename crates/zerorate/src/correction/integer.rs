@@ -45,9 +45,9 @@ impl IntegerForm {
 /// F-50 on codes, without division or floating point, clamped to the possible codes:
 /// `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q + 2^(q−1)) >> q`.
 ///
-/// It rounds to nearest. For rates of up to 31 bits and temperatures of up to 24, it differs from F-50 in f64 by at
-/// most 0.51 codes (0.51/23 488 °/s for the ADIS16130, F-40). For temperatures of w > 24 bits it differs by at most
-/// ½ + 2^(w − q − 1) codes. A 16-bit code of the ADIS16130 goes in as code × 256.
+/// The result is rounded to nearest. For rates of up to 31 bits and temperatures of up to 24, it differs from F-50 in
+/// f64 by at most 0.51 codes (0.51/23 488 °/s for the ADIS16130, F-40). For temperatures of w > 24 bits it differs by
+/// at most ½ + 2^(w − q − 1) codes. Multiply a 16-bit code of the ADIS16130 by 256 first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerCorrection {
     /// PBC in rate codes times 2^q.

@@ -1,4 +1,4 @@
-//! Means over blocks of 0.1 s, and their differences from one to the next.
+//! Means over blocks of 0.1 s, and the Allan variance of averages of such blocks.
 
 use alloc::vec::Vec;
 

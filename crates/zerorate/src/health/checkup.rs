@@ -34,7 +34,7 @@ impl Default for Limits {
 /// let axis = Axis::ADIS16130;
 /// let (mut checkup, mut health, mut tally) = (Checkup::default(), Health::new(&axis), Tally::default());
 /// for i in 0..6000 {
-///     let rate = [4_000, -4_000, 2_500, -2_500, 1_000][i as usize % 5]; // far from white, but a rate of 5.7 kHz
+///     let rate = [4_000, -4_000, 2_500, -2_500, 1_000][i as usize % 5]; // periodic, so not white noise
 ///     let t_ns = u64::from(i) * 175_667;
 ///     let reading = Reading { t_ns, seq: i, rate, temp: None, out_of_range: false, lost: 0 };
 ///     tally.count(&reading);
@@ -42,7 +42,7 @@ impl Default for Limits {
 /// }
 /// let (limits, white) = (Limits::default(), checkup.white_dps_per_rt_hz(&axis, tally.rate_hz()).unwrap());
 /// let noise = Checkup::noise_warning(&axis, white, &limits).map(|warning| warning.code());
-/// assert_eq!(noise, Some("quiet")); // its sum over 50 ms hardly changes
+/// assert_eq!(noise, Some("quiet")); // the mean over 50 ms hardly changes
 /// let warnings = checkup.warnings(&tally, Some(5692.6), &limits);
 /// assert_eq!(warnings.iter().map(|warning| warning.code()).collect::<Vec<_>>(), ["no-temperature"]);
 /// ```

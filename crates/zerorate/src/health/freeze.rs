@@ -22,8 +22,8 @@ pub struct Frozen {
     pub both: bool,
 }
 
-/// Looks for readings that no longer change. A part changes its code at almost every reading. A simulation without
-/// noise does not, but it does not count as frozen as long as anything in it changes.
+/// Looks for readings that no longer change. A real part changes its code at almost every reading. A simulation
+/// without noise does not, so it counts as frozen only if neither its rate nor its temperature has ever changed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Freeze {
     rate: Channel,

@@ -15,7 +15,8 @@ use crate::part::Axis;
 pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
     let (tone, white) = (axis.resonance?, axis.noise?.white_dps_per_rt_hz);
     let divider = divider.max(1);
-    // F-56: if the channels alternate, N gives f_conv/(N + 1). N = 1 does too, since an edge comes with every pair
+    // F-56: if the channels alternate, a divider of N gives f_conv/(N + 1). N = 1 has one edge for each pair of two
+    // conversions, which is f_conv/2.
     let extra = if axis.alternates { 1.0 } else { 0.0 };
     let rate_at = |other: u16| rate_hz * (f64::from(divider) + extra) / (f64::from(other) + extra);
     tone.looks_like_bias(rate_hz, average_s, white).then(|| Warning::Resonance {
@@ -72,7 +73,8 @@ mod tests {
         }
     }
 
-    /// With N = 3 the tone is 68 Hz away from a multiple of the sample rate. With a clock 0.48 % faster it is on it.
+    /// With N = 3 the tone is 68 Hz away from a multiple of the sample rate. If the clock is 0.48 % faster, the tone
+    /// is at a multiple.
     #[test]
     fn the_measured_rate_decides() {
         assert_eq!(warning(rate_hz(3), 3, 10.0), None);

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 const NOISY: f64 = 3.0;
 /// Allowed ratio of the flicker floor and the random walk of a good unit to their typical values.
 const SPREAD: f64 = 2.0;
-/// One-sided normal quantile of the tests: a false alarm in fifty million.
+/// One-sided normal quantile of the tests: one false alarm in fifty million tests.
 const ALARM_Z: f64 = 5.5;
 
 /// The verdict on a window.

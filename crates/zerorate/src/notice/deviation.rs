@@ -42,7 +42,7 @@ pub enum Deviation {
 /// A deviation, and the error that it puts into the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
-    /// What the rate did, and by how much.
+    /// The deviation, with its size.
     pub deviation: Deviation,
     /// Error of PBC, °/s.
     pub pbc_dps: f64,

@@ -28,7 +28,7 @@ impl Part {
     /// ```
     ///
     /// # Errors
-    /// Returns the place and the cause if the text does not describe a part.
+    /// Returns an error with the place and the cause if the text does not describe a part.
     pub fn parse(text: &str) -> Result<Self, PartError> {
         Self::parse_at(text, None)
     }
@@ -36,7 +36,8 @@ impl Part {
     /// Reads the file of a part that is set to a full scale of `range_dps`, °/s, instead of its default one.
     ///
     /// # Errors
-    /// Returns the errors of [`Part::parse`], or the full scales of the file if it does not have this one.
+    /// Returns the errors of [`Part::parse`], or an error that lists the full scales of the file if this one is
+    /// missing.
     pub fn parse_at(text: &str, range_dps: Option<f64>) -> Result<Self, PartError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -344,8 +345,8 @@ impl Noise {
 }
 
 impl Bias {
-    /// Converts to a typical bias. The initial bias and the curvature are zero on average, so their spread is the
-    /// typical value.
+    /// Converts to a typical bias. The initial bias and the curvature are zero on average over units, so the typical
+    /// value is their spread.
     fn typical(&self, table: Entry<'_>) -> Result<TypicalBias, EntryError> {
         let known = |key, number: &Option<Number>| number.as_ref().map(|it| it.known(table.at(key))).transpose();
         let spread = |key, number| known(key, number).map(|known| known.map(|(value, u)| libm::hypot(value, u)));

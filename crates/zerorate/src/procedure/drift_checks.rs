@@ -26,13 +26,14 @@ pub(crate) struct Findings {
     pub(crate) u_pbc_dps: f64,
     /// Contribution of certain and suspected deviations to the uncertainty of BTC, °/s/°C.
     pub(crate) u_btc_dps_per_c: f64,
-    /// Rms error of BTC by curvature, given what the measurement shows of it, °/s/°C.
+    /// Rms error of BTC by the curvature that is possible after this measurement, °/s/°C.
     pub(crate) u_curvature_dps_per_c: f64,
     taken: Vec<(Shape, f64)>,
 }
 
 impl Findings {
-    /// The strongest deviation of each kind, and all steps, because a wandering oscillation is found more than once.
+    /// Returns all steps, and the strongest deviation of each other kind. An oscillation whose frequency wanders is
+    /// found more than once.
     pub(crate) fn distinct(&self) -> impl Iterator<Item = Finding> + '_ {
         let kind = |finding: &Finding| core::mem::discriminant(&finding.deviation);
         let found = &self.found;
@@ -265,8 +266,8 @@ impl<'a> Search<'a> {
         errors.fold((0.0, 0.0), |worst: (f64, f64), error| (worst.0.max(error.0), worst.1.max(error.1)))
     }
 
-    /// Rms error of BTC by a curvature of the typical spread, given what the measurement shows of it. It follows
-    /// from the posterior mean and variance of a normal variable.
+    /// Rms error of BTC by the curvature that is possible after this measurement. The curvature is a normal variable
+    /// with the typical spread as its prior, and the error follows from its posterior mean and variance.
     fn curvature_error(&self) -> f64 {
         let Some(bent) = self.candidates.iter().find(|candidate| matches!(candidate.shape, Shape::Curved(_))) else {
             return 0.0;
@@ -326,7 +327,7 @@ impl SearchInput {
     }
 }
 
-/// A shape that the rates may contain, whitened, without what the model explains of it.
+/// A whitened shape that the rates may contain, made orthogonal to the columns of the model.
 struct Candidate {
     shape: Shape,
     /// One column, or two for an oscillation, a quarter of a period apart.
@@ -351,7 +352,7 @@ impl Candidate {
         self.columns.iter_mut().for_each(|column| gls::take_out(column, unit));
     }
 
-    /// Decrease of the sum of squares by this shape. If the shape is absent, it has a χ² distribution.
+    /// Decrease of the sum of squares by this shape. The decrease has a χ² distribution if the shape is absent.
     fn gain(&self, residual: &[f64]) -> f64 {
         let sizes = self.sizes(residual);
         self.columns.iter().zip(sizes).map(|(column, size)| size * dot(column, residual)).sum()
@@ -437,8 +438,8 @@ mod tests {
         assert_eq!(findings(&record(1, |_| 0.0)[..30], &asked()), None);
     }
 
-    /// A step of 0.04 °/s (200 mV of supply) shortly before the end of step 8 is an error of PBC by its whole size. In
-    /// the middle of step 8 it is an error by half of it, and before step 8 it is none.
+    /// A step of 0.04 °/s (200 mV of supply) shortly before the end of step 8 shifts PBC by its whole size. In the
+    /// middle of step 8 it shifts PBC by half of its size, and before step 8 it does not shift PBC.
     #[test]
     fn a_step_is_found_up_to_the_end() {
         for (at, share) in [(997.0, 1.0), (925.0, 0.5), (300.0, 0.0)] {

@@ -140,8 +140,8 @@ impl WindowWarnings {
     }
 }
 
-/// Returns the result of a finished procedure that kept the means of all seconds. In these, it looks for deviations of
-/// the rate.
+/// Returns the result of a finished procedure that kept the means of all seconds. Deviations of the rate are searched
+/// for in these means.
 pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
     let hour = match seen.axis.noise {
@@ -416,8 +416,8 @@ fn white_density(seen: &Evidence<'_>) -> f64 {
 /// Upper 0.1 % point of the normal distribution.
 const SIGNIFICANT_Z: f64 = 3.09;
 
-/// Returns the white noise as measured. Flicker is typical, unless step 8 wanders significantly more. Then it is
-/// as large as step 8 shows.
+/// Returns the white noise as measured. Flicker has its typical size, unless the rate wanders significantly more in
+/// step 8. Then flicker is as large as step 8 shows.
 fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
     let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);

@@ -13,10 +13,10 @@ use crate::notice::Refusal;
 use crate::part::{Axis, Reading};
 use crate::plan::{Check, Method, Plan, PlanError, State, Until, ns};
 
-/// A step must have lasted this long before a refusal at its end is foretold, s.
+/// Time from the start of a step in which [`Procedure::pending_refusal`] returns `None`, s.
 const FIRST_LOOK_S: f64 = 2.0;
 
-/// Time after which samples without any temperature are refused, ns. A longer wait brings none.
+/// Time after which samples without any temperature are refused, ns. A longer wait would not bring a temperature.
 pub(crate) const TEMPERATURE_NS: u64 = 30_000_000_000;
 
 /// The next task of the caller.
@@ -336,7 +336,7 @@ impl<S: WindowSums> Procedure<S> {
             return Err(Refusal::Overranged { window, count: seen.overranged, samples });
         }
         if seen.overranged > 0 {
-            // bit errors are more frequent than rates out of range, and some of them flip the status
+            // no more readings are out of range than have bit errors, and a bit error can flip the status
             let count = seen.faulty + seen.overranged;
             return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }

@@ -100,7 +100,8 @@ pub struct Forecast {
 
 impl Axis {
     /// Forecasts when a typical unit has settled and its correction reaches the standard uncertainty `target_dps`,
-    /// °/s. If it never does, the forecast is for `total_s`, s. `None` if its noise or its self-heating is not known.
+    /// °/s. The forecast is for `total_s`, s, if the correction does not reach that uncertainty earlier. `None` if the
+    /// noise or the self-heating is not known.
     #[must_use]
     pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
         let heating = self.self_heating?;

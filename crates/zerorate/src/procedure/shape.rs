@@ -8,7 +8,7 @@ use core::f64::consts::PI;
 /// A shape that a rate may have over a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
-    /// A step from 0 to 1 at a time that is known to lie between two others.
+    /// A step from 0 to 1, most likely at `at_s`, and no earlier than `from_s` or later than `to_s`.
     Step { at_s: f64, from_s: f64, to_s: f64 },
     /// The square of the temperature less T3, °C².
     Curved(Series),
@@ -96,8 +96,8 @@ fn spread(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
 }
 
-/// Returns the temperature less a follower. `next` gets the last value of the follower, the temperature and the
-/// time since then, and returns the next value.
+/// Returns the temperature less a follower, °C. `next` gets the last value of the follower, the temperature and the
+/// time since the last value, s, and returns the next value.
 fn followed(seconds: &[Second], next: impl Fn(f64, f64, f64) -> f64) -> Series {
     let (mut follower_c, mut last_s) = seconds.first().map_or((0.0, 0.0), |second| (second.temp_c, second.at_s));
     let ahead = |second: &Second| {

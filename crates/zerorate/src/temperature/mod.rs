@@ -34,7 +34,7 @@ use interval::{Peak, honest_u};
 use model_averaging::{Weighed, weigh};
 use posterior::{Powers, Record};
 
-/// Largest number of steps of a curve.
+/// Largest number of steps of the bias that are removed for a curve.
 pub const MOST_STEPS: usize = 4;
 /// Number of coefficients of a bias over temperature, from the constant to the cubic one.
 pub const TERMS: usize = 4;

@@ -103,7 +103,7 @@ struct Path {
     following: LagAndPlay,
     steps: usize,
     motion: Option<Candidate>,
-    /// Logarithm of the number of finer plays that share the prior probability of one.
+    /// Logarithm of the number of finer plays that share the prior probability of one play of the lattice.
     log_finer: f64,
 }
 

@@ -30,7 +30,7 @@ const FLICKER_TOP_HZ: f64 = 0.04;
 const FLICKER_ABOVE_S: f64 = 4.0;
 /// Largest relative amount by which rounding lets a squared covariance exceed the product of its two variances.
 const ROUNDING: f32 = 1e-4;
-/// Longest time step, s: 32 years. After it nothing is known anyway.
+/// Longest time step, s: 32 years. By then the random walk has made the bias unknown.
 const LONGEST_S: f64 = 1e9;
 
 /// The processes that drive the bias.

@@ -1,8 +1,9 @@
 //! Tracking of the bias: it is learned at rest and predicted in between, on fixed memory.
 //!
-//! A [`Tracker`] takes means over [`BLOCK_S`] of one axis. It tells rest from the rate alone (`rest.rs`), and follows
-//! the bias that the calibration leaves with a Kalman filter (`filter.rs`). A level may also be a slow rotation
-//! (`level.rs`), so it keeps a few hypotheses (`hypothesis_bank.rs`), and answers with all of them (`estimate.rs`).
+//! A [`Tracker`] takes means over [`BLOCK_S`] of one axis. It detects rest from the rate alone (`rest.rs`), and
+//! follows the bias that the calibration leaves with a Kalman filter (`filter.rs`). A level may also be a slow
+//! rotation (`level.rs`), so the tracker keeps a few hypotheses (`hypothesis_bank.rs`), and merges them into its
+//! estimate (`estimate.rs`).
 //! `docs/tracking.md` derives the limits and states what was measured. The tracker uses neither a clock nor
 //! allocation.
 //!
@@ -154,8 +155,8 @@ pub struct Tracker {
     /// Seconds that have passed since the hypothesis bank was last brought up to date.
     due_s: u32,
     quiet: Quiet,
-    /// Number of windows of the quiet period that were learned from; `sure` of them are too old for a rotation to have
-    /// begun in them.
+    /// Number of windows of the quiet period that were learned from. `sure` of these windows are too old for a
+    /// rotation to have begun in them.
     taken: u32,
     sure: u32,
     temp_c: Option<f32>,
@@ -330,7 +331,7 @@ impl Tracker {
         self.estimate = Estimate::new(&self.bank.known(), self.bank.rest_prior.rotation_excess(), self.least_turn_dps);
     }
 
-    /// Ends the quiet period after a motion. All of it counts, except for the last window.
+    /// Ends the quiet period after a motion. All of its windows count, except for the last one.
     fn end(&mut self) {
         self.close(self.quiet.windows().saturating_sub(1), Phase::Moving);
         self.quiet.begin_anew();

@@ -6,7 +6,7 @@ use super::hypothesis_bank::Mean;
 use crate::noise::NoiseModel;
 use libm::sqrt;
 
-/// Length of the means that are pushed, s.
+/// Length of the means that a tracker takes in, s.
 pub const BLOCK_S: f64 = 0.1;
 /// Number of blocks in a second.
 const BLOCKS: u32 = 10;
@@ -38,7 +38,7 @@ pub(super) enum Seen {
     Window,
     /// The part moves, or a block is missing.
     Moving,
-    /// The rate stepped by more than noise explains, within so many of the newest windows.
+    /// The rate stepped by more than noise explains, within this number of the newest windows.
     Step(u32),
 }
 

@@ -236,8 +236,8 @@ impl ChamberProcedure {
         self.record.soaks.push(soak);
     }
 
-    /// Judges whether the part was at rest since the last call, and returns an axis that was not. If one moved, it
-    /// marks the seconds as moving. The axes at rest give the white noise.
+    /// Judges whether the part was at rest since the last call, and returns the index of the first axis that was not.
+    /// If an axis moved, all these seconds are marked as not at rest. An axis at rest gives its white noise.
     pub(super) fn judge_rest(&mut self) -> Option<usize> {
         let (from, len) = (self.blocks_from, self.record.len());
         let mut moving = None;

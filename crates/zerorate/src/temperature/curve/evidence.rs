@@ -171,12 +171,13 @@ impl Record {
         Self { without_lag: true, ..self }
     }
 
-    /// The record with its coefficients over another span, so that they can be averaged with those of that span.
+    /// Returns the record with another series, so that its coefficients can be averaged with those of that series.
     pub(super) fn over(self, series: Series) -> Self {
         Self { series, ..self }
     }
 
-    /// The record without the steps and outliers that were found in the same logs.
+    /// Returns the record with the steps of `found`, and without the outliers that `found` lacks. Both have the same
+    /// logs.
     pub(super) fn without_disturbances_of(mut self, found: &Self) -> Self {
         self.steps.clone_from(&found.steps);
         self.logs.iter_mut().zip(&found.logs).for_each(|(log, found)| log.keep_blocks_of(found));

@@ -5,9 +5,9 @@ use crate::temperature::follow::LagAndPlay;
 use crate::temperature::{Block, gls};
 use alloc::vec::Vec;
 
-/// Number of parts of a block, which show the temperature within it and the white noise.
+/// Number of parts of a block. The parts show the course of the temperature within the block, and the white noise.
 const PARTS: usize = 8;
-/// Number of blocks of a log that is long enough for blocks of [`SHORTEST_S`].
+/// Number of blocks of a log. A short log has fewer, because a block lasts at least [`SHORTEST_S`].
 const BLOCKS: f64 = 900.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 1.0;
@@ -77,7 +77,7 @@ pub struct MeansBuilder {
     /// Readings of the temperature in the last part, °C.
     readings_c: Vec<f64>,
     last: f64,
-    /// Smallest difference between successive samples.
+    /// Smallest difference between successive samples that differ.
     quantum: f64,
     /// The first sample. It is subtracted before summing, so that squares keep their digits.
     origin: Option<f64>,
@@ -379,7 +379,7 @@ impl LogMeans {
         self.indices.remove(at);
     }
 
-    /// Keeps the blocks that `other` has, a part of the same log.
+    /// Keeps the blocks that `other` has as well. Both must come from the same log.
     pub(super) fn keep_blocks_of(&mut self, other: &Self) {
         let kept: Vec<bool> = self.indices.iter().map(|index| other.indices.binary_search(index).is_ok()).collect();
         self.keep(|place| kept[place]);

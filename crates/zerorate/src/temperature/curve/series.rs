@@ -31,7 +31,7 @@ impl Series {
     }
 
     /// Values of the polynomials at a temperature that the bias follows. If the sensor was on before the log began,
-    /// this temperature may lie outside of the logs. There, each polynomial continues along its tangent.
+    /// this temperature may lie outside of the span. There, each polynomial continues along its tangent.
     pub(super) fn followed(&self, temp_c: f64) -> [f64; COEFFICIENTS] {
         let beyond_c = temp_c - temp_c.clamp(self.low_c, self.high_c);
         let (mut values, slopes) = (self.at(temp_c), self.slope_at(temp_c));

@@ -52,7 +52,7 @@ impl Simulated {
                 None => warm(k),
                 Some(after) => 5.0 + (top_c - 5.0) * libm::exp(-(after as f64) / RATE_HZ / 600.0),
             };
-            // in still air, a lag and a bent curve look alike
+            // without the sine, a lag and a bent curve would look alike
             course_c + 0.3 * libm::sin(k as f64 / RATE_HZ / 100.0)
         };
         let mut random = Normal(self.seed);
