@@ -207,7 +207,7 @@ fn the_id_follows_the_numbers() {
     assert_eq!(id(BY_HAND).len(), 12);
 }
 
-/// By hand, with the numbers of `measured` two degrees above T3: 0.0026² + 4 · 0.0048² + 2 · 2 · 1e-8.
+/// Computes u² by hand, with the numbers of `measured` at 2 °C above T3: 0.0026² + 4 · 0.0048² + 2 · 2 · 1e-8.
 #[test]
 fn the_uncertainty_of_a_correction_is_propagated() {
     let calibration = measured();

@@ -1,5 +1,5 @@
-//! The procedure, with the driver, on the twin: right numbers from a good unit, and a refusal that names the cause
-//! from a bad one.
+//! Runs the procedure with the driver on the twin. A good unit gives the right numbers, and a bad unit gives a refusal
+//! that names the cause.
 
 mod unit;
 

@@ -32,8 +32,8 @@ fn step(seed: u64, supply_step_mv: f64, at_s: f64) -> Spec {
     Spec { supply_step_mv, fault_at_s: Some(at_s), ..Spec::from_seed(seed) }
 }
 
-/// A sway by seed, amplitude, °/s, and frequency, Hz. A warm-up lasts a third of its period, in which the rate rises
-/// as the temperature does. A warm-up cannot tell it from a change of the bias, but a cycle can.
+/// A sway by seed, amplitude, °/s, and frequency, Hz. A warm-up lasts a third of the period of the sway, in which the
+/// rate rises as the temperature does. A warm-up cannot tell this sway from a change of the bias, but a cycle can.
 const LIKE_A_WARMUP: (u64, f64, f64) = (4, 0.036, 0.000_103);
 
 #[test]
@@ -58,8 +58,8 @@ fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
     }
 }
 
-/// Every unit at rest states a u of PBC from 0.0018 to 0.0037 °/s. An earlier version always treated the models with a
-/// base motion as separate peaks, and stated 0.0075 to 0.0123 °/s for the first four units.
+/// For every unit at rest, the standard uncertainty of PBC is 0.0018 to 0.0037 °/s. An earlier version always treated
+/// the models with a base motion as separate peaks, and stated 0.0075 to 0.0123 °/s for the first four units.
 #[test]
 fn a_platform_at_rest_has_one_uncertainty() {
     let (mut mean_square, seeds) = (0.0, [91040, 91044, 91076, 91100, 91041, 91043]);

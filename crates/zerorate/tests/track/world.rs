@@ -17,7 +17,7 @@ impl Random {
         Self(seed)
     }
 
-    /// In [0, 1).
+    /// A uniform random number in [0, 1).
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -45,7 +45,7 @@ impl Random {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     Rest,
-    /// A turn with ramps of a second.
+    /// A turn at `dps`, °/s, with ramps of one second at its beginning and end.
     Turn {
         dps: f64,
     },
@@ -53,7 +53,7 @@ pub enum Motion {
         dps: f64,
         hz: f64,
     },
-    /// Steady and slow: quiet, but not at rest.
+    /// A steady, slow rotation: quiet, but not at rest.
     SlowTurn {
         dps: f64,
     },
@@ -124,7 +124,7 @@ impl Platform {
                     let (dps, hz) = (random.between(0.1, 5.0), random.between(0.05, 2.0));
                     (Motion::Sway { dps, hz }, random.between(10.0, 120.0))
                 }
-                // as long as rests, and every fourth at the slowest rate that must be detected
+                // a slow rotation lasts as long as a rest, and every fourth has the slowest rate that must be detected
                 kind if kind < 14.0 + self.slow_turns => {
                     let dps = if random.uniform() < 0.25 { 0.02 } else { random.between(0.02, 0.2) };
                     (Motion::SlowTurn { dps: random.sign() * dps }, random.between(REST_S.0, REST_S.1))

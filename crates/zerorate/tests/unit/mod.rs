@@ -5,7 +5,7 @@ use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use zerorate::{Method, Plan, Reading};
 
-/// A plan of 145 s. A part whose self-heating takes half a minute warms enough in it for two temperatures.
+/// A plan of 145 s. A part with a time constant of self-heating of 30 s warms enough within it to measure BTC.
 pub const SHORT: Plan = Plan {
     method: Method::An1042,
     target_dps: None,
