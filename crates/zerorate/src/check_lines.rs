@@ -1,5 +1,5 @@
-//! The two check lines of a file: a digest of all other lines, and two bytes of a digest for each of them, so that a
-//! changed line can be named.
+//! The two check lines of a file: a digest of all other lines, and two bytes of the digest of each such line, so that
+//! a changed line can be named.
 
 use alloc::format;
 use alloc::string::String;

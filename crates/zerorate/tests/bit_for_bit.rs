@@ -1,4 +1,4 @@
-//! Each method gives the same result from the same hour, bit for bit.
+//! Checks that each method gives the same result from the same simulated hour as before, bit for bit.
 
 mod golden;
 mod hours;

@@ -14,7 +14,7 @@ fn is_date(date: &str) -> bool {
     }
 }
 
-/// Number of days of a month; 0 if there is no such month.
+/// Number of days of a month, or 0 if there is no such month.
 const fn days(year: u32, month: u32) -> u32 {
     match month {
         2 if year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400)) => 29,

@@ -212,7 +212,7 @@ fn check_coverage(table: Entry<'_>, coverage: f64, factor: f64) -> Result<(), En
     table.at("coverage_factor").require(is_factor, || "must be a number above 0".into())
 }
 
-/// Checks that numbers of a table lie within `limits`; each number comes with its key.
+/// Checks that numbers of a table lie within `limits`. Each number comes with its key.
 fn check_within(
     table: Entry<'_>,
     limits: &RangeInclusive<f64>,

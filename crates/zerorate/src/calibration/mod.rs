@@ -1,8 +1,8 @@
 //! A calibration of one unit: the corrections of its axes, their uncertainties, the temperatures where they hold, and
 //! their origin.
 //!
-//! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`]
-//! read and write it.
+//! `docs/formats/calibration.md` specifies the file form. [`Calibration::parse`] reads it, and [`Calibration::to_toml`]
+//! writes it.
 
 mod budget;
 mod chamber;
@@ -47,7 +47,7 @@ pub struct Calibration {
     pub part: String,
     /// Serial number of the unit.
     pub serial: Option<String>,
-    /// Time at which the samples were recorded, RFC 3339; [`SIMULATED`] for the software twin.
+    /// Time at which the samples were recorded, RFC 3339, or [`SIMULATED`] for the software twin.
     pub created: Option<String>,
     /// Method of the measurement: `an1042` (F-51), `warmup` and `cycle` (which use every block of a recording),
     /// `chamber` or `tempcal`.
@@ -137,7 +137,7 @@ pub struct CurveRecord {
     pub play_c: f64,
     /// Bias steps that were removed from the data: time from the start of the recording or log, s, and size, °/s.
     pub steps: Vec<[f64; 2]>,
-    /// Sources of the uncertainties of PBC and BTC; `None` in older files and in calibrations from logs.
+    /// Sources of the uncertainties of PBC and BTC. `None` in older files and in calibrations from logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sources: Option<SourcesRecord>,
 }
@@ -184,7 +184,7 @@ pub struct Run {
     pub offset_s: f64,
     pub max_lost: f64,
     pub max_u_btc_dps_per_c: f64,
-    /// Component of the Earth's rotation that was subtracted (F-16); `None` if it is part of PBC.
+    /// Component of the Earth's rotation that was subtracted, °/s (F-16). `None` if it is part of PBC.
     pub earth_dps: Option<f64>,
     pub assume_linear: bool,
 }
@@ -217,7 +217,7 @@ pub struct Notes {
     pub ambient: Option<String>,
     /// The person who measured.
     pub operator: Option<String>,
-    /// Name of the computer; `None` for a simulated part, whose files depend on the seed alone.
+    /// Name of the computer. `None` for a simulated part, whose files depend on the seed alone.
     pub host: Option<String>,
 }
 

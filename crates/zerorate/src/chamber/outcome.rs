@@ -20,7 +20,7 @@ pub struct ChamberOutcome {
     pub residuals: Vec<Residual>,
     /// Residual of each soak point after the correction, without the removed steps and base motion, °/s.
     pub soak_residuals_dps: Vec<f64>,
-    /// The hysteresis loop; `None` if the part was not at the same temperature in both directions.
+    /// The hysteresis loop. `None` if the part was not at the same temperature in both directions.
     pub branches: Option<Branches>,
 }
 
@@ -57,7 +57,7 @@ pub struct Branches {
     /// Standard uncertainty of the half width, °/s, from all noise terms. They include the random walk between warming
     /// and cooling.
     pub u_dps: f64,
-    /// Coldest and warmest temperature that was passed in both directions, °C.
+    /// Temperatures that were passed in both directions, from the coldest to the warmest, in bins of 5 °C.
     pub span_c: (f64, f64),
 }
 

@@ -195,7 +195,7 @@ impl ChamberPlan {
 
 impl ChamberPlan {
     /// Checks that the part withstands every temperature of this plan. Call this before anything is heated or
-    /// cooled. A recording needs no such check, because it has happened already.
+    /// cooled. A plan for a recording needs no such check, because the part has been at its temperatures already.
     ///
     /// # Errors
     /// Returns an error if a set point, or the temperature after the measurement, is beyond [`Part::operating_c`].

@@ -82,7 +82,7 @@ enum AirApproach {
     Over,
 }
 
-/// The beginning of the present state, and what has been seen in it.
+/// The beginning of the present state, and whether a reading since then was out of range.
 #[derive(Clone, Copy, Debug, Default)]
 struct Present {
     began_s: f64,

@@ -22,7 +22,7 @@ pub struct Record {
     pub samples: u64,
     /// Rate samples lost.
     pub lost: u64,
-    /// Readings that are impossible for the part. No mean includes them.
+    /// Number of rates and temperatures that are impossible for the part. No mean includes them.
     pub impossible: u64,
 }
 

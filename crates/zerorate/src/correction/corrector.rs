@@ -9,7 +9,7 @@ use crate::notice::Warning;
 pub struct CorrectorConfig<C = [Correction; 1]> {
     /// PBC, BTC and T3 of each axis.
     pub corrections: C,
-    /// The temperatures at which the corrections hold; `None` if they are not known.
+    /// The temperatures at which the corrections hold. `None` if they are not known.
     pub validity: Option<Validity>,
 }
 

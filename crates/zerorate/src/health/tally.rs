@@ -13,7 +13,7 @@ pub struct Tally {
     pub lost: u64,
     /// Number of gaps, in each of which samples were lost.
     pub gaps: u64,
-    /// Gaps in which two or more samples were lost, and no edge of data ready was counted.
+    /// Gaps in which two or more samples were lost, although no further edge of data ready was counted.
     pub silent_gaps: u64,
     temps: u64,
     edges: u64,
@@ -57,7 +57,7 @@ impl Tally {
     }
 
     /// Whether losses come from a silent data-ready line rather than from a late host: at least a quarter of the gaps
-    /// had no edge.
+    /// were silent.
     #[must_use]
     pub fn data_ready_stutters(&self) -> bool {
         self.silent_gaps > 0 && 4 * self.silent_gaps >= self.gaps

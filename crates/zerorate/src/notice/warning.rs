@@ -61,7 +61,7 @@ pub enum Warning {
     Losing { lost: u64 },
     /// The samples do not come as fast as they should.
     RateOff { rate_hz: f64, nominal_hz: f64 },
-    /// No temperature was read. With `wrong_edge`, the host uses the edge before new data.
+    /// No temperature was read. With `wrong_edge`, the host uses the edge of data ready before new data.
     NoTemperature { wrong_edge: bool },
     /// A step of the rate was removed.
     StepTaken { at_s: f64, size_dps: f64, u_dps: f64 },

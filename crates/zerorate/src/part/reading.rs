@@ -6,7 +6,7 @@ use super::MAX_AXES;
 /// feature `adis16130`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// Time, in ns of a clock that runs evenly. Its zero does not matter.
+    /// Time, ns, of a clock that runs evenly from any zero.
     pub t_ns: u64,
     /// Running number of the edge of data ready that announced the reading, which may wrap. For a part without data
     /// ready it is the number of the reading.

@@ -37,7 +37,7 @@ macro_rules! settings {
                 SettingName::text(match self { $(Self::$setting => $field),* })
             }
 
-            /// The values that make sense for a measurement on Earth; `None` if the plan does not bound them.
+            /// The values that make sense for a measurement on Earth. `None` if the plan does not bound them.
             #[must_use]
             pub fn bounds(self) -> Option<Bounds> {
                 match self {

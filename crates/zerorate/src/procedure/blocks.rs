@@ -22,7 +22,7 @@ impl Blocks {
         self.segments.iter().flat_map(|segment| segment.seconds(&self.axis))
     }
 
-    /// Rate, °/s, and temperature, °C, of every block of a step; NaN for a value that the block lacks.
+    /// Rate, °/s, and temperature, °C, of every block of a step. NaN for a value that the block lacks.
     #[cfg(feature = "std")]
     pub(crate) fn tenths(&self, state: State) -> impl Iterator<Item = (f64, f64)> + '_ {
         let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -209,7 +209,7 @@ impl Segment {
         if let (Some(first), Some(second)) = halves { (second - first) / half_s } else { 0.0 }
     }
 
-    /// Means over whole seconds; a second without rate or temperature is left out.
+    /// Means over whole seconds. A second without rate or temperature is left out.
     fn seconds<'a>(&'a self, axis: &'a Axis) -> impl Iterator<Item = Second> + 'a {
         self.blocks.chunks_exact(10).enumerate().filter_map(move |(k, blocks)| {
             let second = Block::merged(blocks);

@@ -57,7 +57,7 @@ impl Findings {
 /// The input of the search: the averages of the procedure, and the assumptions about the unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SearchInput {
-    /// The averages of steps 4, 6 and 8, or three tenths of a recording that has no steps.
+    /// The averages of steps 4, 6 and 8, or three windows of a recording without steps, each a tenth of its length.
     pub(crate) averages: [WeightedMean; 3],
     /// T2 − T1, or the temperature span of a recording that has no steps, °C.
     pub(crate) span_c: f64,
@@ -237,7 +237,7 @@ impl<'a> Search<'a> {
         libm::sqrt(fit.variance(&weights))
     }
 
-    /// The finding for a shape of a given size.
+    /// The finding for a shape of a given size. The errors by a step are the largest over its possible times.
     fn finding(&self, shape: &Shape, size: f64) -> Finding {
         let worst = |error: fn(&SearchInput, &Shape) -> f64| match *shape {
             Shape::Step { at_s, from_s, to_s } => {

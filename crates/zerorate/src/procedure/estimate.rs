@@ -65,7 +65,7 @@ pub struct Outcome<W = Vec<Warning>> {
     pub samples: u64,
     /// Rate samples lost.
     pub lost_samples: u64,
-    /// Readings that are impossible for the part. No mean includes them.
+    /// Readings with an impossible rate or temperature. No mean includes the impossible value.
     pub impossible_readings: u64,
     /// Time from the first sample to the last, s.
     pub duration_s: f64,

@@ -41,7 +41,7 @@ pub struct Summary {
     pub(crate) samples: u64,
     pub(crate) lost: u64,
     pub(crate) overranged: u64,
-    /// Readings that are impossible. No sum includes them.
+    /// Readings with an impossible rate or temperature. No sum includes the impossible value.
     pub(crate) faulty: u64,
     /// Mean rate, °/s: the exact sum of the codes with a single division.
     pub(crate) rate_dps: Option<f64>,
@@ -53,7 +53,7 @@ pub struct Summary {
     pub(crate) temps: Adjacent,
     /// Allan variance of the rate in averages over an eighth of the step, (°/s)².
     pub(crate) eighths: Adjacent,
-    /// Lowest and highest block mean of the temperature, °C; the lowest is above the highest if there is none.
+    /// Lowest and highest block mean of the temperature, °C. Without one, the lowest is +∞ and the highest −∞.
     pub(crate) temp_range_c: (f64, f64),
 }
 

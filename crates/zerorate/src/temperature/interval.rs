@@ -13,7 +13,7 @@ pub(super) struct Peak {
 /// Half widths, in standard uncertainties, of the intervals that users rely on: 95 %, 99.73 % and 99.994 % of a normal
 /// distribution.
 const RELIED_ON: [f64; 3] = [crate::uncertainty::Uncertainty::FACTOR, 3.0, 4.0];
-/// Number of halvings of a bracket. After them it is narrower than any rounding that matters.
+/// Number of halvings of a bracket. They make the bracket narrower by a factor of 10¹².
 const HALVINGS: u32 = 40;
 
 /// Returns the smallest standard uncertainty about `centre`, at least `sd`, whose intervals contain as much of all

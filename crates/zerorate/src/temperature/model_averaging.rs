@@ -1,5 +1,5 @@
 //! Averaging over all combinations of unknowns that are not coefficients: the strength of the slow noises, the lag and
-//! the play of the bias, and which steps and base motion are real. Only combinations that matter are kept.
+//! the play of the bias, and which steps and base motion are real. Only relevant combinations are kept.
 
 use super::base_motion::{self, Candidate};
 use super::filter::{Filter, White};
@@ -9,7 +9,7 @@ use crate::noise::NoiseModel;
 use crate::part::Axis;
 use alloc::vec::Vec;
 
-/// Difference to the best log evidence at which a combination does not matter.
+/// A combination is relevant if its log evidence is lower than the best by less than this.
 const NEGLIGIBLE: f64 = 5.0;
 /// Ratio of each lag that is tried to the one before.
 const LAG_RATIO: f64 = 1.25;
@@ -56,7 +56,7 @@ pub(super) struct Weighed {
     pub(super) posterior: Posterior,
 }
 
-/// Returns all models that matter, with their weights. Empty if none can be computed.
+/// Returns all relevant models with their weights. The list is empty if no model can be computed.
 pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> {
     let lattice = Lattice::new(record, assumed);
     let (mut noises, mut paths) = (Vec::from([(0, 0)]), Vec::from([Path::default()]));
@@ -142,7 +142,7 @@ impl<'a> Lattice<'a> {
         }
     }
 
-    /// The paths that matter under a noise, the best first.
+    /// The relevant paths under a noise, the best first.
     fn relevant_paths(&self, noise: (i32, i32)) -> Vec<Path> {
         let filter = self.filter(noise);
         let still: Vec<(f64, Path)> =
@@ -211,8 +211,8 @@ impl<'a> Lattice<'a> {
         if motions.is_empty() { Vec::new() } else { paths.iter().flat_map(with).collect() }
     }
 
-    /// The noises that matter on a path, the best first. The search begins at the middle of the lattice, and tries the
-    /// neighbours of each noise that matters.
+    /// The relevant noises on a path, the best first. The search begins at the middle of the lattice, and tries the
+    /// neighbours of each relevant noise.
     fn relevant_noises(&self, path: &Path) -> Vec<(i32, i32)> {
         let score = |noise| self.score(&self.filter(noise), noise, path);
         let mut known: Vec<(f64, (i32, i32))> = Vec::from([(score((0, 0)), (0, 0))]);

@@ -29,7 +29,7 @@ pub(super) struct Posterior {
     pub(super) from_motion: Powers,
 }
 
-/// The columns of a path without its base motion, whitened.
+/// The whitened columns of a model without base motion: the rates, the polynomials and the steps.
 pub(super) struct Columns {
     whites: Whites,
     held: Held,

@@ -146,7 +146,7 @@ pub struct Unit {
     pub prior: Prior,
 }
 
-/// What a unit reads in a block of 0.1 s, and its true bias.
+/// The readings of a unit in a block of 0.1 s, and its true bias.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     pub rate_dps: f64,
@@ -215,7 +215,7 @@ fn stated([t1_c, t2_c, t3_c]: [f64; 3], drift_dps: f64) -> Prior {
     }
 }
 
-/// What calibration and tracker achieved over some hours of motion and rest.
+/// The errors of calibration and tracker over some hours of motion and rest.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Day {
     /// Rms of the bias that the calibration alone leaves, °/s.

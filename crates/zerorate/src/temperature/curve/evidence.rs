@@ -94,7 +94,7 @@ pub(super) struct Products {
 const SIZES: [f64; 3] = [0.3, 1.0, 3.0];
 /// Ratios of the standard deviation of each order to that of the order before that are tried.
 const SHRINKS: [f64; 2] = [0.15, 0.35];
-/// Prior standard deviations of the offset by the direction of the temperature that are tried, as ratios of the scale.
+/// Prior standard deviations of the hysteresis offset that are tried, as ratios of the scale.
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
 /// Prior standard deviations of the offsets of the logs that are tried, as ratios of the scale.
 const STARTS: [f64; 9] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1, 0.3, 1.0];
@@ -140,8 +140,9 @@ impl Record {
         }
     }
 
-    /// Returns the record for both possible starts, if the start is not known and matters: the sensor was switched on
-    /// with the logs, or was on before. With both directions of the temperature, the lag is known without the start.
+    /// Returns the record for each possible start: the sensor was switched on with the logs, or was on before. There
+    /// is only one record if the start is known. The same is true if the temperature rises and falls, because the lag
+    /// then shows without the start.
     pub(super) fn starts(&self) -> Vec<Self> {
         let either = !self.two_directions && self.logs.iter().any(LogMeans::may_have_been_on);
         let starts = if either { &[false, true][..] } else { &[false] };

@@ -7,7 +7,8 @@ use alloc::vec::Vec;
 
 /// Probability that an axis has the lag of the other axes.
 const COMMON: f64 = 0.9;
-/// Exponent of the likelihoods of other axes. They are too sharp, because they hold for the best noise alone.
+/// Exponent of the likelihoods of other axes. The likelihoods are too sharp, because only the best noise is
+/// considered.
 const TRUST: f64 = 0.5;
 /// Lower limit of the log likelihoods, relative to that of the best lag.
 const FLOOR: f64 = -30.0;

@@ -46,7 +46,7 @@ pub struct LogMeans {
     /// Number of blocks of the log that have samples.
     seen: usize,
     thermometer: Thermometer,
-    /// Whether the sensor was on before the log began; `None` if that is not known.
+    /// Whether the sensor was on before the log began. `None` if that is not known.
     was_on: Option<bool>,
 }
 
@@ -436,8 +436,8 @@ impl LogMeans {
         self.was_on.unwrap_or(unknown)
     }
 
-    /// Whether the log leaves open if the sensor was on before, and this matters because the temperature changes from
-    /// the start. False for a coarse thermometer, which does not show how the temperature starts.
+    /// Whether the sensor may have been on before a log that does not state it, and the temperature changes from the
+    /// start. False for a coarse thermometer, which does not show how the temperature starts.
     pub(super) fn may_have_been_on(&self) -> bool {
         let ends = |(low, high): (f64, f64), c: &f64| (low.min(*c), high.max(*c));
         let (low_c, high_c) = self.parts_c.iter().fold((f64::MAX, f64::MIN), ends);

@@ -1,4 +1,4 @@
-//! The search for the models that matter: strength of the noises, lag and play, and the shape of the series.
+//! The search for the relevant models: strength of the noises, lag and play, and the shape of the series.
 
 use super::LogMeans;
 use super::evidence::{Columns, Model, PriorSpreads, Products, Record, SlowNoise, Solved};
@@ -9,7 +9,7 @@ use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Difference to the best log evidence at which a model does not matter.
+/// A model is relevant if its log evidence is lower than the best by less than this.
 const NEGLIGIBLE: f64 = 6.0;
 /// Number of lattice steps in a decade of noise.
 const PER_DECADE: f64 = 4.0;
@@ -45,7 +45,7 @@ type Place = (i32, i32);
 struct Refined {
     lags: Vec<f64>,
     plays: Vec<f64>,
-    /// The noises that matter, the best first.
+    /// The relevant noises, the best first.
     places: Vec<Place>,
     /// The best lag and play.
     following: LagAndPlay,
@@ -86,7 +86,7 @@ pub(super) fn lag_likelihood(record: &Record, best: &Model) -> LagLikelihood {
     LagLikelihood::new(search.finer(place, &best.following, lags, with_lag))
 }
 
-/// Returns all models that may matter, without weights. Empty if none can be computed.
+/// Returns all relevant models, without weights. The list is empty if no model can be computed.
 pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     let mut search = Search::new(record, others);
     let Some(Refined { lags, plays, places, .. }) = search.refined() else { return Vec::new() };
@@ -111,7 +111,7 @@ fn with_play(play_c: f64, other: &LagAndPlay) -> LagAndPlay {
     LagAndPlay { play_c, ..*other }
 }
 
-/// Gives each model its weight, and drops those that do not matter.
+/// Gives each model its weight, and drops the models whose score is too low to be relevant.
 pub(super) fn weigh(models: &mut Vec<Model>) {
     let best = models.iter().map(|model| model.log_score).fold(f64::NEG_INFINITY, f64::max);
     models.retain(|model| model.log_score > best - 2.0 * NEGLIGIBLE);
@@ -192,7 +192,7 @@ impl<'a> Search<'a> {
         (lags, plays)
     }
 
-    /// Refines lags and plays, and finds the noises that matter.
+    /// Refines lags and plays, and finds the relevant noises.
     fn refined(&mut self) -> Option<Refined> {
         let (mut lags, mut plays) = self.coarse();
         let (mut place, mut following) = self.coarse_best(&(lags.clone(), plays.clone()))?;
@@ -224,7 +224,7 @@ impl<'a> Search<'a> {
         self.best_pair(&all, &[following])
     }
 
-    /// The best of all pairs; `None` if none can be computed.
+    /// The pair of noise and lag and play with the highest score. `None` if no score can be computed.
     fn best_pair(&mut self, places: &[Place], followings: &[LagAndPlay]) -> Option<(Place, LagAndPlay)> {
         let mut best = (f64::NEG_INFINITY, None);
         for pair in places.iter().flat_map(|place| followings.iter().map(move |following| (*place, *following))) {
@@ -286,7 +286,8 @@ impl<'a> Search<'a> {
         scored
     }
 
-    /// The noises that matter, the best first.
+    /// Returns the relevant noises, the best first. The search begins at `start`, and tries the neighbours of each
+    /// relevant noise.
     fn noises(&mut self, start: Place, following: &LagAndPlay) -> Vec<Place> {
         let mut scores: BTreeMap<Place, f64> = BTreeMap::new();
         let mut open = vec![start];
@@ -309,7 +310,7 @@ impl<'a> Search<'a> {
         if all.is_empty() { vec![start] } else { all.into_iter().map(|(place, _)| place).collect() }
     }
 
-    /// The pairs of lag and play that matter under a noise, with the logarithms of their prior probabilities.
+    /// The relevant pairs of lag and play under a noise, with the logarithms of their prior probabilities.
     fn relevant(
         &mut self,
         place: Place,
@@ -328,7 +329,7 @@ impl<'a> Search<'a> {
         all.into_iter().map(|(following, prior, _)| (following, prior)).collect()
     }
 
-    /// Returns a model for each of the prior spreads that matter.
+    /// Returns a model for each relevant set of prior spreads.
     fn models(&mut self, place: Place, following: &LagAndPlay, log_prior: f64) -> Vec<Model> {
         let Some(products) = self.products(place, following) else { return Vec::new() };
         let noise = self.noise(place);

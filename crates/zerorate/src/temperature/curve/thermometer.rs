@@ -10,7 +10,7 @@ pub struct Thermometer {
     pub coarse_step_c: Option<f64>,
     /// Total time for which the thermometer was stuck, s.
     pub stuck_s: f64,
-    /// Time over which the readings were smoothed, s, because they are noisy; 0 if they were not.
+    /// Time over which the readings were smoothed, s, because they are noisy. 0 if they were not smoothed.
     pub smoothed_s: f64,
     /// Lag of the thermometer behind the sensor, s.
     pub late_s: f64,
