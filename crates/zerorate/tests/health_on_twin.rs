@@ -60,7 +60,7 @@ fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
     ];
     let (mut wrong, mut found) = (0, 0);
     for (seed, (motion, width, divider)) in (1..).zip(motions) {
-        // the first bump comes with the first error
+        // the first bump comes at 0.5 s, with the first bit errors
         let spec = Spec { motion, fault_at_s: Some(0.5), ..Spec::from_seed(seed) };
         let config = Config::default().with_width(width);
         let sampling = SamplerConfig::new().with_divider(divider);

@@ -24,7 +24,7 @@ const SHARES: RangeInclusive<f64> = 0.0..=1.0;
 const ROUNDING: f64 = 1e-9;
 /// Temperatures that a temperature sensor may report, °C.
 const TEMPS_C: RangeInclusive<f64> = -100.0..=200.0;
-/// Largest rate of any gyroscope, °/s.
+/// Largest rate that any gyroscope is assumed to measure, °/s.
 const FASTEST_DPS: f64 = 1e5;
 
 /// Limits of a correction: the largest absolute values of PBC and BTC, and the range of T3.

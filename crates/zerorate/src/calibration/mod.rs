@@ -1,8 +1,8 @@
 //! A calibration of one unit: the corrections of its axes, their uncertainties, the temperatures where they hold, and
 //! their origin.
 //!
-//! `docs/formats/calibration.md` specifies the file form. [`Calibration::parse`] reads it, and [`Calibration::to_toml`]
-//! writes it.
+//! `docs/formats/calibration.md` specifies the file form. [`Calibration::parse`] reads a file, and
+//! [`Calibration::to_toml`] writes one.
 
 mod budget;
 mod chamber;

@@ -162,7 +162,7 @@ impl core::error::Error for ChamberRefusal {}
 pub enum Disturbance {
     /// The temperature left the soak point.
     Temperature { moved_c: f64, limit_c: f64 },
-    /// The part moved, or the rate was noisier than the part itself.
+    /// The part moved, or the rate was noisier than the part's own noise explains.
     Motion { axis: usize },
     /// Fewer than 80 % of the seconds of the average have readings.
     Gaps,

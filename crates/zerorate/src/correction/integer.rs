@@ -268,7 +268,7 @@ pub(super) mod tests {
             for (offset, slope) in
                 [(123_456_789_012_345_i128, 7_654_321_987_i128), (-98_765_432_109, -543_210_987), (0, 0)]
             {
-                // keep the offset within the scale, and the slope within the largest one
+                // keep the offset within the scale, and the slope within the largest slope
                 let offset = offset % (1 << (40 + rate_scale.width_bits - 1));
                 let slope = slope % ((form.slope_max() * libm::exp2(40.0 - f64::from(form.q))) as i128);
                 let correction = Correction::line(

@@ -70,7 +70,7 @@ impl Channel {
 }
 
 impl Freeze {
-    /// Takes a reading in, and returns since when the part has been frozen, if it is.
+    /// Takes a reading in. If the part is frozen, returns since when.
     #[inline]
     pub fn watch(&mut self, reading: &Reading) -> Option<Frozen> {
         let now_ns = reading.t_ns;
@@ -81,7 +81,7 @@ impl Freeze {
         if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
     }
 
-    /// Returns since when the part is frozen, at the end of a record. Needs equal readings, but no minimum time.
+    /// Like [`Freeze::watch`], but at the end of a record. Equal readings count as frozen after any time.
     #[must_use]
     pub fn at_end(&self) -> Option<Frozen> {
         let same = self.rate.same_readings();

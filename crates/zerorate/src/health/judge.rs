@@ -182,7 +182,7 @@ impl Health {
         self.plausible.waiting()
     }
 
-    /// Returns since when the part is frozen. `None` if it is not.
+    /// The time since which the part has been frozen. `None` if it is not frozen.
     #[must_use]
     pub fn frozen(&self) -> Option<Frozen> {
         self.frozen

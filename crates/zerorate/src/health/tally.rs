@@ -70,8 +70,8 @@ impl Tally {
         self.temps == 0
     }
 
-    /// Whether the host uses the wrong edge of data ready: the one before new data (F-32). It then counts two edges
-    /// to a sample, one of each channel, and never finds a new temperature.
+    /// Whether the host uses the wrong edge of data ready: the edge before new data (F-32). The host then counts two
+    /// edges to a sample, one of each channel, and never finds a new temperature.
     #[must_use]
     pub fn hears_wrong_edge(&self) -> bool {
         let counted = (self.samples + self.lost).saturating_sub(1) as f64;

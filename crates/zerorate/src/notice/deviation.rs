@@ -93,7 +93,7 @@ impl fmt::Display for AsSupply {
     }
 }
 
-/// A deviation in a few words, for the one line of a warning.
+/// A deviation in a few words, for a warning of one line.
 pub(super) struct Brief(pub(super) Deviation);
 
 impl fmt::Display for Brief {

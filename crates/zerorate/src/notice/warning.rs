@@ -49,7 +49,7 @@ pub enum Warning {
     Resonance { tone: Tone, folded_hz: f64, rate_hz: f64, divider: Option<u16> },
     /// A correction was used at temperatures at which it was not measured.
     Extrapolated { low_c: f64, high_c: f64, temp_min_c: f64, temp_max_c: f64 },
-    /// The typical noise or temperature coefficient of the part is not known: rest was not judged.
+    /// The typical noise or temperature coefficient of the part is not known, so rest was not judged.
     RestUnjudged,
     /// The typical curvature or hysteresis of the part is not known, so no uncertainty allows for it.
     CurvatureUnknown,

@@ -130,7 +130,8 @@ impl HypothesisBank {
         self.seconds = self.sure_s;
     }
 
-    /// Judges all hypotheses by the level of the whole quiet period.
+    /// Computes the probabilities of rest and rotation under each hypothesis, from the mean rate of the whole quiet
+    /// period.
     pub(super) fn judge(&mut self, least_turn_dps: f32, drift: &Drift) {
         let (length_s, d_c, prior) = (self.seconds, self.d_c, self.rest_prior.probability());
         let mut sum = 0.0;

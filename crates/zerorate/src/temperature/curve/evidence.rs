@@ -172,7 +172,7 @@ impl Record {
         Self { without_lag: true, ..self }
     }
 
-    /// Returns the record with another series, so that its coefficients can be averaged with those of that series.
+    /// Returns the record with `series` in place of its own. Coefficients of the same series can be averaged.
     pub(super) fn over(self, series: Series) -> Self {
         Self { series, ..self }
     }

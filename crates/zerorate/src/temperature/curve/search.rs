@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 const NEGLIGIBLE: f64 = 6.0;
 /// Number of lattice steps in a decade of noise.
 const PER_DECADE: f64 = 4.0;
-/// Number of lattice steps from one noise to the next.
+/// Number of lattice steps from one noise to the next in the search.
 const FINE: i32 = 1;
 /// First and last lattice step of the bias instability B, as a ratio of the white noise of a mean.
 const B_STEPS: (i32, i32) = (-4, 12);
@@ -120,7 +120,8 @@ pub(super) fn weigh(models: &mut Vec<Model>) {
     models.iter_mut().for_each(|model| model.weight /= total);
 }
 
-/// Log prior probability of each value: half for 0, the rest even over the logarithm. A single value gets all.
+/// Log prior probability of each value: ½ for 0, and ½ spread evenly over the logarithm of the other values. A single
+/// value has the probability 1.
 fn shares(values: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
     if values.len() == 1 {
         return vec![0.0];

@@ -1,4 +1,4 @@
-//! The estimator on simulated logs, whose bias curve is known.
+//! Tests the estimator on simulated logs whose bias curve is known.
 
 use super::*;
 use std::vec;
