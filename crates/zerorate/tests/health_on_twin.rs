@@ -113,7 +113,7 @@ fn a_wrapped_code_is_out_of_range() {
     assert_eq!(health.fault_counts().out_of_range, judged.len() as u64);
 }
 
-/// A RDY line that stutters loses samples, and so does a late host. The tally tells the two apart.
+/// A data-ready line that stutters loses samples, and so does a late host. The tally tells the two apart.
 #[test]
 fn a_stuttering_line_is_told_from_a_late_host() {
     let tally = |samples: &[Reading]| {

@@ -431,7 +431,7 @@ impl From<Uncertainty> for Uncertainties {
     }
 }
 
-/// Writes a text on one line: control characters are written as Rust writes them, `\n` for a line break.
+/// Writes a text on one line: control characters become escapes as in Rust, such as `\n` for a line break.
 fn one_line(text: &str) -> String {
     let mut line = String::with_capacity(text.len());
     for character in text.chars() {

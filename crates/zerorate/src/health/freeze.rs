@@ -2,7 +2,7 @@
 
 use crate::part::Reading;
 
-/// Time without a change after which a noisy channel counts as frozen, if it was read [`FROZEN_READINGS`] times.
+/// Time without a change after which a noisy channel counts as frozen, if [`FROZEN_READINGS`] readings were equal.
 const FROZEN_NS: u64 = 100_000_000;
 /// Number of equal readings that [`FROZEN_NS`] requires. Noise gives the same code twice with a probability below
 /// 0.2, even in 16 bits and behind the filter of F-04. So this many equal codes have a probability below 10⁻²².

@@ -11,7 +11,7 @@ pub struct Bounds {
     pub least: f64,
     /// The largest value.
     pub most: f64,
-    /// Unit of both.
+    /// Unit of both values.
     pub unit: &'static str,
 }
 

@@ -120,7 +120,7 @@ pub struct BiasCurve {
     pub is_late: bool,
     /// The noise: white as given, B and K the geometric means over all models.
     pub noise: NoiseModel,
-    /// Whether the recording determined B, and K, clearly better than the prior.
+    /// Whether the recording determined B and K, each clearly better than the prior.
     pub noise_told: [bool; 2],
     /// Steps that are real with a probability above one half.
     pub steps: [Option<Step>; MOST_STEPS],

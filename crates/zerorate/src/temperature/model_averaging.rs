@@ -42,7 +42,7 @@ const STEP_PROBABILITY: f64 = 0.02;
 pub(super) struct Hypothesis {
     pub(super) noise: Noise,
     pub(super) following: LagAndPlay,
-    /// Number of steps in the recording, the strongest first.
+    /// Number of steps in the model: the strongest of the suspected steps.
     pub(super) steps: usize,
     /// Frequency of the base motion, Hz, if there is one.
     pub(super) motion_hz: Option<f64>,

@@ -43,7 +43,7 @@ pub(super) struct Record<'a> {
     /// Times of the suspected steps, s.
     pub(super) steps_s: &'a [f64],
     pub(super) t3_c: f64,
-    /// Prior standard deviations of the coefficients of the basis, °/s, from the first degree on.
+    /// Prior standard deviations of the coefficients of the basis, °/s, by degree. Degree 0 has no prior.
     pub(super) prior_dps: [f64; TERMS],
     pub(super) max_order: usize,
 }

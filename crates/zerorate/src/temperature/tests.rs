@@ -18,7 +18,7 @@ fn assumed(steps_s: &[f64], t3_c: f64) -> Assumed<'_> {
     }
 }
 
-/// The hour of a twin in blocks of 2 s, and its truth at the end.
+/// An hour of a twin in blocks of 2 s, and the truth at the end of the hour.
 fn hour(spec: &Spec) -> (Vec<Block>, Truth) {
     beginning(spec, 1585)
 }

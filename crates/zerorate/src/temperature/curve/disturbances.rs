@@ -5,7 +5,7 @@ use super::search;
 use crate::temperature::gls;
 use alloc::vec::Vec;
 
-/// Gain in χ² from which a step or an outlier is accepted. By chance, fewer than one record in a thousand has one.
+/// Gain in χ² from which a step or an outlier is accepted. Noise reaches it in fewer than one of a thousand records.
 const GAIN: f64 = 30.0;
 /// Largest number of steps in all logs together.
 const MOST_STEPS: usize = 8;

@@ -23,7 +23,7 @@ pub(super) struct Record {
     centre: f64,
     /// Slope of a line through all means, which turns noise of the temperature into noise of the means.
     slope_per_c: f64,
-    /// Whether the sensor is taken to have been on before the logs began, for logs that do not say so.
+    /// Whether the sensor is assumed to have been on before the logs began, for logs that do not state it.
     was_on: bool,
     /// Logarithm of the prior probability of `was_on`.
     log_start: f64,
@@ -67,7 +67,7 @@ pub(super) struct PriorSpreads {
 pub(super) struct Model {
     /// Posterior probability.
     pub(super) weight: f64,
-    /// Logarithm of evidence and prior probability.
+    /// Logarithm of the product of evidence and prior probability.
     pub(super) log_score: f64,
     /// Logarithm of the ratio of the evidence to that of a bias that does not depend on temperature.
     pub(super) log_odds: f64,
@@ -75,8 +75,8 @@ pub(super) struct Model {
     pub(super) following: LagAndPlay,
     pub(super) was_on: bool,
     pub(super) shape: PriorSpreads,
-    /// All coefficients: those of the series, then the offset by the direction of the temperature, the offset of each
-    /// log, and the size of each step.
+    /// All coefficients: those of the series, then the hysteresis offset, the offset of each log, the transient of
+    /// each log, and the size of each step.
     pub(super) all: Vec<f64>,
     pub(super) coefficients: [f64; COEFFICIENTS],
     pub(super) covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
@@ -102,11 +102,11 @@ const STARTS: [f64; 9] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1, 0.3, 1.0];
 const UNSETTLED: f64 = 0.02;
 /// Prior probability that the sensor was on before the log began, if nothing says so.
 const WAS_ON: f64 = 0.1;
-/// Lag from which longer ones become unlikely, s. If the sensor was on before, the start of a log does not show
-/// the lag, and in still air the rest of the log shows little of it.
+/// Lag above which the prior probability falls, s, for a sensor that was on before the log. The start of the log does
+/// not show the lag then, and in still air the rest of the log shows little of the lag.
 const USUAL_LAG_S: f64 = 80.0;
-/// If a sensor lags and was on before the log, its bias is behind at the start. Its distance is uncertain by this
-/// share of the expected one (1 σ of the prior).
+/// If a sensor lags and was on before the log, the bias is behind at the start. The distance is uncertain by this
+/// share of the expected distance (1 σ of the prior).
 const BEHIND: f64 = 0.3;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;

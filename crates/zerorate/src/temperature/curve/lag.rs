@@ -1,7 +1,8 @@
 //! The lag of a sensor, estimated from all its axes together.
 //!
 //! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. The likelihoods of
-//! the other axes are a prior for each axis, mixed with a prior without them, because an axis may differ.
+//! the other axes are a prior for each axis, mixed with a prior that ignores the other axes, because an axis may
+//! differ.
 
 use alloc::vec::Vec;
 
@@ -42,8 +43,8 @@ impl LagLikelihood {
     }
 }
 
-/// The prior of a lag: half of the probability is on 0, and half is even over the logarithm of the lag. The other axes
-/// contribute a factor.
+/// The prior of a lag: half of the probability is on 0, and half is spread evenly over the logarithm of the lag. The
+/// other axes contribute a factor.
 #[derive(Clone, Debug)]
 pub(super) struct LagPrior<'a> {
     others: &'a [&'a LagLikelihood],

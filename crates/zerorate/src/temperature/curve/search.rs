@@ -15,9 +15,9 @@ const NEGLIGIBLE: f64 = 6.0;
 const PER_DECADE: f64 = 4.0;
 /// Number of lattice steps from one noise to the next in the search.
 const FINE: i32 = 1;
-/// First and last lattice step of the bias instability B, as a ratio of the white noise of a mean.
+/// First and last lattice step of the bias instability B. At step 0, B equals the white noise of a mean.
 const B_STEPS: (i32, i32) = (-4, 12);
-/// First and last lattice step of the random walk K over the length of a log, as a ratio of the white noise of a mean.
+/// First and last lattice step of the random walk K. At step 0, the walk over a log equals the white noise of a mean.
 const K_STEPS: (i32, i32) = (-4, 16);
 /// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 3.0;
@@ -41,7 +41,7 @@ const ROUNDS: usize = 2;
 /// A point in the lattice of noises: the steps of B and of K.
 type Place = (i32, i32);
 
-/// The lags, plays and noises to which the search has come.
+/// The lags, plays and noises that the search has found.
 struct Refined {
     lags: Vec<f64>,
     plays: Vec<f64>,
@@ -170,7 +170,7 @@ impl<'a> Search<'a> {
         Self { record, lag, shapes: record.shapes(), units, filters: BTreeMap::new(), columns: BTreeMap::new() }
     }
 
-    /// Returns the lattice point of a noise.
+    /// Returns the lattice point nearest to a noise.
     fn place(&self, noise: &SlowNoise) -> Place {
         let step = |k: usize| libm::round(PER_DECADE * libm::log10(noise[k] / self.units[k])) as i32;
         (step(0), step(1))

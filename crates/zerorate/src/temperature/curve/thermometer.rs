@@ -34,7 +34,7 @@ impl Run {
 const LONG_RUNS: usize = 3;
 /// Ratio of the length of a run to the median above which a thermometer with fine readings counts as stuck.
 const STICKS: f64 = 60.0;
-/// Ratio of a jump of the temperature to the median change above which the thermometer was stuck before it.
+/// Ratio of a jump of the temperature to the median change above which the thermometer was stuck before the jump.
 const JUMP: f64 = 8.0;
 /// Smallest jump that shows a stuck thermometer, °C.
 const LEAST_JUMP_C: f64 = 0.5;
@@ -123,8 +123,8 @@ fn are_even(runs: &[Run]) -> bool {
     usual >= LONG_RUNS as f64 && 10 * inner.iter().filter(is_usual).count() > 9 * inner.len()
 }
 
-/// Returns the runs in which the thermometer sticks. With fine and noisy readings they are much longer than usual.
-/// Otherwise they are long, and end with a jump or with the log.
+/// Returns the runs in which the thermometer sticks. With fine and noisy readings, such runs are much longer than
+/// usual. Otherwise they are long, and end with a jump or with the log.
 fn stuck(runs: &[Run], is_coarse: bool) -> Vec<Run> {
     let usual = median(runs.iter().map(|run| run.length() as f64).collect()).max(1.0);
     let changes_c = || runs.windows(2).map(|pair| pair[1].temp_c - pair[0].temp_c);
