@@ -262,7 +262,6 @@ impl Calibration {
 }
 
 impl Serialize for Calibration {
-    /// Writes the calibration in its file form.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.form().serialize(serializer)
     }

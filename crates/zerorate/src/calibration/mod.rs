@@ -307,8 +307,8 @@ impl Calibration {
         self.method.as_deref() == Some(log_curve::METHOD)
     }
 
-    /// Identifies the calibration by 12 hexadecimal digits, which corrected data carry. They depend on the part, the
-    /// serial number, the date, and the coefficients of the corrections.
+    /// Identifies the calibration by 12 hexadecimal digits, which corrected data carry. The digits depend on the part,
+    /// the serial number, the date, the names of the axes, and the coefficients of the corrections.
     #[must_use]
     pub fn id(&self) -> String {
         let part = &self.part;

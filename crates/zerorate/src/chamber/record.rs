@@ -142,7 +142,7 @@ impl Drift {
         self.c_per_s.abs() + 2.0 * self.u_c_per_s <= limit_c_per_s
     }
 
-    /// Whether the drift is above a limit, with the same probability.
+    /// Whether the drift is above a limit, with a probability of 97.7 %.
     fn is_above(&self, limit_c_per_s: f64) -> bool {
         self.c_per_s.abs() - 2.0 * self.u_c_per_s > limit_c_per_s
     }

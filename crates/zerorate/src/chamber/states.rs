@@ -72,7 +72,7 @@ const TABLE: [StateRow; STATES] = {
     ]
 };
 
-/// The number of a state is the index of its row.
+/// Asserts that the number of each state is the index of its row.
 const _: () = {
     let mut index = 0;
     while index < STATES {

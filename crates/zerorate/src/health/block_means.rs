@@ -4,7 +4,6 @@ use alloc::vec::Vec;
 
 /// Length of a block, s. Long compared with the filter of the part (F-03, F-04), short compared with all drifts.
 pub(crate) const BLOCK_S: f64 = 0.1;
-/// Length of a block, ns.
 pub(crate) const BLOCK_NS: u64 = 100_000_000;
 
 /// The number of averages of `m` blocks, and their Allan variance.

@@ -106,21 +106,18 @@ const MARK_SHARE: u32 = 2;
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the number of readings over which the roughness of past readings fades.
 const FADING: u32 = 5;
-/// Number of readings that are kept.
 const KEPT: usize = 8;
 /// Number of readings that a judgement waits for.
 const AHEAD: usize = 2;
 /// Index of the reading that is judged with all its neighbours.
 const JUDGED: usize = KEPT - 1 - AHEAD;
 
-/// The judgement of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Finding {
     pub(crate) rate: Verdict,
     pub(crate) temp_impossible: bool,
 }
 
-/// The judgement of a rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     Possible,
@@ -404,7 +401,6 @@ mod tests {
 
     const PERIOD_NS: u64 = 175_667;
 
-    /// A reading of this rate, °/s.
     fn sample(k: u64, rate_dps: f64) -> Reading {
         let rate = (rate_dps * 23_488.0).round() as i32;
         Reading {

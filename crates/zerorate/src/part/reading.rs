@@ -48,7 +48,7 @@ pub struct Scan {
     out_of_range: u8,
 }
 
-/// A bit for each axis fits into a byte.
+/// Asserts that `Scan::out_of_range` has a bit for each axis.
 const _: () = assert!(MAX_AXES <= u8::BITS as usize);
 
 impl Scan {

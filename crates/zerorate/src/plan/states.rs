@@ -71,7 +71,7 @@ const TABLE: [StateRow; STATES] = [
           until: Until::Never, check: Check::Nothing, to: State::Done },
 ];
 
-/// The number of a state is the index of its row.
+/// Asserts that the number of each state is the index of its row.
 const _: () = {
     let mut index = 0;
     while index < STATES {
@@ -81,7 +81,6 @@ const _: () = {
 };
 
 impl State {
-    /// All states, in their order.
     pub(crate) const ALL: [Self; STATES] = {
         let mut all = [Self::Start; STATES];
         let mut index = 0;
@@ -96,7 +95,6 @@ impl State {
         &TABLE[self as usize]
     }
 
-    /// Returns the state after this one.
     pub(crate) fn next(self, method: Method) -> Self {
         match (self, method) {
             (Self::Start, Method::Warmup | Method::Cycle) => Self::Recording,

@@ -74,7 +74,6 @@ impl WindowSums for Blocks {
     }
 }
 
-/// Sums over one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Block {
     rate: CodeSum,
@@ -115,7 +114,6 @@ struct Segment {
     faulty: u64,
 }
 
-/// The mean rate and temperature over one second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Second {
     pub(crate) at_s: f64,

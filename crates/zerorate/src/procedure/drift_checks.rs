@@ -15,7 +15,6 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use zerorate_allan::linear::Cholesky;
 
-/// All findings of a measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Findings {
     /// The deviations that are beyond doubt, the strongest first.
@@ -85,7 +84,6 @@ pub(crate) fn findings(seconds: &[Second], question: &SearchInput) -> Option<Fin
     Search::new(seconds, &bins, question)?.run()
 }
 
-/// Mean rate and temperature over a window.
 struct Bin {
     window: Window,
     rate_dps: f64,

@@ -13,7 +13,6 @@ use alloc::vec::Vec;
 const NEGLIGIBLE: f64 = 5.0;
 /// Ratio of each lag that is tried to the one before.
 const LAG_RATIO: f64 = 1.25;
-/// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 2.0;
 /// Ratio of each play that is tried to the one before.
 const PLAY_RATIO: f64 = 2.0;

@@ -179,7 +179,6 @@ impl Record<'_> {
     }
 }
 
-/// The solution of a model.
 struct Solved {
     order: usize,
     steps: usize,

@@ -14,7 +14,6 @@ use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
 pub const STATES: usize = 6;
 /// Number of different elements of a symmetric matrix with [`STATES`] rows.
 pub const COVARIANCES: usize = STATES * (STATES + 1) / 2;
-/// Number of flicker processes.
 const FLICKERS: usize = 3;
 
 const OFFSET: usize = 0;

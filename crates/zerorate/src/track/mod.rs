@@ -47,7 +47,6 @@ use rest::{MOST_LATE, Quiet, Seen};
 
 /// Number of windows in a mean that is learned from: 16 s.
 const WINDOWS_PER_MEAN: u32 = 4;
-/// Blocks per second.
 const BLOCKS_PER_S: u32 = 10;
 
 /// The configuration of a tracker: the calibration, the part's noise, and the limits of the tracking.

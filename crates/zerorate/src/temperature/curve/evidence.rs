@@ -44,7 +44,7 @@ pub(super) struct StepAt {
 /// The means of a log, followed by the columns of its model.
 pub(super) type Columns = Vec<Vec<f64>>;
 
-/// Bias instability and rate random walk.
+/// Bias instability B and rate random walk K, in the unit of the samples, and in this unit per √s.
 pub(super) type SlowNoise = [f64; 2];
 
 /// Prior standard deviations of the coefficients.
@@ -62,7 +62,6 @@ pub(super) struct PriorSpreads {
     is_unsettled: bool,
 }
 
-/// A model with its coefficients.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     /// Posterior probability.
@@ -105,8 +104,8 @@ const WAS_ON: f64 = 0.1;
 /// Lag above which the prior probability falls, s, for a sensor that was on before the log. The start of the log does
 /// not show the lag then, and in still air the rest of the log shows little of the lag.
 const USUAL_LAG_S: f64 = 80.0;
-/// If a sensor lags and was on before the log, the bias is behind at the start. The distance is uncertain by this
-/// share of the expected distance (1 σ of the prior).
+/// If a sensor lags and was on before the log, the bias is behind its steady value at the start. The difference is
+/// uncertain by this share of the expected difference (1 σ of the prior).
 const BEHIND: f64 = 0.3;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
@@ -167,7 +166,6 @@ impl Record {
         Self { logs, steps: self.steps.clone(), ..*self }
     }
 
-    /// The record with no lag tried.
     pub(super) fn without_lag(self) -> Self {
         Self { without_lag: true, ..self }
     }
@@ -247,7 +245,6 @@ impl Record {
         columns
     }
 
-    /// The columns of all logs.
     pub(super) fn all_columns(&self, following: &LagAndPlay) -> Vec<Columns> {
         (0..self.logs.len()).map(|index| self.columns(index, following)).collect()
     }

@@ -365,7 +365,6 @@ impl LogMeans {
         (slope_per_c(self.blocks.iter()) * noise_c).abs() / of_mean.max(f64::MIN_POSITIVE)
     }
 
-    /// Standard uncertainty by rounding to codes.
     pub(super) fn rounding(&self) -> f64 {
         self.rounding
     }

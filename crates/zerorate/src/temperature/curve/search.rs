@@ -19,11 +19,9 @@ const FINE: i32 = 1;
 const B_STEPS: (i32, i32) = (-4, 12);
 /// First and last lattice step of the random walk K. At step 0, the walk over a log equals the white noise of a mean.
 const K_STEPS: (i32, i32) = (-4, 16);
-/// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 3.0;
 /// Longest lag that is tried: the smaller of a time, s, and a share of the longest log.
 const LONGEST_LAG: (f64, f64) = (600.0, 1.0 / 6.0);
-/// Smallest play that is tried, °C.
 const LEAST_PLAY_C: f64 = 0.05;
 /// Largest play, as a share of the span.
 const MOST_PLAY: f64 = 0.125;
@@ -147,7 +145,6 @@ fn lag_ends_s(record: &Record) -> (f64, f64) {
     (SHORTEST_LAG_S, longest_lag_s(&record.logs))
 }
 
-/// The longest lag that is tried, s.
 pub(super) fn longest_lag_s(logs: &[LogMeans]) -> f64 {
     let length_s = logs.iter().map(LogMeans::length_of_log_s).fold(0.0, f64::max);
     (length_s * LONGEST_LAG.1).clamp(2.0 * SHORTEST_LAG_S, LONGEST_LAG.0)
@@ -351,7 +348,7 @@ impl<'a> Search<'a> {
     }
 
     /// Largest log evidence of a bias that does not depend on the temperature, over a coarse lattice of noises and the
-    /// places around its best one.
+    /// fine lattice around the best coarse point.
     fn log_evidence_without(&mut self) -> f64 {
         let (bs, ks) = ((B_STEPS.0..=B_STEPS.1).step_by(4), (K_STEPS.0..=K_STEPS.1).step_by(2));
         let mut best = (f64::NEG_INFINITY, (0, 0));

@@ -97,7 +97,7 @@ fn curve(logs: Vec<LogMeans>) -> LogCurve {
     AxisRecord::new(logs).unwrap().curve(&[]).unwrap()
 }
 
-/// Largest distance from the truth between 8 and 40 °C, and the largest ratio to the stated uncertainty.
+/// Largest error of a curve between 8 and 40 °C, and the largest ratio of an error to its stated uncertainty.
 fn error(curve: &LogCurve, truth: impl Fn(f64) -> f64) -> (f64, f64) {
     let errors = (8..=40).map(|c| (curve.at(c.into()) - truth(c.into()), curve.u_at(c.into())));
     errors.fold((0.0, 0.0), |(most, ratio): (f64, f64), (e, u)| (most.max(e.abs()), ratio.max(e.abs() / u)))

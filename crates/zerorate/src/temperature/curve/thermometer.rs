@@ -142,7 +142,6 @@ fn stuck(runs: &[Run], is_coarse: bool) -> Vec<Run> {
     runs.iter().zip(next_c).filter(is_stuck).map(|(run, _)| *run).collect()
 }
 
-/// The smallest difference between two readings, °C.
 fn least_step_c(runs: &[Run]) -> f64 {
     runs.windows(2).map(|pair| (pair[1].temp_c - pair[0].temp_c).abs()).fold(f64::MAX, f64::min)
 }
