@@ -208,8 +208,7 @@ fn air_that_harms_the_part_ends_the_measurement_from_the_first_reading_on() {
     }
 }
 
-/// The air may start at 80 °C. Once the air has been below 65 °C, the limit of the plan, it may not exceed this limit
-/// again.
+/// The air may start at 80 °C. Once below 65 °C, the limit of the plan, the air may not exceed this limit again.
 #[test]
 fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
     let mut procedure = heated(true);

@@ -18,8 +18,7 @@ pub struct Contribution {
 }
 
 impl CalibratedAxis {
-    /// Returns the budget of PBC and BTC. It is empty if the calibration states no uncertainties, or its curve no
-    /// sources.
+    /// Returns the budget of PBC and BTC. It is empty without stated uncertainties, or for a curve without sources.
     #[must_use]
     pub fn budget(&self) -> Vec<Contribution> {
         if let Some(curve) = &self.curve {

@@ -313,8 +313,7 @@ impl Span {
     }
 }
 
-/// Checks that no text of a value has control characters. Each text must be one line, because the check lines count
-/// lines.
+/// Checks that no text has control characters. Each text must be one line, because the check lines count lines.
 fn one_line(key: &str, value: &DeValue<'_>) -> Result<(), String> {
     let many = value.as_array().into_iter().flatten().map(Spanned::get_ref);
     if many.chain([value]).filter_map(DeValue::as_str).any(|text| text.contains(char::is_control)) {

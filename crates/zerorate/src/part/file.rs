@@ -36,8 +36,7 @@ impl Part {
     /// Reads the file of a part that is set to a full scale of `range_dps`, °/s, instead of its default one.
     ///
     /// # Errors
-    /// Returns the errors of [`Part::parse`], or an error that lists the full scales of the file if this one is
-    /// missing.
+    /// Returns the errors of [`Part::parse`], or an error that lists the full scales if the file lacks this one.
     pub fn parse_at(text: &str, range_dps: Option<f64>) -> Result<Self, PartError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);

@@ -55,8 +55,7 @@ struct Hypothesis {
     /// The update without the newest windows, in which a rotation may have begun.
     sure: RestUpdate,
     now: RestUpdate,
-    /// Joint probability of this hypothesis and of rest in the quiet period. `rotation` is the joint probability of
-    /// this hypothesis and of a rotation.
+    /// Joint probability of this hypothesis and of rest in the quiet period. `rotation` is the same for a rotation.
     rest: f32,
     rotation: f32,
 }

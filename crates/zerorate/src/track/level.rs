@@ -18,9 +18,8 @@ const SPREAD: f32 = 0.17;
 /// Number of standard deviations above which a bias does not explain a level. Noise exceeds them once in 16 000.
 const MOST: f32 = 4.0;
 
-/// Densities of a level for a sensor at rest and for one that rotates. `seen` is the mean of the quiet period less its
-/// expected value, and `least_turn_dps` the slowest rotation to be detected, °/s. Both densities lack the factor
-/// 1/√2π.
+/// Densities of a level for a sensor at rest and for one that rotates, without the factor 1/√2π. `seen` is the mean of
+/// the quiet period less its expected value, and `least_turn_dps` the slowest rotation to be detected, °/s.
 pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
     let normal = |x_dps: f32, dps2: f32| expf(-0.5 * x_dps * x_dps / dps2) / sd(dps2);
     let rest = if seen.dps.abs() > MOST * sd(seen.dps2) { 0.0 } else { normal(seen.dps, seen.dps2) };

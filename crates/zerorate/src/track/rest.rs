@@ -12,8 +12,7 @@ pub const BLOCK_S: f64 = 0.1;
 const BLOCKS: u32 = 10;
 /// Length of a window, whose mean is kept, s.
 pub(super) const WINDOW_S: u32 = 4;
-/// Number of windows that are kept: 32 for the longest test of [`STEPS`], and more that `mod.rs` has not learned from
-/// yet.
+/// Number of windows that are kept: 32 for the longest test of [`STEPS`], and 32 that `mod.rs` may not have used yet.
 const WINDOWS: usize = 64;
 /// Largest number of windows until a change of the rate is found.
 pub(super) const MOST_LATE: u32 = 32;

@@ -175,8 +175,7 @@ impl Record {
         Self { series, ..self }
     }
 
-    /// Returns the record with the steps of `found`, and without the outliers that `found` lacks. Both have the same
-    /// logs.
+    /// Returns the record with the steps of `found`, and only with the blocks that `found` has of the same logs.
     pub(super) fn without_disturbances_of(mut self, found: &Self) -> Self {
         self.steps.clone_from(&found.steps);
         self.logs.iter_mut().zip(&found.logs).for_each(|(log, found)| log.keep_blocks_of(found));

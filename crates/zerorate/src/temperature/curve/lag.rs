@@ -1,15 +1,13 @@
 //! The lag of a sensor, estimated from all its axes together.
 //!
 //! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. The likelihoods of
-//! the other axes are a prior for each axis, mixed with a prior that ignores the other axes, because an axis may
-//! differ.
+//! the other axes are a prior for each axis, mixed with a prior that ignores them, because an axis may differ.
 
 use alloc::vec::Vec;
 
 /// Probability that an axis has the lag of the other axes.
 const COMMON: f64 = 0.9;
-/// Exponent of the likelihoods of other axes. The likelihoods are too sharp, because only the best noise is
-/// considered.
+/// Exponent of the likelihoods of other axes, which are too sharp, because they assume the best noise alone.
 const TRUST: f64 = 0.5;
 /// Lower limit of the log likelihoods, relative to that of the best lag.
 const FLOOR: f64 = -30.0;

@@ -118,8 +118,7 @@ pub(super) fn weigh(models: &mut Vec<Model>) {
     models.iter_mut().for_each(|model| model.weight /= total);
 }
 
-/// Log prior probability of each value: ½ for 0, and ½ spread evenly over the logarithm of the other values. A single
-/// value has the probability 1.
+/// Log prior probability of each value: ½ for 0, and ½ spread evenly over the logarithm of the others; 1 if single.
 fn shares(values: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
     if values.len() == 1 {
         return vec![0.0];
@@ -284,8 +283,7 @@ impl<'a> Search<'a> {
         scored
     }
 
-    /// Returns the relevant noises, the best first. The search begins at `start`, and tries the neighbours of each
-    /// relevant noise.
+    /// Returns the relevant noises, the best first. It begins at `start`, and tries the neighbours of relevant noises.
     fn noises(&mut self, start: Place, following: &LagAndPlay) -> Vec<Place> {
         let mut scores: BTreeMap<Place, f64> = BTreeMap::new();
         let mut open = vec![start];

@@ -24,8 +24,7 @@ pub enum CurveWarning {
     LateThermometer { late_s: f64 },
     /// The best lag would be about the longest that is tried, s, so the curve has no lag.
     LongLag { longest_s: f64 },
-    /// A lag of this size, s, explains the logs as well as a draught that only the thermometer feels. The curve has no
-    /// lag.
+    /// A lag of this size, s, or a draught that only the thermometer feels explains the logs. The curve has no lag.
     LagOrDraught { lag_s: f64 },
     /// The sensor moved `times` times between `from_s` and `to_s`. These times were left out.
     Moved { from_s: f64, to_s: f64, times: usize },
