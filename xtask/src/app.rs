@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Options for all packages but this one, with all features of the program. Cargo compiles a library again for each
+/// Cargo options for all packages but xtask, with all features of the program. Cargo compiles a library again for each
 /// set of features, so all builds use these options.
 pub const WHOLE: &str = "--release --workspace --exclude xtask --features zerorate-cli/full,zerorate-web/readers";
 
@@ -21,7 +21,7 @@ pub fn built(name: &str) -> Result<PathBuf> {
     Ok(target_folder()?.join("release").join(name))
 }
 
-/// Cargo's target folder. This program is in it, as `debug/xtask` or as `release/lab`.
+/// Cargo's target folder. The running program is in it, as `debug/xtask` or as `release/lab`.
 pub fn target_folder() -> Result<PathBuf> {
     let program = std::env::current_exe()?;
     Ok(program.ancestors().nth(2).context("this program is not in a target folder")?.to_owned())

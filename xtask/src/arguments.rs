@@ -32,7 +32,7 @@ impl Arguments {
         Ok(Some(self.0.remove(at)))
     }
 
-    /// The words that are left. An option among them is unknown.
+    /// The words that are left. Fails if one of them is an option, which is then unknown.
     pub fn words(self) -> Result<Vec<String>> {
         if let Some(option) = self.0.iter().find(|word| word.starts_with('-')) {
             bail!("unknown option {option}: --help lists the options");

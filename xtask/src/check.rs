@@ -1,4 +1,4 @@
-//! `cargo xtask check`: the checks for a developer while working. It runs no test of a crate.
+//! `cargo xtask check`: the checks for a developer while working, without the tests of the crates.
 
 use crate::steps::{self, Step};
 use anyhow::Result;

@@ -55,7 +55,7 @@ fn has_llvm_tools() -> bool {
 /// Runs the tests of these crates, or of all.
 fn count(names: &[String]) -> Result<()> {
     let program = tools::of_cargo("cargo-llvm-cov", VERSION)?;
-    // a program that a test kills may leave half a profile
+    // tests kill some programs, whose profiles are then incomplete: `--failure-mode all` accepts them
     let tests = ["llvm-cov", "test", "--all-features", "--no-fail-fast", "--failure-mode", "all", "--lcov"];
     let packages = names.iter().flat_map(|name| ["--package", name]);
     done(Command::new(program).args(tests).args(["--output-path", REPORT]).args(packages))
@@ -66,7 +66,7 @@ fn read() -> Result<Vec<File>> {
     Ok(files(&report))
 }
 
-/// The lines of a file that can be covered.
+/// The executable lines of a source file.
 struct File {
     /// The folder of the crate to which the file belongs.
     of: String,
@@ -112,7 +112,7 @@ fn shares(files: Vec<File>) -> Vec<(String, usize, f64)> {
 }
 
 impl File {
-    /// Prints runs of lines that no test reached, each with its first line.
+    /// Prints the first line of each run of lines that no test reached.
     fn print_missed(&self) {
         let text = fs::read_to_string(&self.path).unwrap_or_default();
         let mut before = true;

@@ -18,7 +18,7 @@ allan.svg and correction.svg come from hours of the twin: `cargo xtask dist prog
 --check compares them. Pages of measurements are not generated files; the tasks that measure write them: methods,
 `trust --update`, `firmware --update`.";
 
-/// The header, which `lab/tools/header` prints.
+/// The C header. `lab/tools/header` prints its text.
 const HEADER: &str = "bindings/c/include/zerorate.h";
 
 pub fn run(mut arguments: Arguments) -> Result<()> {
@@ -28,7 +28,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     done(Command::new(app::built("codegen")?).args(check.then_some("--check"))).context("generated files")
 }
 
-/// Writes the header, or compares it.
+/// Writes the C header or, with `check`, fails if it is out of date.
 fn header(check: bool) -> Result<()> {
     let text = printed(lab::cargo("run", "header", "dev")?.arg("--quiet"))?;
     if fs::read_to_string(HEADER).is_ok_and(|there| there == text) {

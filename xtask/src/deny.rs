@@ -1,4 +1,4 @@
-//! `cargo xtask deny`: checks the dependencies by `deny.toml`: known vulnerabilities, abandoned crates, licences,
+//! `cargo xtask deny`: checks the dependencies against `deny.toml`: known vulnerabilities, abandoned crates, licences,
 //! sources.
 
 use anyhow::{Context, Result, ensure};
@@ -23,7 +23,7 @@ const DATABASE: &str = "https://github.com/RustSec/advisory-db";
 /// The manifests of the projects. Each project has its own lock file.
 const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/tools/Cargo.toml"];
 
-/// Runs all checks that need no network, and the advisories if their database is available.
+/// Checks licences, bans and sources, and also advisories if their database is available.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let handed_in = arguments.value("--advisories")?.map(database).transpose()?;
     arguments.end()?;
@@ -52,7 +52,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The environment in which git fetches the advisories from the clone in `directory`.
+/// Environment variables that make git fetch the advisories from the clone in `directory`.
 fn database(directory: String) -> Result<[(&'static str, String); 3]> {
     let directory = std::fs::canonicalize(&directory).with_context(|| format!("--advisories {directory}"))?;
     let mut newest = Command::new("git");

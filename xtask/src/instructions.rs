@@ -24,7 +24,7 @@ const MOST: f64 = 0.5;
 /// The crate that computes the deviations. The names of its functions contain this text.
 const DEVIATIONS: &str = "zerorate_allan";
 
-/// Builds the program, and counts.
+/// Fails if reading and checking a sample costs more than [`MOST`] of the instructions of its deviations.
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
     if !available(&TOOLS, "instructions")? {
@@ -50,7 +50,7 @@ struct Counts {
     deviations: f64,
 }
 
-/// Runs the program on this many samples of noise.
+/// Counts the instructions of the program on this many samples of noise.
 fn counted(program: &Path, samples: usize) -> Result<Counts> {
     let folder = target_folder()?;
     let [log, counts] = ["instructions.f64", "instructions.callgrind"].map(|name| folder.join(name));
@@ -66,7 +66,7 @@ fn counted(program: &Path, samples: usize) -> Result<Counts> {
     Ok(found)
 }
 
-/// Noise as f64: the sum of four uniform numbers.
+/// Noise as little-endian f64: each sample is the sum of four uniform random numbers.
 fn noise(samples: usize) -> Vec<u8> {
     let mut state = 7_u64;
     let mut uniform = || {

@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// The tasks, each with a description. A test of the lab compares this table with its command line.
+/// The tasks, each with a description. A test of the lab compares this table with the lab's command line.
 pub const TASKS: [(&str, &str); 20] = [
     ("coverage", "Calibrate many units of the twin and compare the stated uncertainties with their truth"),
     ("methods", "Calibrate many units by every method, compare all with their truth, and write the page"),
@@ -31,7 +31,7 @@ pub const TASKS: [(&str, &str); 20] = [
     ("dist", "Make the distribution in target/dist: programs, packages, wheels, libraries, firmware"),
 ];
 
-/// A task as a command, without its arguments. The lab is built first.
+/// Builds the lab and returns the command that runs a task, without the arguments of the task.
 pub fn task(name: &str) -> Result<Command> {
     let mut command = Command::new(built("lab")?);
     command.arg(name);
@@ -46,13 +46,13 @@ pub fn cargo(action: &str, package: &str, profile: &str) -> Result<Command> {
     Ok(cargo)
 }
 
-/// Runs a tool of `lab/tools`. It takes seconds, and is therefore built without optimisation.
+/// Runs a tool of `lab/tools`. The tool runs for seconds only, and is therefore built without optimisation.
 pub fn tool<T: AsRef<OsStr>>(package: &str, arguments: impl IntoIterator<Item = T>) -> Result<()> {
     let mut command = cargo("run", package, "dev")?;
     done(command.args(["--quiet", "--"]).args(arguments))
 }
 
-/// The target folder of `lab/tools`. It lies in the project's, so that one folder holds everything that was built.
+/// The target folder of `lab/tools`, inside the project's target folder, so that one folder holds all builds.
 pub fn folder() -> Result<PathBuf> {
     Ok(target_folder()?.join("tools"))
 }

@@ -1,7 +1,7 @@
-//! `cargo xtask`: the tasks of developers and CI that take more than a line.
+//! `cargo xtask`: the tasks of developers and CI that take more than one command.
 //!
-//! It starts in seconds, because it has almost no dependencies. Tasks that need the libraries of the project are in
-//! `lab/`. To add a task here, write a module with `HELP` and `run`, and give it a row in [`TASKS`].
+//! xtask builds in seconds, because it has almost no dependencies. Tasks that need the libraries of the project are in
+//! `lab/`. To add a task here, write a module with `HELP` and `run`, and give the task a row in [`TASKS`].
 
 mod build_time;
 mod check;
@@ -21,7 +21,7 @@ use std::process::ExitCode;
 use xtask::arguments::Arguments;
 use xtask::{lab, web};
 
-/// A task that is carried out here.
+/// A task that this program runs itself, without the lab.
 struct Task {
     name: &'static str,
     /// The arguments, as a usage line shows them.

@@ -23,19 +23,19 @@ pub fn help() -> String {
     )
 }
 
-/// A crate and its tests.
+/// A crate whose tests are tried, and how.
 struct TestedCrate {
     name: &'static str,
-    /// Tries every N-th mutant.
+    /// Tries every N-th mutant, where N is this number.
     share: u32,
     /// Options of cargo-mutants for the tests of the crate.
     options: &'static str,
 }
 
-/// The crate's own tests, in the profile that builds fastest.
+/// Options for a crate's own tests, in the profile that builds fastest.
 const OWN: &str = "--jobs 2 --minimum-test-timeout 60";
-/// Options for the jobs. Most of their tests are tests of the program, which use all processors. `--timeout`, s, is
-/// given because cargo-mutants does not time the tests before it begins.
+/// Options for zerorate-jobs. Most of its tests are tests of the program, which use all processors. `--timeout`, s, is
+/// given because cargo-mutants does not time these tests before it begins.
 const OF_THE_PROGRAM: &str =
     "--profile release --timeout 900 --test-package zerorate-jobs --test-package zerorate-cli";
 
@@ -70,7 +70,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
 
 /// The share of all mutants of a crate that may survive.
 const MAY_SURVIVE: f64 = 0.1;
-/// A sample that is less likely than this, if a tenth of all mutants survive, shows that more do.
+/// Significance level: if this many survivors are less likely, given [`MAY_SURVIVE`], then more than a tenth survive.
 const UNLIKELY: f64 = 0.01;
 
 /// The outcomes of the mutants of a crate.
@@ -87,7 +87,7 @@ impl TestedCrate {
         let mut mutants = Command::new(program);
         mutants.args(["mutants", "--package", self.name, "--all-features"]).args(self.options.split(' '));
         mutants.args(["--shard", &format!("{}/{share}", seed % u64::from(share)), "--sharding", "round-robin"]);
-        // the exit code says no more than the report: 2 if some survive, 3 if some hang
+        // the exit code is ignored, because the report states the same: 2 if some survive, 3 if some hang
         mutants.arg("--output").arg(&out).status().context("cargo-mutants")?;
         MutantCounts::read(&out.join("mutants.out"))
     }

@@ -7,11 +7,11 @@ use xtask::arguments::Arguments;
 
 const STEPS: [Step; 18] = [
     Step::new("test-default", "xtask test").about("The README's command: the tests with the default features"),
-    // with checks for overflow, which `release` has for all crates but this one
+    // a debug build, because the profile `release` does not check zerorate-allan for overflow
     Step::new("test-allan", "test -p zerorate-allan --all-features")
         .about("The tests of zerorate-allan, with checks for overflow"),
     Step::new("test-driver", "test -p adis16130").about("The tests of the driver with its default features"),
-    // uncommitted changes are for a developer to judge
+    // `--allow-dirty`, so that the step also runs with uncommitted changes
     Step::new("publish", "publish --dry-run --allow-dirty -p adis16130 -p zerorate-allan")
         .about("Driver and zerorate-allan would be accepted by crates.io; nothing is uploaded"),
     Step::new(

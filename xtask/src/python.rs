@@ -11,10 +11,10 @@ use xtask::tools::{self, Tool};
 use xtask::venv::done;
 use xtask::wheel;
 
-/// What a part does with the wheel.
+/// A function that runs one part of the tests of the wheel.
 type Part = fn(&Wheel) -> Result<()>;
 
-/// The parts. The first one runs if none is named.
+/// Names of the parts. The first one runs if none is named.
 const PARTS: [(&str, Part); 6] = [
     ("tests", tests),
     ("stores", stores),
@@ -33,7 +33,7 @@ struct Wheel {
 const PACKAGE: &str = "bindings/python";
 const CERTIFICATE: &str = "extras/zerorate-certificate";
 
-/// The tool whose package also has the libraries by which a certificate becomes a PDF.
+/// Debian's package of this tool also installs the libraries that turn a certificate into a PDF.
 const PANGO: Tool = Tool { program: "pango-view", package: "pango1.0-tools" };
 
 /// The release of allantools whose tests `zerorate.allantools_compat` must pass.
@@ -102,13 +102,13 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Runs our tests, which include the type checkers.
+/// Runs the tests of the Python package, which include the type checkers.
 fn tests(wheel: &Wheel) -> Result<()> {
     wheel::install_into(&wheel.python, &wheel.path)?;
     pytest(&wheel.python, PACKAGE, &["--durations=5"])
 }
 
-/// Tests the fleet with an S3 server and processes of Dask.
+/// Tests the fleet with an S3 server and worker processes of Dask.
 fn stores(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["-m", "stores"])
 }
@@ -118,7 +118,8 @@ fn notebook(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["--nbmake", "examples"])
 }
 
-/// Compares our functions with allantools, and runs its own tests on them. Its files stay outside of the repository.
+/// Compares the package with allantools, and runs allantools' own tests on it. The source of allantools stays in
+/// `target/`.
 fn allantools(wheel: &Wheel) -> Result<()> {
     let python = &night(wheel)?;
     pytest(python, PACKAGE, &["-m", "allantools"])?;
@@ -143,7 +144,7 @@ fn certificate(wheel: &Wheel) -> Result<()> {
     pytest(&python, CERTIFICATE, &["--durations=5"])
 }
 
-/// Tests the package on the bridge's firmware, whose part is the twin.
+/// Tests the package with the bridge's firmware in an emulator, where the twin is the sensor.
 fn bridge(wheel: &Wheel) -> Result<()> {
     if !tools::available(&[QEMU], "the Python package at a bridge")? {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Steps: cargo commands that must pass, each with a name and its time.
+//! Runs steps: named cargo commands that must pass. The time of each is printed.
 
 use std::env;
 use std::fmt;
@@ -23,7 +23,7 @@ pub struct Step {
     about: &'static str,
     /// Programs that the step installs if they are missing, besides Rust targets.
     installs: &'static str,
-    /// The number that replaces `{seed}` in its arguments.
+    /// The number that replaces `{seed}` in `args`.
     seed: u64,
 }
 
@@ -128,7 +128,7 @@ pub fn list(steps: &[Step]) -> String {
     format!("Steps:\n{}", steps.iter().map(line).collect::<String>())
 }
 
-/// Runs the steps in order, and neighbours in parallel if they allow it. Stops at the first failure.
+/// Runs the steps in order, and adjacent steps in parallel if they allow it. Stops at the first failure.
 pub fn run(chosen: &[Step]) -> Result<()> {
     run_with(chosen, AtFailure::Stop)
 }

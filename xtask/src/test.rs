@@ -13,7 +13,7 @@ const STEP: Step = Step::new("test", "test --release").about("The tests of the c
 pub const WHOLE_STEP: Step =
     Step::new("test", "xtask test --full").about("All tests of the workspace, with all features of the program");
 
-/// The tests, in the build of [`xtask::app::WHOLE`].
+/// The tests of the whole workspace, in the build of [`xtask::app::WHOLE`].
 const WHOLE: Step = Step::new(
     "test",
     "test --release --workspace --exclude xtask --features zerorate-cli/full,zerorate-web/readers --locked",

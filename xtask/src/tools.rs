@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 /// A program, and the Debian package that has it.
 #[derive(Clone, Copy)]
 pub struct Tool {
-    /// Its name on the path.
+    /// Name of the executable, which is searched in PATH.
     pub program: &'static str,
     /// Debian's name of the package.
     pub package: &'static str,
@@ -38,7 +38,7 @@ pub fn module_available(module: &str, package: &str, purpose: &str) -> Result<bo
 /// The Python for which Debian packages its modules.
 const DEBIAN_PYTHON: &str = "/usr/bin/python3";
 
-/// Installs packages if allowed. True if they are all there afterwards.
+/// Installs the missing packages on Debian as root. Returns false if packages are still missing afterwards.
 fn installed(missing: &[&str], purpose: &str) -> Result<bool> {
     if missing.is_empty() {
         return Ok(true);
@@ -60,17 +60,17 @@ fn apt_get() -> Command {
     command
 }
 
-/// True if a program can be started. Not every program knows `--version`.
+/// True if a program can be started. Its exit code does not count, because not every program knows `--version`.
 fn runs(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// True if this process may install packages.
+/// True if this process runs as root, and so may install packages.
 pub fn is_root() -> bool {
     Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n")
 }
 
-/// The path of a subcommand of cargo in this version. It is built once, below `target/`.
+/// The path of a cargo subcommand in this version. The subcommand is built once, below `target/`.
 pub fn of_cargo(name: &str, version: &str) -> Result<PathBuf> {
     let tools = Path::new("target/tools").join(format!("{name}-{version}"));
     let program = std::path::absolute(tools.join("bin").join(name))?;

@@ -1,6 +1,6 @@
 //! `cargo xtask web`: builds the page, from the core as WebAssembly to the files that a server sends.
 //!
-//! The modules are one crate built several times with the same dependencies, which are compiled once.
+//! All WebAssembly modules are builds of one crate with different features. Their dependencies are compiled once.
 
 use crate::arguments::Arguments;
 use crate::images::{QEMU, image_of};
@@ -31,18 +31,18 @@ the task says what it skips.";
 const TARGET: &str = "wasm32-unknown-unknown";
 /// The file with the licences of the modules.
 const LICENCES: &str = "THIRD-PARTY.txt";
-/// WebAssembly features that every browser of the last years has.
+/// Enables SIMD, which all browsers of the last years support in WebAssembly.
 const RUSTFLAGS: &str = "-C target-feature=+simd128";
-/// The folder from which the program takes the page.
+/// The folder from which the build of the program embeds the page.
 const INTO: &str = "crates/zerorate-cli/page";
-/// zstd is written in C, and only clang compiles it to WebAssembly.
+/// clang is needed because zstd is written in C, and only clang compiles C to WebAssembly.
 const TOOLS: [Tool; 3] = [
     Tool { program: "node", package: "nodejs" },
     Tool { program: "npm", package: "npm" },
     Tool { program: "clang", package: "clang" },
 ];
 const CHROMIUM: Tool = Tool { program: "chromium", package: "chromium" };
-/// The version that the bundler and its types require.
+/// The oldest major version of Node.js that the bundler and its types support.
 const OLDEST_NODE: u32 = 18;
 
 /// A WebAssembly module: the feature that selects its part of the crate, and the start of its files' names.
@@ -57,7 +57,7 @@ const MODULES: [Module; 4] = [
     Module { feature: "wasm-first", name: "zerorate_first", opt_level: "s" },
     Module { feature: "wasm-live", name: "zerorate_live", opt_level: "s" },
     Module { feature: "wasm-replay", name: "zerorate_replay", opt_level: "s" },
-    // optimised for size, LTO vectorises no loop
+    // level 3, because LTO does not vectorise loops when it optimises for size
     Module { feature: "wasm-log", name: "zerorate_log", opt_level: "3" },
 ];
 
@@ -134,7 +134,7 @@ impl Module {
     }
 }
 
-/// True if web/node_modules has the packages of package.json, as the lock file says.
+/// Installs the packages of web/package-lock.json if web/node_modules is older. Returns false if npm cannot.
 fn installed() -> Result<bool> {
     let (lock, mark) = (Path::new("web/package-lock.json"), Path::new("web/node_modules/.package-lock.json"));
     let is_newer =
@@ -176,7 +176,8 @@ fn embed() -> Result<()> {
     Ok(())
 }
 
-/// True for files of a session in the page itself, and for files that a static page caches for use without a network.
+/// True for files that only a static site needs: modules of a session in the page, and files for use without a
+/// network.
 fn is_static_only(name: &str) -> bool {
     let is_session = ["first", "live", "replay"].iter().any(|of| name == format!("zerorate_{of}_bg.wasm"));
     is_session || matches!(name, "home.json" | "sw.js" | "live.js")

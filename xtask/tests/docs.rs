@@ -36,7 +36,7 @@ fn every_cited_fact_is_defined_in_facts_md() {
     assert!(unknown.is_empty(), "facts cited but not defined in docs/facts.md:\n{}", unknown.join("\n"));
 }
 
-/// Each row of the page about what is stable names tests as `` `name` in `file` ``.
+/// Each row of docs/reference/stable.md names tests as `` `name` in `file` ``.
 #[test]
 fn every_test_that_holds_something_stable_exists() {
     let page = fs::read_to_string(root().join("docs/reference/stable.md")).unwrap();

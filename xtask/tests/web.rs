@@ -1,4 +1,4 @@
-//! The versions with which the page is built.
+//! Checks the versions of the tools that build the page.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The versions that a lock file has of a crate.
+/// The versions of a crate in a lock file.
 fn locked(lock: &str, name: &str) -> Vec<String> {
     let text = fs::read_to_string(project().join(lock)).expect("a lock file");
     let lines: Vec<&str> = text.lines().collect();
@@ -15,8 +15,8 @@ fn locked(lock: &str, name: &str) -> Vec<String> {
     lines.windows(2).filter(|pair| pair[0] == named).map(|pair| pair[1].to_owned()).collect()
 }
 
-/// The module and the program that makes its bindings must have the same version, because their common format changes
-/// with every version.
+/// The WebAssembly module and the program that makes its bindings must use the same version of wasm-bindgen, because
+/// the format between them changes with every version.
 #[test]
 fn bindings_are_made_by_the_version_that_the_module_has() {
     let module = locked("Cargo.lock", "wasm-bindgen");

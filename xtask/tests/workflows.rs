@@ -1,4 +1,4 @@
-//! The workflows run exactly the steps of `cargo xtask ci`.
+//! Checks that the workflows run the steps of `cargo xtask ci` and of `cargo xtask night`.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,4 +1,5 @@
-//! Reads Arrow IPC streams, the form of recordings: every whole batch stays readable if the stream is cut off.
+//! Reads Arrow IPC streams, the format of zerorate's recordings. If a stream is cut off, all whole batches stay
+//! readable.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::MemoryBudget;
@@ -11,15 +12,15 @@ use arrow_ipc::reader::StreamDecoder;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Number of bytes that are read at once in a search for messages.
+/// Block size of the search for checks in the rest of a file, bytes.
 const SCAN: u64 = 1 << 16;
 
-/// Reads a stream, up to the last whole batch.
+/// Reads a recording batch by batch, up to the last whole batch.
 pub struct StreamReader {
     path: PathBuf,
     messages: Messages<BufReader<Input>>,
     decoder: StreamDecoder,
-    /// Another input of the same file, to search for messages after a place that cannot be read.
+    /// A second handle to the same file, to search for checks after a message that is cut off.
     rest: Input,
     len: u64,
     room: MemoryBudget,
@@ -27,7 +28,7 @@ pub struct StreamReader {
 }
 
 impl StreamReader {
-    /// Reads the schema.
+    /// Opens a stream and reads its schema.
     pub fn open(path: &Path, input: Input) -> Result<Self, InputError> {
         let failed = |error| InputError::io("read", path, error);
         let len = input.length().map_err(failed)?;
@@ -51,7 +52,8 @@ impl StreamReader {
         Ok(Self { path: path.to_owned(), messages, decoder, rest, len, room, stated: Stated::new(schema) })
     }
 
-    /// The batch of a whole message; `None` if the message is the end statement or holds no batch.
+    /// Decodes a whole message that starts at byte `start`. Returns `None` if the message is the end statement or
+    /// holds no batch.
     fn decode(&mut self, start: u64, bytes: MessageBytes) -> Result<Option<RecordBatch>, InputError> {
         let damaged = |what: String| InputError::damaged(&self.path, format!("byte {start}"), what);
         if self.stated.end.is_some() {
@@ -69,15 +71,15 @@ impl StreamReader {
         decode(&mut self.decoder, bytes.into()).map_err(damaged)
     }
 
-    /// Ends the reading of a stream that was closed. Sets a warning if bytes other than zeros follow the stream.
+    /// Marks the stream as ended, after its end-of-stream marker. Sets a warning if bytes other than zeros follow.
     fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         self.stated.warning = InputWarning::behind_end(&self.path, &self.rest, self.messages.position())?;
         Ok(())
     }
 
-    /// Ends the reading of a stream that was cut off inside the message at offset `whole`. If more messages follow
-    /// within it, the stream was not cut off: the length of the message is wrong, which is an error.
+    /// Marks the stream as cut off inside the message that starts at byte `whole`. Returns an error if further
+    /// messages follow: then the file was not cut off, and this message states a wrong length.
     fn torn(&mut self, whole: u64) -> Result<(), InputError> {
         let follow = checks_from(&mut self.rest, whole).map_err(|error| InputError::io("read", &self.path, error))?;
         if follow > 1 {
@@ -92,7 +94,7 @@ impl StreamReader {
     }
 }
 
-/// The number of messages from `start` on that carry a check.
+/// Counts the metadata keys of checks from byte `start` on. Every batch of a recording carries one.
 fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
     let mark = CHECKS.as_bytes();
     input.seek(SeekFrom::Start(start))?;
@@ -106,7 +108,7 @@ fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
     Ok(found)
 }
 
-/// The batch of a message, if it has one.
+/// Decodes one message of a stream; `None` if it holds no batch.
 pub fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<RecordBatch>, String> {
     let decoded = catch_panic(|| decoder.decode(&mut Buffer::from_vec(bytes)));
     decoded.ok_or_else(|| "its batch makes no sense".to_owned())?.map_err(|error| error.to_string())

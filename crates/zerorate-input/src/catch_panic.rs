@@ -1,4 +1,4 @@
-//! Third-party decoders panic on some damaged files. Such a panic becomes an error here.
+//! Third-party decoders panic on some damaged files. This module catches such a panic, so that it becomes an error.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};

@@ -6,8 +6,8 @@ use arrow_array::types::{Decimal128Type, Float16Type, Float32Type, Float64Type};
 use arrow_array::{Array, ArrowPrimitiveType, Float64Array, Int64Array, PrimitiveArray, downcast_integer_array};
 use arrow_schema::{ArrowError, DataType};
 
-/// The values as integers of the type `T`. Floating-point numbers must be whole. A timestamp or a
-/// duration becomes its count of units, such as milliseconds.
+/// The values as integers of the type `T`. Floating-point numbers must be whole. A timestamp or a duration becomes its
+/// count in the unit of its column, such as milliseconds.
 pub fn integers<T>(column: &dyn Array) -> Result<PrimitiveArray<T>, ArrowError>
 where
     T: ArrowPrimitiveType<Native: TryFrom<i128>>,
@@ -52,7 +52,7 @@ fn misfit<T: ArrowPrimitiveType>(value: impl std::fmt::Display) -> ArrowError {
     ArrowError::CastError(format!("{value} does not fit the type {}", T::DATA_TYPE))
 }
 
-/// The values as `f64`, rounded to the nearest one. `Err` if the column does not hold numbers.
+/// The values as `f64`, rounded to nearest. Returns an error if the column does not hold numbers.
 pub fn floats(column: &dyn Array) -> Result<Float64Array, ArrowError> {
     downcast_integer_array! {
         column => { Ok(column.unary(|value| value as f64)) }

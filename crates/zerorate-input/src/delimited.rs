@@ -1,4 +1,4 @@
-//! Reads lines and cells of delimited text, with line numbers for messages.
+//! Reads lines and cells of delimited text, with line numbers for error messages.
 
 use super::InputError;
 use crate::Input;
@@ -21,14 +21,14 @@ pub struct Lines {
     position: u64,
 }
 
-/// A line, without its end.
+/// One line of a text file.
 #[derive(Clone, Copy)]
 pub struct Line<'a> {
     /// Line number, from 1.
     pub number: u64,
     /// Text without the line feed and without blanks around.
     pub text: &'a str,
-    /// True if a line feed ends the line.
+    /// True if a line feed ends the line. The last line of a file may lack it.
     pub ended: bool,
 }
 

@@ -20,7 +20,7 @@ pub enum InputError {
     #[error("{} cannot be read as a log: {why}", path.display())]
     NotALog { path: PathBuf, why: String },
 
-    /// This build lacks the feature for the form of the file.
+    /// The format of the file needs a Cargo feature that this build lacks.
     #[error("{}: {missing}", path.display())]
     NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
 
@@ -52,7 +52,7 @@ impl InputError {
         Self::NotALog { path: path.to_owned(), why: why.into() }
     }
 
-    /// The error for a form that is missing in this build.
+    /// The error for a file format that this build does not support.
     pub fn not_built_in(path: &Path, missing: NotBuiltIn) -> Self {
         Self::NotBuiltIn { path: path.to_owned(), missing }
     }

@@ -1,4 +1,4 @@
-//! Bytes to read, which the caller has opened.
+//! Sources of bytes for readers. The caller opens them.
 
 use bytes::Bytes;
 use std::fmt::Debug;
@@ -6,10 +6,10 @@ use std::fs::File;
 use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::sync::Arc;
 
-/// Number of bytes that are read at once in a search.
+/// Block size of a search, bytes.
 const BLOCK: u64 = 1 << 16;
 
-/// The bytes of an open file, of memory, or from elsewhere, and the position of the next read.
+/// A source of bytes and its read position: an open file, memory, or [`RemoteBytes`].
 #[derive(Debug)]
 pub struct Input {
     kind: Kind,
@@ -33,7 +33,7 @@ pub trait RemoteBytes: Debug + Send + Sync {
 #[derive(Debug)]
 enum Kind {
     File(File),
-    /// A file without a name, which cannot be opened again.
+    /// A file without a name, such as a spooled pipe. It cannot be opened again.
     Nameless(File),
     Memory(Cursor<Bytes>),
     Remote {
@@ -80,7 +80,7 @@ impl Input {
         }
     }
 
-    /// Reads `bytes` from the first byte on.
+    /// An input of remote bytes. The first read starts at their first byte.
     #[must_use]
     pub fn remote(bytes: Arc<dyn RemoteBytes>) -> Self {
         Self::of(Kind::Remote { bytes, at: 0 })
@@ -92,7 +92,7 @@ impl Input {
         Self::of(Kind::Nameless(file))
     }
 
-    /// True if the bytes are in a file. If so, packed bytes are unpacked into another file instead of memory.
+    /// True if the bytes are in a file. [`Self::unpacked`] then writes to a temporary file instead of memory.
     pub fn is_file(&self) -> bool {
         matches!(self.kind, Kind::File(_) | Kind::Nameless(_))
     }
@@ -121,7 +121,7 @@ impl Input {
         Ok(Self { kind, holes: self.holes })
     }
 
-    /// Reads `length` bytes from `start` on; fewer are an error. Moves the position of a file.
+    /// Reads `length` bytes from `start` on. Returns an error if there are fewer. Moves the read position of a file.
     pub fn bytes_at(&self, start: u64, length: usize) -> io::Result<Bytes> {
         let outside = || io::Error::new(ErrorKind::UnexpectedEof, format!("{length} bytes at {start} are not there"));
         if let Kind::Memory(bytes) = &self.kind {
@@ -138,7 +138,7 @@ impl Input {
     }
 
     /// The number of bytes after `end`, the end of the content; 0 if all of them are zeros, which are padding. Moves
-    /// the position of a file.
+    /// the read position of a file.
     pub fn bytes_behind(&self, end: u64) -> io::Result<u64> {
         let behind = self.length()?.saturating_sub(end);
         let mut input = self.try_clone()?;
@@ -153,7 +153,7 @@ impl Input {
         Ok(0)
     }
 
-    /// Offset of the first `mark` from `start` on. Moves the position of a file.
+    /// Offset of the first `mark` from `start` on; `None` if there is none. Moves the read position of a file.
     pub fn find(&self, mark: &[u8], start: u64) -> io::Result<Option<u64>> {
         let mut input = self.try_clone()?;
         input.seek(SeekFrom::Start(start))?;
@@ -170,7 +170,8 @@ impl Input {
         Ok(None)
     }
 
-    /// Returns what `fill` writes as an input. It is in a nameless file if this input is a file, otherwise in memory.
+    /// Returns the bytes that `fill` writes as a new input. They are in a nameless temporary file if this input is a
+    /// file, otherwise in memory.
     pub fn unpacked<E: From<io::Error>>(
         &self,
         fill: impl FnOnce(&mut dyn io::Write) -> Result<(), E>,
@@ -225,7 +226,7 @@ impl Seek for Input {
 mod tests {
     use super::*;
 
-    /// Returns three bytes at a time, as a browser may.
+    /// Returns at most three bytes per read, as a browser may.
     #[derive(Debug)]
     struct Slices(Vec<u8>);
 

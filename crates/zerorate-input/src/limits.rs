@@ -1,5 +1,5 @@
-//! Limits of the memory that a file may take. The unpacked size shows only while a file is read, and the sizes that
-//! the file states may be wrong.
+//! Limits of the memory that a file may take. The unpacked size of a file shows only while it is read, and the sizes
+//! that the file states may be wrong.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 pub const FREE_BYTES: u64 = 64 << 20;
 
 /// Memory that a file may take beyond [`FREE_BYTES`], as a multiple of its size on disk. Recorded noise compresses at
-/// best about 20 to 1, so that a log stays far below.
+/// best about 20 to 1, so a log stays far below this limit.
 pub const FACTOR: u64 = 256;
 
 /// Largest size of a small text file: a calibration, a part file, a data sheet, a token, the state of a tracker.
@@ -70,7 +70,7 @@ pub fn max_memory() -> u64 {
     *MAX_MEMORY.get_or_init(|| DEFAULT_BYTES)
 }
 
-/// The size limit of one file in memory, or unpacked on disk.
+/// The size limits of one unpacked file, in memory and on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryBudget {
     bytes: u64,
@@ -80,14 +80,14 @@ pub struct MemoryBudget {
 /// The error for a file that exceeds its memory budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OverBudget {
-    /// The file unpacks to more than this many bytes, its budget by its size on disk.
+    /// The file unpacks to more than this many bytes, the budget for its size on disk.
     #[error(
         "it grows to more than {} in memory, {} plus {FACTOR} times its size on disk: it is damaged, or made to fill \
          a machine",
         Bytes(*.0), Bytes(FREE_BYTES)
     )]
     ForItsSize(u64),
-    /// The file needs more than the memory limit of the process.
+    /// The file needs more memory than the limit of the process, bytes.
     #[error("it takes more memory than the {} of max_memory: give more, or cut the log", Bytes(*.0))]
     InMemory(u64),
 }

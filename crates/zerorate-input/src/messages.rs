@@ -13,7 +13,7 @@ use std::io::{self, Read};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The start of every message, since format version 0.15.
+/// The first bytes of every message since Arrow 0.15.
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 
 /// The largest alignment to which writers pad buffers, in bytes.
@@ -104,7 +104,7 @@ impl MessageBytes {
         if schema.endianness() != ipc::Endianness::Little {
             return Err("its numbers are big-endian: write it again on a little-endian machine".to_owned());
         }
-        // with a wrong length, the next message would count as the body
+        // a schema message has no body: with a wrong length, the next message would count as the body
         if self.bytes.len() > self.metadata.end {
             return Err(format!("its Arrow schema states a body of {} bytes", self.bytes.len() - self.metadata.end));
         }

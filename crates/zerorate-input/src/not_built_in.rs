@@ -12,7 +12,7 @@ pub struct NotBuiltIn {
 }
 
 impl NotBuiltIn {
-    /// Parquet, as the form of captures and logs.
+    /// Parquet captures and logs.
     pub const PARQUET: Self = Self { what: "Parquet", feature: "parquet" };
     /// Zstandard compression of a whole file or inside a file.
     pub const ZSTD: Self = Self { what: "Zstandard", feature: "zstd" };

@@ -1,19 +1,19 @@
-//! Recognises and opens tables.
+//! Recognises and opens Arrow streams and Parquet files.
 
 use crate::table::BatchSource;
 use crate::{Input, InputError, arrows};
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// A file that was opened as a table, or that is no table.
+/// The result of [`open_table`].
 pub enum Opened {
     /// Columns with names and types.
     Table(Box<dyn BatchSource>),
-    /// Anything else, positioned at its first byte.
+    /// A file of any other format, positioned at its first byte.
     Other(Input),
 }
 
-/// Opens an Arrow stream or a Parquet file, recognised by its first bytes. `path` names it in messages.
+/// Opens an Arrow stream or a Parquet file, recognised by its first bytes. `path` names the file in messages.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, is damaged, or is Parquet and this build lacks Parquet.

@@ -1,4 +1,4 @@
-//! Reads Parquet files. Their index is at the end, so they can be read only once closed.
+//! Reads Parquet files. Their index is at the end, so a file that was not closed cannot be read.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::OverBudget;
@@ -14,15 +14,15 @@ use std::io::{self, BufReader, ErrorKind, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::vec::IntoIter;
 
-/// Number of rows of a batch that is read, and of a block that a capture writes. All row groups of a capture except
-/// the last consist of whole blocks.
+/// Rows per batch when a file is read, and per block when a capture is written. All row groups of a capture except the
+/// last consist of whole blocks.
 pub const BLOCK: usize = 1 << 16;
 
-/// Largest number of decoded batches that wait for the checks.
+/// Maximum number of decoded batches that wait in the queue to the reader.
 #[cfg(not(target_family = "wasm"))]
 const AHEAD: usize = 4;
 
-/// The batches of a file. Another thread decodes them, except in a browser, which has only one.
+/// The batches of a file. Another thread decodes them, except in a browser, where there is only one thread.
 struct Batches {
     #[cfg(not(target_family = "wasm"))]
     decoded: std::sync::mpsc::Receiver<Result<Option<RecordBatch>, InputError>>,
@@ -86,7 +86,7 @@ pub struct ParquetReader {
 }
 
 impl ParquetReader {
-    /// Reads the index at the end of the file.
+    /// Opens a file and reads the index at its end.
     pub fn open(path: &Path, input: Input) -> Result<Self, InputError> {
         let again = input.try_clone().map_err(|error| InputError::io("read", path, error))?;
         let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(input))?;
@@ -103,14 +103,14 @@ impl ParquetReader {
     }
 }
 
-/// The end of one Parquet file and the start of the next.
+/// The magic number at the end of one Parquet file and the one at the start of the next.
 const JOINT: &[u8] = b"PAR1PAR1";
 
-/// Size of the footer, bytes: the length of the index, and the mark.
+/// Size of the footer, bytes: the length of the index and the magic number.
 const TAIL: u64 = 8;
 
 /// Refuses several Parquet files that were joined into one. The index at the end counts offsets from the start of the
-/// last file, so pages of the first file would be read in its place.
+/// last file, so the library would read pages of the first file instead.
 pub fn refuse_joined(path: &Path, metadata: &ParquetMetaData, input: &Input) -> Result<(), InputError> {
     guarded(path, || Ok(joint(metadata, input)?))?.map_or(Ok(()), |at| {
         let what = format!("two files were joined: another one follows after its first {at} bytes; cut it there");
@@ -118,8 +118,8 @@ pub fn refuse_joined(path: &Path, metadata: &ParquetMetaData, input: &Input) -> 
     })
 }
 
-/// Offset at which the last of several files begins. A single file has nothing between its pages and its index, unless
-/// it uses a part of the format that is not known here.
+/// Offset at which a second file begins; `None` for a single file. A single file has nothing between its pages and its
+/// index, unless it uses a part of the format that is unknown here.
 fn joint(metadata: &ParquetMetaData, input: &Input) -> io::Result<Option<u64>> {
     let tail = input.length()?.saturating_sub(TAIL);
     let index = input.bytes_at(tail, 4)?.first_chunk().map_or(0, |length| u64::from(u32::from_le_bytes(*length)));
@@ -174,7 +174,7 @@ impl ChunkReader for Input {
     }
 }
 
-/// Runs the Parquet library, which panics on some damaged files. A panic becomes an error.
+/// Runs the Parquet library, which panics on some damaged files, and turns a panic into an error.
 pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, InputError> {
     let failed = |why: String| Err(InputError::damaged(path, "as a Parquet file", why));
     match catch_panic(read) {

@@ -1,6 +1,6 @@
 //! Escapes text from outside for a terminal: names of files and columns, serial numbers, cells, firmware strings.
-//! Characters that would move the cursor, change colours, set titles or turn the direction of writing are shown as
-//! Rust escapes: `\u{1b}`.
+//! Characters that would move the cursor, change colours, set titles or change the writing direction are shown as Rust
+//! escapes: `\u{1b}`.
 
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     escaped(text, |character| character != '\n' && acts(character))
 }
 
-/// True if a character is a control character, a line separator or a mark of direction.
+/// True if a character is a control character, a line separator or a mark of writing direction.
 fn acts(character: char) -> bool {
     let is_mark = matches!(character, '\u{200E}' | '\u{200F}' | '\u{061C}');
     let is_separator_or_embedding = matches!(character, '\u{2028}'..='\u{202E}' | '\u{2066}'..='\u{2069}');

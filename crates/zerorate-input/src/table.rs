@@ -5,7 +5,7 @@ use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{Schema, SchemaRef};
 use std::path::Path;
 
-/// The start of the metadata keys of a table that describes itself.
+/// Prefix of the metadata keys by which a table describes its columns.
 pub const DESCRIPTION: &str = "zerorate.";
 
 /// True if the metadata of a table describe the meaning of its columns.
@@ -13,25 +13,25 @@ pub fn describes_itself(schema: &Schema) -> bool {
     schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION))
 }
 
-/// The start of the metadata keys of checks: digests of the rows, which the writer adds.
+/// Prefix of the metadata keys of checks: digests of the rows, which the writer adds.
 pub const CHECKS: &str = "zerorate.check.";
 
-/// Key under which the message of a batch in an Arrow stream carries the check of its rows.
+/// Key of the check of one batch, in the metadata of its message in an Arrow stream.
 pub const BATCH_CHECK: &str = "zerorate.check.batch";
 
-/// Key under which a Parquet file carries the checks of all batches, in order and separated by blanks.
+/// Key of the checks of all batches in the metadata of a Parquet file, in order and separated by blanks.
 pub const BATCH_CHECKS: &str = "zerorate.check.batches";
 
-/// Key of the end statement: the number of rows, a digest of the samples, and a check of both.
+/// Key of the end statement of a table: the number of rows, a digest of the samples, and a check of both.
 pub const END: &str = "zerorate.check.end";
 
-/// The statements that a source has made so far, besides its rows.
+/// What a table has stated so far, besides its rows.
 pub struct Stated {
     /// Columns and metadata.
     pub schema: SchemaRef,
-    /// The check of the batch that was returned last.
+    /// The check of the batch that was returned last; `None` if the file has no checks.
     pub check: Option<String>,
-    /// The end statement. An Arrow stream gives it only after the last batch.
+    /// The end statement. An Arrow stream states it only after the last batch.
     pub end: Option<String>,
     /// True if no batch follows.
     pub ended: bool,
@@ -42,7 +42,7 @@ pub struct Stated {
 }
 
 impl Stated {
-    /// The statements before the first batch: only the schema.
+    /// The statements before the first batch: the schema only.
     pub fn new(schema: SchemaRef) -> Self {
         Self { schema, check: None, end: None, ended: false, torn: false, warning: None }
     }
@@ -50,22 +50,23 @@ impl Stated {
 
 /// A table that is read batch by batch.
 pub trait BatchSource {
-    /// Name of the file form.
+    /// Name of the file format.
     fn form(&self) -> &'static str {
         "table"
     }
 
-    /// The statements of the source so far, beside its rows.
+    /// What the table has stated so far, besides its rows.
     fn stated(&self) -> &Stated;
 
-    /// The statements of the source, to be changed.
+    /// The same statements, to be changed.
     fn stated_mut(&mut self) -> &mut Stated;
 
-    /// Reads the next batch; `None` at the end. [`next_batch`](Self::next_batch) does not call it
-    /// again after the end or an error.
+    /// Reads the next batch; `None` at the end. [`next_batch`](Self::next_batch) does not call this method again after
+    /// the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
-    /// True if common software keeps the description but drops the checks of the rows when it rewrites such a file.
+    /// True if checks may be missing because common software rewrote the file: it keeps the description but drops
+    /// checks.
     fn may_be_stripped(&self) -> bool {
         true
     }
@@ -92,10 +93,10 @@ pub trait DescribedTable {
     /// Index of the temperature column, if there is one.
     fn temperature(&self) -> Option<usize>;
 
-    /// The quantity of a column of codes, and the size of one code step in the unit of the quantity's results.
+    /// The quantity of a column of sensor codes, and the size of one code step in the unit of results, such as °/s.
     fn step(&self, column: usize) -> Option<(Quantity, f64)>;
 
-    /// Reads all rows, and passes these columns to `take`, batch by batch. With `validates`, invalid values are null.
+    /// Reads all rows and passes `columns` to `take`, batch by batch. With `validates`, invalid values are null.
     ///
     /// # Errors
     /// Returns an error if the table cannot be read, or if its rows contradict its statements.
@@ -118,7 +119,7 @@ pub struct Described {
     pub warnings: Vec<(&'static str, String)>,
     /// Warnings about each column that was read: code and text.
     pub of_columns: Vec<Vec<(&'static str, String)>>,
-    /// The reason why the values must not become a result: code and text.
+    /// The reason why no result may be computed from the values: code and text.
     pub refused: Option<(&'static str, String)>,
 }
 

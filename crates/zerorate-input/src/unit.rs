@@ -177,7 +177,7 @@ impl Unit {
         if bracketed(name).is_some_and(|inner| inner.starts_with(|c: char| c.is_ascii_digit())) {
             return None;
         }
-        // as in `gyroXRadPerSec`
+        // a unit in camel case, as in `gyroXRadPerSec`
         let words = name.char_indices().filter(|(_, c)| c.is_uppercase()).map(|(at, _)| &name[at..]);
         let camel = words.filter_map(rate).next();
         let lower = name.to_lowercase();
@@ -186,7 +186,7 @@ impl Unit {
             unit.endings().iter().filter(|ending| has_ending(&lower, ending)).map(|ending| ending.len()).max()
         };
         let at_its_end = Self::ALL.into_iter().filter_map(|unit| Some((ending(&unit)?, unit)));
-        // as in `gx_rad/s` and `wx, rad/s`
+        // a unit with a slash, as in `gx_rad/s` and `wx, rad/s`
         let at_end = || lower.match_indices(['_', ' ', ',', ':']).find_map(|(at, _)| rate(&lower[at + 1..]));
         let ended = at_its_end.max_by_key(|(length, _)| *length).map(|(_, unit)| unit);
         let stated = ended.or(camel).or_else(at_end);

@@ -34,7 +34,7 @@ impl InputWarning {
         }
     }
 
-    /// The warning about bytes from `end` on, where the content of the file ends; `None` without such bytes.
+    /// The warning if bytes other than zeros follow `end`, the offset at which the content ends; `None` otherwise.
     ///
     /// # Errors
     /// Returns an error if the bytes cannot be read.

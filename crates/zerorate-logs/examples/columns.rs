@@ -18,7 +18,7 @@ fn main() {
 
 fn columns(path: &Path) -> Result<Value, LogError> {
     let file = File::open(path).map_err(|error| InputError::io("read", path, error))?;
-    // any rate will do: the numbers do not depend on it
+    // the printed numbers do not depend on the rate
     let options = ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() };
     let columns = read_all(path, file.into(), ColumnSelection::All, &options)?;
     let pair = columns.iter().map(|column| Ok((&*column.name, column.points(path)?)));

@@ -1,4 +1,5 @@
-//! Arrow files, also called Feather: a stream between two marks. The index behind the stream is not needed.
+//! Reads Arrow files, also called Feather: a stream between two magic numbers. The index behind the stream is not
+//! needed.
 //!
 //! The messages are split by [`Messages`], as in a capture, because the library's own file reader trusts the lengths
 //! and offsets in a file.
@@ -13,13 +14,13 @@ use zerorate_input::messages::{Message, Messages};
 use zerorate_input::table::{BatchSource, Stated};
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// The mark at the start of the file is padded with zeros to a multiple of this, bytes.
+/// The magic number at the start of the file is padded with zeros to a multiple of this, bytes.
 const ALIGNMENT: usize = 8;
 
-/// Largest padding that is searched, in bytes; Rust's writer pads to 64.
+/// Number of bytes at the start of the file in which the padding must end. Rust's writer pads to 64 bytes.
 const MAX_PADDING: u64 = 1024;
 
-/// Size of the end of the file, bytes: the length of the index, and the mark.
+/// Size of the end of the file, bytes: the length of the index, and the magic number.
 const END: u64 = 4 + MARK.len() as u64;
 
 const MARK: &[u8] = b"ARROW1";
@@ -43,7 +44,7 @@ pub struct ArrowFile {
 }
 
 impl ArrowFile {
-    /// Reads the schema.
+    /// Opens a file and reads its schema.
     pub fn open(path: &Path, mut file: Input, room: MemoryBudget) -> Result<Self, InputError> {
         let failed = |error| InputError::io("read", path, error);
         let wrong = |what: String| InputError::damaged(path, "as an Arrow file", what);
@@ -63,7 +64,7 @@ impl ArrowFile {
         Ok(Self { path: path.to_owned(), start, end, rest, messages, decoder, room, stated })
     }
 
-    /// Checks that only the index of the file follows the closed stream.
+    /// Marks the stream as ended. Sets a warning if more than the index of the file follows.
     fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         let end = self.start + self.messages.position();
@@ -76,7 +77,7 @@ impl ArrowFile {
     }
 }
 
-/// Offset of the stream, behind the mark and its padding of zeros. No message begins with zeros.
+/// Offset of the stream, behind the magic number and its padding of zeros. No message begins with zeros.
 fn stream_start(file: &mut Input) -> io::Result<u64> {
     let mut head = Vec::new();
     file.rewind()?;

@@ -16,7 +16,8 @@ fn read(bytes: &[u8], said: &str) -> Result<Read> {
     Ok((columns.iter().map(|column| (column.name.clone(), bits(column))).collect(), rate, notes))
 }
 
-/// Flips bits spread over `places`. Returns the flips that change the result without an error or a warning.
+/// Flips bits spread over `places`, one at a time. Returns the flips that change the result without an error or a
+/// warning.
 fn silent(whole: &[u8], said: &str, places: std::ops::Range<usize>) -> Vec<(usize, u32)> {
     let (columns, rate, notes) = read(whole, said).unwrap();
     let flips = std::env::var("ZERORATE_FLIPS").ok().and_then(|flips| flips.parse().ok()).unwrap_or(FLIPS);
@@ -145,7 +146,7 @@ fn a_damaged_variable_does_not_vanish() {
     assert!(said.contains("variable 2 of a MATLAB file: it cannot be unpacked"), "{said}");
 }
 
-/// A bag packed with LZ4 may lose a chunk. Then its index counts more messages than it holds.
+/// Turns a chunk of a bag packed with LZ4 into another record. The index then counts more messages than the bag holds.
 #[test]
 fn a_bag_that_lost_a_chunk_gets_a_warning() {
     let (_, bag) = fixture!("lz4.bag");

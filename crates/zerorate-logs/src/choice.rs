@@ -1,4 +1,4 @@
-//! The choice of columns of a file.
+//! Chooses the columns to read from a file.
 
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
@@ -8,21 +8,21 @@ use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_input::{Quantity, Unit, is_celsius};
 
-/// Largest number of columns that a message lists.
+/// Largest number of columns that an error message lists.
 const LISTED: usize = 100;
 
-/// If at least this many columns of numbers follow a time column, they may be those of a sensor with its own time.
+/// Smallest number of numeric columns behind a time column that may be a sensor with its own time.
 const BLOCK: usize = 3;
 
 /// The wanted columns of a log, each by its name or its number counted from 0.
 #[derive(Clone, Copy, Debug)]
 pub enum ColumnSelection<'a> {
-    /// This column; `None` selects the rate of a capture, or the only column.
+    /// One column; `None` selects the rate of a capture or, in another log, the only column.
     One(Option<&'a str>),
     /// These columns, in this order.
     Listed(&'a [String]),
-    /// These columns, in this order, and then the others of `All`. Logs of PX4, ArduPilot and ROS give only the
-    /// columns that are named here.
+    /// These columns, in this order, and then the other columns that `All` selects. Logs of PX4, ArduPilot and ROS
+    /// give only the columns that are named here.
     First(&'a [String]),
     /// The rates of a capture, the six quantities of a bag's IMU, or otherwise all numeric columns except the time.
     All,
@@ -46,7 +46,7 @@ pub struct ColumnSpec {
 }
 
 impl ColumnSpec {
-    /// The name without its unit, where an exact name states one: `GyrX` of `GyrX [rad/s]`.
+    /// The name without its unit, if the name is exact and states a unit: `GyrX` of `GyrX [rad/s]`.
     pub fn without_unit(&self) -> Option<&str> {
         let (name, _) = self.name.rsplit_once(['[', '(']).filter(|_| self.is_exact)?;
         let name = name.trim_end();
@@ -61,7 +61,7 @@ impl ColumnSpec {
     }
 }
 
-/// The columns of a file from which columns are chosen.
+/// All columns of a file, to choose from.
 pub struct Columns<'a> {
     /// The path of the file.
     pub path: &'a Path,
@@ -71,7 +71,7 @@ pub struct Columns<'a> {
     pub numeric: Vec<bool>,
     /// True for each column that holds times by its content or its type; empty if none does.
     pub clocks: Vec<bool>,
-    /// The names of the options in messages.
+    /// The names of the options, for messages.
     pub settings: Names,
 }
 
@@ -81,19 +81,20 @@ pub struct Choice {
     /// The columns with the numbers, in the requested order. If a column holds the fractions of a second that `time`
     /// lacks, it comes last.
     pub values: Vec<usize>,
-    /// The column with the time.
+    /// The column with the time; `None` if no column has it, or if the rate is given.
     pub time: Option<usize>,
-    /// The columns that select the rows to read.
+    /// The columns of the conditions that select rows.
     pub only: Vec<usize>,
 }
 
 impl Columns<'_> {
-    /// Chooses the wanted columns. If the request names none, columns in `default` have precedence over all others.
+    /// Chooses the wanted columns. If the request names none, columns in `default`, such as the rates of a capture,
+    /// have precedence over all others.
     pub fn choose(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
         let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
         self.chosen(wanted, args, default).map_err(|error| match error {
-            // asks both questions at once
+            // the rate is missing too, so one message asks for both
             LogError::Ask(question) if asks_rate => {
                 let [rate, time] = [Setting::Rate, Setting::TimeColumn].map(|setting| self.settings.of(setting));
                 LogError::Ask(format!("{question}. Also give {rate} in Hz, or {time}"))
@@ -118,7 +119,7 @@ impl Columns<'_> {
         let time = match (wanted, default) {
             (ColumnSelection::First(_), _) if is_open => self.time(&first),
             (ColumnSelection::All, []) if is_open => self.time(&[]),
-            // a column whose name merely suggests a time may be the wanted one
+            // a column whose name merely suggests a time may be the wanted column
             (ColumnSelection::One(None), []) if is_open => self.stated_time(&[]),
             _ => time,
         };
@@ -159,22 +160,22 @@ impl Columns<'_> {
         is_said.then(|| LogWarning::NoNumbers { path: self.path.display().to_string(), names: left.join(", ") })
     }
 
-    /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one
-    /// with the name of a time.
+    /// The column outside `values` with the time: the only one whose name states a unit of time, the only one with the
+    /// name of a time, or the time column of the sensor that `values` belong to.
     fn time(&self, values: &[usize]) -> Option<usize> {
         let is_likely = |at: &usize| !values.contains(at) && self.numeric[*at] && is_named_time(self.names[*at]);
         let likely: Vec<usize> = (0..self.names.len()).filter(is_likely).collect();
         let is_of_sensor = |at: &&usize| self.names[**at].ends_with("header.stamp");
         let only = || match likely[..] {
             [only] => Some(only),
-            // `rostopic echo -p` writes the time of arrival as well
+            // prefers the sensor's stamp, because `rostopic echo -p` writes the time of arrival as well
             _ => likely.iter().find(is_of_sensor).copied(),
         };
         let has_others = self.numeric.iter().filter(|is_numeric| **is_numeric).count() > 1;
         self.stated_time(values).or_else(|| only().filter(|_| has_others)).or_else(|| self.time_of_block(values))
     }
 
-    /// The time column in front of the wanted columns, if the file has several sensors, each behind a time of its own.
+    /// The time column in front of `values`, if the file has several sensors and each has a time column.
     fn time_of_block(&self, values: &[usize]) -> Option<usize> {
         let blocks = self.blocks();
         let (time, _) = blocks.iter().find(|(_, block)| values.iter().all(|at| block.contains(at)))?;
@@ -215,8 +216,9 @@ impl Columns<'_> {
         Err(LogError::Merged { question, groups, has_own_times: true })
     }
 
-    /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns. A
-    /// column whose name is a unit alone, such as `ms`, counts only if no other column is called a time.
+    /// The only column outside `values` whose name states a unit of time, or the seconds of a timestamp that is split
+    /// into two columns. A column whose name is a unit alone, such as `ms`, counts only if no other column is called a
+    /// time.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];
@@ -335,8 +337,8 @@ impl Columns<'_> {
         }
     }
 
-    /// The column whose name begins or ends with `wanted`, or `wanted` with the name. Only letters and digits count.
-    /// Of several, the one of the nearest length.
+    /// The column whose name begins or ends with `wanted`, or with whose name `wanted` begins or ends. Only letters
+    /// and digits count. Of several such columns, the one whose name has the nearest length.
     fn nearest(&self, wanted: &str) -> Option<&str> {
         let plain = |name: &str| name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
         let wanted = plain(wanted);

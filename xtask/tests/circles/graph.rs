@@ -1,4 +1,4 @@
-//! A graph of modules that use each other, and its circles.
+//! The graph of which module uses which, and the search for circles (dependency cycles) in it.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -61,7 +61,7 @@ impl Graph {
     }
 }
 
-/// The path that led to `to`, from its beginning.
+/// The path from `from` to `to`. `before` has the predecessor of each module.
 fn back<'a>(before: &BTreeMap<&'a str, &'a str>, from: &str, to: &'a str) -> Vec<&'a str> {
     let mut way = vec![to];
     let mut module = before[to];

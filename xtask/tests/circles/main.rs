@@ -1,8 +1,8 @@
-//! No module of a crate reaches itself through another.
+//! Checks that no module of a crate depends on itself through other modules.
 //!
-//! A module is declared in the root of the crate and includes everything below it. The root may name every module. A
-//! name that the root re-exports counts for the module that the name comes from. Items that the root defines itself
-//! make it a module like any other. Tests are left out.
+//! A module here is one that the root of a crate declares, with its submodules. The root may use every module. A name
+//! that the root re-exports counts as a name of the module that it comes from. If the root defines items itself, it
+//! counts as a module too. Tests are left out.
 
 mod graph;
 mod rust;
@@ -103,7 +103,7 @@ fn packages() -> Vec<PathBuf> {
     found
 }
 
-/// The folders of a package in which a crate of several files begins: the library, and programs beside it.
+/// The folders in which the crates of a package begin: `src`, and the folders of programs in `src/bin`.
 fn roots(package: &Path) -> Vec<PathBuf> {
     let source = package.join("src");
     let programs = fs::read_dir(source.join("bin")).into_iter().flatten().map(|entry| entry.unwrap().path());

@@ -14,7 +14,7 @@ pub struct Leaf<'a> {
     pub name: &'a str,
 }
 
-/// The tokens of a file without comments, texts and spaces.
+/// The tokens of a file, without comments, string literals and spaces.
 pub fn tokens(text: &str) -> Vec<Token<'_>> {
     let mut found = Vec::new();
     let mut at = 0;
@@ -37,7 +37,7 @@ fn is_part_of_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Length of the word, comment, text or other token at the start of `rest`.
+/// Length in bytes of the word, comment, literal or other token at the start of `rest`.
 fn token_length(rest: &str) -> usize {
     let until = |end: &str| rest.find(end).map_or(rest.len(), |at| at + end.len());
     if rest.starts_with("//") {
@@ -83,7 +83,7 @@ fn quoted_length(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// Length of a block comment, which may contain comments.
+/// Length in bytes of a block comment, which may contain further block comments.
 fn comment_length(rest: &str) -> usize {
     let mut depth = 0;
     let mut at = 0;
@@ -151,13 +151,13 @@ fn bracket(text: &str) -> i32 {
     }
 }
 
-/// Modules that a root declares as files.
+/// Names of the modules that the root of a crate declares and that are in files of their own.
 pub fn declared<'a>(root: &[Token<'a>]) -> Vec<&'a str> {
     let triples = root.windows(3).filter(|three| three[0].text == "mod" && three[2].text == ";");
     triples.map(|three| three[1].text).collect()
 }
 
-/// Names that a root re-exports or uses, each with the module that it comes from.
+/// Names that the root of a crate re-exports or uses, each with the module that it comes from.
 pub fn given<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     let mut found = Vec::new();
     for (at, _) in root.iter().enumerate().filter(|(_, token)| token.text == "use") {
@@ -169,7 +169,7 @@ pub fn given<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     found
 }
 
-/// The types, traits and functions that a root defines itself.
+/// The types, traits and functions that the root of a crate defines itself.
 pub fn defined<'a>(root: &[Token<'a>]) -> Vec<&'a str> {
     let mut depth = 0;
     let mut found = Vec::new();
@@ -182,13 +182,14 @@ pub fn defined<'a>(root: &[Token<'a>]) -> Vec<&'a str> {
     found
 }
 
-/// The names that the items of a root use, each with the module that it comes from.
+/// The names that items of the root use, each with the module that it comes from.
 pub fn used_by_items<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     let is_used = |name: &str| root.iter().filter(|token| token.text == name).count() > 1;
     given(root).into_iter().filter(|(name, module)| name != module && is_used(name)).collect()
 }
 
-/// Names of the root that a file `depth` modules below uses by `crate::` or `super::`, with their lines.
+/// Names of the crate root that a file uses by `crate::` or `super::`, with their lines. The file is `depth` modules
+/// below the root.
 pub fn names_of_the_root<'a>(tokens: &[Token<'a>], depth: usize) -> Vec<(&'a str, usize)> {
     let mut found = Vec::new();
     let mut braces = 0;
@@ -229,7 +230,7 @@ pub fn leaves<'a>(tokens: &[Token<'a>]) -> Vec<Leaf<'a>> {
     found
 }
 
-/// Follows the path at `at`, and returns the index after it.
+/// Adds all ends of the path at `at` to `found`, and returns the index after the path.
 fn follow<'a>(tokens: &[Token<'a>], mut at: usize, path: &mut Vec<&'a str>, found: &mut Vec<Leaf<'a>>) -> usize {
     let text = |at: usize| tokens.get(at).map_or("", |token| token.text);
     let before = path.len();
