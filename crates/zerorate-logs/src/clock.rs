@@ -23,30 +23,31 @@ const EARLY: f64 = 0.35;
 /// more missing samples than rows.
 const MAX_GAPS: f64 = 0.05;
 
-/// A log is refused if a single gap is longer than this many times its rows: the clock was set, or another log
-/// follows.
+/// A log is refused if a single gap has more than this many times as many missing samples as the log has rows: the
+/// clock was set, or another log follows.
 const MAX_LEAP: u64 = 100;
 
-/// Share of each deviation by which the even clock follows the timestamps. It forgets an offset in some ten samples.
+/// Share of each deviation by which the even clock is corrected. An offset decays within some ten samples.
 const FOLLOW: f64 = 0.1;
 
-/// Longest interval, in steps, of a clock that counts in steps: its intervals are one step or two.
+/// Longest regular interval, in steps, of a clock that counts in steps. Regular intervals are one step or two.
 const LONGEST_STEP: f64 = 2.5;
 
 /// A span of rows has no gap if it differs from the usual span by no more than this, in intervals.
 const NEAR: f64 = 1.75;
 
-/// Number of rows on each side of a place. The medians of their delays differ if samples are missing at the place. A
-/// median has a fifth of the jitter.
+/// Number of rows on each side of a possible gap. The median delays of both sides differ if samples are missing
+/// between them. The standard deviation of such a median is a fifth of the jitter.
 const AROUND: usize = 32;
 
-/// Limits that tell a clock that counts in steps from a sensor that loses single samples: the fewest blocks of rows,
-/// the losses in a block on average, and the share of neighbouring blocks whose losses differ by one at most.
+/// Limits that tell a clock that counts in steps from a sensor that loses single samples: the least number of blocks
+/// of rows, the mean number of losses in a block, and the least share of neighbouring blocks whose numbers of losses
+/// differ by at most one.
 const FEWEST_BLOCKS: usize = 8;
 const IN_A_BLOCK: usize = 8;
 const EVEN_BLOCKS: f64 = 0.9;
 
-/// There is no gap between two rows if the second is later than expected by less than this, in intervals.
+/// Samples can be missing before a row only if its delay exceeds that of the row before by this, in intervals.
 const LEAP: f64 = 0.25;
 
 /// Times of rows, relative to the first, in the unit of the file.
@@ -79,7 +80,7 @@ impl Times {
         self.since_first.push(since_first);
     }
 
-    /// Adds a time that is not an integer; `Err` tells why it cannot be a time.
+    /// Adds a time that is not an integer. Returns an error if the time is not finite.
     pub fn push_number(&mut self, time: f64) -> Result<(), String> {
         if !time.is_finite() {
             return Err("no time; every row must have one".to_owned());
@@ -92,13 +93,13 @@ impl Times {
         Ok(())
     }
 
-    /// Multiplies all times by a step.
+    /// Multiplies all times by `step`.
     pub fn scale(&mut self, step: f64) {
         self.origin = Some(Origin::Number(self.first() * step));
         self.since_first.iter_mut().for_each(|time| *time *= step);
     }
 
-    /// Adds the times of another file of the same clock.
+    /// Appends the times of the next file, which was recorded with the same clock.
     pub fn append(&mut self, next: &Self) {
         let Some(origin) = next.origin else { return };
         let mine = *self.origin.get_or_insert(origin);
@@ -162,7 +163,8 @@ impl Times {
         self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
     }
 
-    /// Rate and gaps, if the clock is even enough to determine both. `names` are the names of options in messages.
+    /// The rate and the gaps. Returns an error if the clock is too uneven to determine both. `names` are the names of
+    /// the options, for messages.
     pub fn time_base(&self, unit: TimeUnit, names: Names) -> Result<TimeBase, String> {
         let rate = names.of(Setting::Rate);
         let interval = self.interval();
@@ -205,8 +207,8 @@ impl Times {
         Ok(TimeBase { rate_hz, gaps, jitter, as_losses: is_coarse.then_some(unit.per_s() / interval) })
     }
 
-    /// Jitter, gaps and steps of a clock that counts in steps a little shorter than the interval. A double step is not
-    /// a gap.
+    /// Jitter, gaps and number of intervals of a clock that counts in steps a little shorter than the sampling
+    /// interval. A double step is not a gap.
     fn in_steps(&self, step: f64, double: &[Gap]) -> (f64, Vec<Gap>, u64) {
         let short = self.intervals().filter(|interval| *interval <= LONGEST_STEP * step);
         let steps_per_sample = mean(short) / step;
@@ -218,7 +220,8 @@ impl Times {
         (1.0 / steps_per_sample / 12f64.sqrt(), gaps, steps)
     }
 
-    /// The usual interval: the mean of the intervals near the median. It is exact for a clock that rounds, too.
+    /// The usual interval: the mean of the intervals near the median. This mean is exact even if timestamps are
+    /// rounded.
     pub fn interval(&self) -> Option<f64> {
         let mut intervals: Vec<f64> = self.intervals().filter(|interval| *interval > 0.0).collect();
         let middle = intervals.len().checked_sub(1)? / 2;
@@ -231,8 +234,9 @@ impl Times {
         self.since_first.windows(2).map(|pair| pair[1] - pair[0])
     }
 
-    /// Jitter, gaps and steps of a clock whose single rows may be as late as a missing sample would make them. A late
-    /// row stands alone. Behind a missing sample all rows are later, which the medians of the rows around show.
+    /// Jitter, gaps and number of intervals of a clock whose single rows may be as late as a missing sample would make
+    /// them. A late row stands alone. Behind a missing sample all rows are later, which the median delays of the
+    /// neighbouring rows show.
     fn among_late_rows(&self) -> (f64, Vec<Gap>, u64) {
         let times = &self.since_first;
         let span = AROUND.min(times.len() / 2).max(1);
@@ -282,7 +286,7 @@ impl Times {
         ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
     }
 
-    /// Time from sample to sample by least squares, so that delays of the first and the last row do not matter.
+    /// The sampling interval by least squares, so that delays of the first and the last row do not matter.
     fn slope(&self, gaps: &[Gap]) -> f64 {
         let (mut missing, mut gaps) = (0, gaps.iter().peekable());
         let place = self.since_first.iter().enumerate().map(|(row, time)| {
@@ -313,8 +317,8 @@ impl Times {
     }
 }
 
-/// True if gaps of one sample come as evenly as the longer steps of a clock that counts in steps a little shorter than
-/// the interval. Losses that come by chance differ by several from block to block.
+/// True if gaps of one sample come as evenly as the double steps of a clock that counts in steps a little shorter than
+/// the interval. The numbers of random losses differ by several from block to block.
 fn is_even(gaps: &[Gap], rows: usize) -> bool {
     let singles: Vec<usize> = gaps.iter().filter(|gap| gap.missing == 1).map(|gap| gap.at).collect();
     let block = (rows * IN_A_BLOCK).div_ceil(singles.len().max(1));
@@ -357,7 +361,8 @@ pub struct TimeBase {
     pub gaps: Vec<Gap>,
     /// Root mean square deviation of the timestamps from an even clock, in intervals.
     pub jitter: f64,
-    /// The rate, Hz, if the longer steps of a coarse clock are single lost samples instead. `None` for other clocks.
+    /// For a clock that counts in steps: the rate, Hz, if its double steps are lost samples instead. `None` for other
+    /// clocks.
     pub as_losses: Option<f64>,
 }
 
@@ -414,7 +419,7 @@ impl Tracking {
         let off = time - self.even;
         self.squares += (off / self.interval).powi(2);
         self.even += FOLLOW * off;
-        // saturates; a gap as long as that is refused later
+        // the cast saturates; `time_base` refuses a gap as long as that
         let steps = steps as u64;
         self.steps = self.steps.saturating_add(steps);
         if steps > 1 {
@@ -559,7 +564,7 @@ mod tests {
         }
     }
 
-    /// Rows that wait for each other: one that is late by 0.9 intervals, and five that come at once.
+    /// One row is late by 0.9 intervals, and five rows come at once.
     #[test]
     fn rows_that_were_late_are_no_gap() {
         let time = |i: i32| match i {
@@ -587,7 +592,7 @@ mod tests {
         // a clock that was set while it ran
         let said = time_base((0..1000).map(|i| f64::from(i) + if i < 600 { 0.0 } else { 1.7e9 })).unwrap_err();
         assert!(said.contains("leaps forward by 1700000001.000 s at row 600"), "{said}");
-        // intervals of any length: nothing is even
+        // intervals of random length
         let random = normal(5000).scan(0.0, |sum, z| {
             *sum += z * z;
             Some(*sum)

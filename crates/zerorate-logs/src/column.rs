@@ -18,7 +18,7 @@ pub struct Column {
     pub series: Series,
     /// The gaps where samples are missing among integer codes.
     pub gaps: Vec<Gap>,
-    /// The time that was left out at the start of the log, s.
+    /// Time that was skipped at the start of the log, s.
     pub skipped_s: f64,
     /// The time of the first sample on the clock of the log, s; `None` if the rate does not come from a clock.
     pub start_s: Option<f64>,
@@ -28,7 +28,8 @@ pub struct Column {
     pub quantity: Option<Quantity>,
     /// Factor from a sample to the unit in which results of the quantity are given; 1 if the unit is not known.
     pub scale: f64,
-    /// Factor from a sample to the unit of the log, if the log states the factor beside the unit; otherwise 1.
+    /// Factor from a sample to the unit of the log, if the log states the factor beside the unit, as in `gx (0.01
+    /// dps)`; otherwise 1.
     pub step: f64,
     /// The warnings about the file, such as a torn end or an unknown unit.
     pub warnings: Vec<LogWarning>,

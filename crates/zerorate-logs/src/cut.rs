@@ -1,4 +1,4 @@
-//! The choice of a part of a log, by its time.
+//! The part of a log to read, chosen by time.
 
 use jiff::SignedDuration;
 use std::str::FromStr;
@@ -23,7 +23,7 @@ pub struct Cut {
     pub until: Option<CutTime>,
 }
 
-/// Longest time since the start of a log, s: ten years.
+/// Largest accepted time since the start of a log, s: ten years.
 const MAX_S: f64 = 10.0 * 365.25 * DAY_S;
 
 pub const DAY_S: f64 = 86_400.0;
@@ -33,7 +33,7 @@ impl FromStr for CutTime {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        // 12:30 would be a duration as well
+        // `12:30` would parse as a duration as well, but is a time of the day
         let duration = || Some(text.parse::<SignedDuration>().ok().filter(|_| !text.contains(':'))?.as_secs_f64());
         if let Some(s) = text.parse::<f64>().ok().or_else(duration) {
             let is_possible = (0.0..=MAX_S).contains(&s);

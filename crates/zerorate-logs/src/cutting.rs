@@ -24,7 +24,7 @@ const SAME_S: f64 = 1e-6;
 
 /// The start and the length of a log.
 struct Span {
-    /// The first time, where the log states dates or times of the day, s.
+    /// The first time, s, if the log states dates or times of the day.
     first_s: Option<f64>,
     length_s: f64,
 }
@@ -83,7 +83,7 @@ impl RawColumns {
         if from.is_none() && until.is_none() {
             return Ok(0.0);
         }
-        // without a rate, the caller asks for it
+        // the caller asks for a missing rate
         let Some(times_s) = self.times_s(args) else { return Ok(0.0) };
         let span = Span { first_s: self.first_s(args), length_s: times_s.last().copied().unwrap_or_default() };
         let [from_s, until_s] = [(from, Setting::Skip), (until, Setting::Until)].map(|(time, setting)| {
@@ -156,7 +156,7 @@ mod tests {
     use crate::choice::ColumnSelection;
     use crate::read_all;
 
-    /// The samples that are read from a log of 100 rows, which holds the number of each row. Row 40 is missing.
+    /// The samples from `from` to `until` of a log that holds row numbers from 0 to 99. Row 40 is missing.
     fn rows(stamp: impl Fn(u32) -> String, from: Option<&str>, until: Option<&str>) -> Result<Vec<f64>> {
         let text = (0..100).filter(|row| *row != 40).map(|row| format!("{},{row}\n", stamp(row))).collect::<String>();
         let [from, until] = [from, until].map(|time| time.map(|time| time.parse().unwrap()));

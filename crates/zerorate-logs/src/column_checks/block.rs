@@ -1,16 +1,16 @@
-//! A column in blocks, each with the facts that the checks share: one pass over the column serves them all.
+//! Splits a column into blocks, and computes the facts that all checks share in one pass over the column.
 
 use std::cell::Cell;
 use zerorate_allan::Input;
 
 /// Number of samples of a block.
 pub const BLOCK: usize = 512;
-/// Number of samples of a window of a block.
+/// Number of samples in a window. A block consists of whole windows.
 pub const WINDOW: usize = 32;
 const WINDOWS: usize = BLOCK / WINDOW;
 const LANES: usize = 16;
 
-/// Bound on samples in a block with facts, so that no sum or square of them is infinite.
+/// A block with a sample of this size or more has no facts, so that no sum or square is infinite.
 const LARGEST: f64 = 1e150;
 
 /// Consecutive samples. All blocks but the last have [`BLOCK`] samples.
@@ -28,7 +28,7 @@ pub struct Facts {
     pub largest: f64,
     pub least: f64,
     pub sum: f64,
-    /// The least difference between neighbours that is not 0; infinite if all are equal.
+    /// Least difference between neighbours that is not 0; infinite if all samples are equal.
     pub step: f64,
     /// Number of samples that differ from the one before.
     pub changes: usize,
@@ -37,7 +37,7 @@ pub struct Facts {
 }
 
 impl<'a> Block<'a> {
-    /// The block of these samples without the first `before` (0 or 1), which precede the block.
+    /// The block that consists of `samples` without the first `before` (0 or 1), which precede the block.
     fn new(samples: &'a [f64], before: usize) -> Self {
         let facts = samples.first_chunk().map(facts);
         let is_finite = |facts: &Facts| facts.sum.is_finite() && facts.largest < LARGEST && facts.least > -LARGEST;
@@ -144,7 +144,7 @@ fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
     }
 }
 
-/// Combines all samples of a window into one number with `join`, half with half.
+/// Combines all samples of a window pairwise into one number, with `join`.
 #[inline(always)]
 fn folded(window: &[f64; WINDOW], join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut lanes: [f64; WINDOW / 2] = std::array::from_fn(|lane| join(window[lane], window[lane + WINDOW / 2]));

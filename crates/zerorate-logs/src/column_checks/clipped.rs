@@ -1,5 +1,5 @@
-//! Detects samples that pile up at the largest or the least value, as noise does not: a sensor at its limit, or a mark
-//! for missing samples.
+//! Detects samples that pile up at the largest or the least value, which noise does not do. Either the sensor was at
+//! its limit, or the value marks missing samples.
 
 use super::block::Block;
 
@@ -7,15 +7,15 @@ use super::block::Block;
 const ENOUGH: u64 = 50;
 const SAID: f64 = 1e-3;
 
-/// An extreme value that is this many times as frequent as each of the next values is a limit. In noise the extreme is
-/// rarer than its neighbours. In a sine with coarse codes it is at most 2.4 times as frequent.
+/// An extreme value is a limit if it is this many times as frequent as each of the next values. In noise the extreme
+/// value is rarer than its neighbours. In a sine with coarse codes it is at most 2.4 times as frequent.
 const MORE: u64 = 3;
 
-/// The samples at the limits of a column.
+/// The most extreme values of a column, and the number of samples at each.
 #[derive(Default)]
 pub struct Clipped {
     largest: Outermost,
-    /// The least values, from negated samples.
+    /// The least values, stored negated.
     least: Outermost,
     count: u64,
 }
@@ -77,7 +77,7 @@ impl Outermost {
         }
     }
 
-    /// Counts a sample among the four largest values. A value that larger ones displaced never comes back.
+    /// Counts a sample if it is among the four largest values so far.
     fn count(&mut self, sample: f64) {
         match self.0.iter().position(|(value, _)| *value <= sample) {
             Some(at) if self.0[at].0 == sample => self.0[at].1 += 1,

@@ -1,4 +1,5 @@
-//! Detects columns whose noise before rounding was below half a step. The noise that is left depends on the rounding.
+//! Detects columns whose noise before rounding was below half a step. The noise of such samples depends on the
+//! rounding.
 
 use super::block::{Block, WINDOW};
 
@@ -14,7 +15,7 @@ const WIDE: f64 = 5.0;
 pub struct Coarse {
     /// Smallest difference between neighbouring samples that is not 0.
     step: f64,
-    /// Number of windows in which no sample is missing.
+    /// Number of windows without a missing sample.
     windows: usize,
     /// The variances of windows with noise below [`SAID`], by the step known at the time.
     small: Vec<f64>,

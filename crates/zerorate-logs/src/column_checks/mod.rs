@@ -1,8 +1,8 @@
 //! Checks of the samples of a column in one pass: samples at a limit, steps that hide the noise, samples that were not
 //! measured, and a sensor that stopped.
 //!
-//! Each check is fed the same [`Block`]s. Their facts are computed once, so that a check reads single samples only
-//! where the facts do not suffice. For plain noise they mostly suffice.
+//! Each check is fed the same [`Block`]s. The facts of a block are computed once, so that a check reads single samples
+//! only where the facts do not suffice. For plain noise the facts mostly suffice.
 
 mod block;
 pub mod clipped;

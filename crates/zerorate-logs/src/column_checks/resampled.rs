@@ -18,11 +18,11 @@ const SAID: f64 = 0.02;
 /// differences of this size, 1 in 370 is zero.
 const FINE: f64 = 100.0;
 
-/// Numbers are fine if the differences between neighbours have at least this many sizes. Coarse codes that were
+/// Numbers count as fine if the differences between neighbours have at least this many sizes. Coarse codes that were
 /// printed with more digits have fewer sizes, and repeat by chance.
 const SIZES: usize = 100;
 
-/// Least median difference between samples, in steps, at which repeats beyond chance can be told. From this size on,
+/// Least median difference between samples, in steps, at which repeats can be told from chance. From this size on,
 /// noise repeats a sample about as often as it rises by one step.
 const COARSE: f64 = 3.0;
 
@@ -63,7 +63,7 @@ fn doubt(samples: &[f64]) -> Option<String> {
     let repeats = share(&first, step, 0.0).or_else(|| coarse_share(samples, step));
     let of_lines = || {
         let second = samples.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
-        // the rounding errors of two sums
+        // tolerance for the rounding errors of two sums
         let size = samples.iter().fold(0.0_f64, |most, sample| most.max(sample.abs()));
         share(
             &second.filter(|step| step.is_finite()).collect::<Vec<_>>(),
@@ -78,7 +78,7 @@ fn doubt(samples: &[f64]) -> Option<String> {
     Some(format!("{:.0} % of the samples {how}; use the raw log", 100.0 * share))
 }
 
-/// Share of the differences that are at most `none`. `None` if the share is below [`SAID`], or if the other
+/// Share of the differences that are at most `none`. Returns `None` if the share is below [`SAID`], or if the other
 /// differences are so small that chance may explain the share.
 fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     let others = || differences.iter().copied().filter(|difference| *difference > none);
@@ -115,7 +115,7 @@ fn excess(part: &[f64], step: f64) -> f64 {
     if repeats < SAID {
         return 0.0;
     }
-    // each size occurs with both signs
+    // a share counts both signs of a difference
     let near = (1..=NEAR).map(|steps| share(1, steps)).sum::<f64>() / f64::from(2 * NEAR);
     let far = LAGS.map(|lag| share(lag, 0)).sum::<f64>() / LAGS.count() as f64;
     let chance = near.max(far);

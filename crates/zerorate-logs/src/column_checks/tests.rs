@@ -38,7 +38,8 @@ fn columns() -> Vec<Vec<f64>> {
     ]
 }
 
-/// Number of changes, and the last of the longest runs: first sample, samples, and samples including missing ones.
+/// Number of changes, and the last of the longest runs of equal samples: index of its first sample, number of samples,
+/// and number of samples including missing ones.
 fn stretches(samples: &[f64]) -> (usize, (usize, usize, usize)) {
     let there: Vec<usize> = (0..samples.len()).filter(|at| !samples[*at].is_nan()).collect();
     let starts: Vec<usize> =
@@ -145,7 +146,7 @@ fn one_pass_serves_all_checks() {
     assert!(looks < 4.5, "{looks}");
 }
 
-/// The checks of a column are not run again: the column keeps their results.
+/// The results of the checks stay with the column, so that the checks do not run again.
 #[test]
 fn a_column_keeps_its_facts_until_it_changes() {
     let bytes: Vec<u8> = noise(5000).iter().flat_map(|sample| sample.to_le_bytes()).collect();
