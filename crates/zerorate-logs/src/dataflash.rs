@@ -1,5 +1,5 @@
-//! Logs of ArduPilot in DataFlash form (`.bin`). FMT messages name the fields of the other messages. The letters of
-//! the types are in <https://ardupilot.org/dev/docs/code-overview-adding-a-new-log-message.html>.
+//! Reads ArduPilot logs in DataFlash format (`.bin`). FMT messages name the fields of the other messages.
+//! <https://ardupilot.org/dev/docs/code-overview-adding-a-new-log-message.html> lists the letters of the field types.
 
 use super::clock::Times;
 use super::open::{ARDUPILOT, Log};
@@ -18,7 +18,7 @@ use zerorate_input::{Input, InputError, Quantity, TimeUnit, Unit};
 
 /// The type number of an FMT message.
 const FMT: u8 = 128;
-/// Size of the head of a message in bytes: two marks, and the type number.
+/// Size of the head of a message in bytes: two marker bytes, and the type number.
 const HEAD: usize = 3;
 /// Size of the fields of an FMT message in bytes.
 const FMT_BODY: usize = 86;
@@ -164,13 +164,13 @@ pub struct Form {
 #[derive(Clone, Debug, PartialEq)]
 struct Field {
     name: String,
-    /// The letter of the field's type.
+    /// The letter of the field's type in the FMT message.
     kind: u8,
     at: usize,
 }
 
 impl Form {
-    /// Parses the fields of FMT: number, length, name, letters, labels. `None` if they contradict each other.
+    /// Parses the fields of FMT: number, length, name, letters, labels. Returns `None` if they contradict each other.
     fn parse(body: &[u8]) -> Option<(u8, Self)> {
         let text = |range: std::ops::Range<usize>| {
             let bytes = body.get(range)?;
@@ -202,13 +202,13 @@ impl Form {
         Some(std::str::from_utf8(&bytes[..end]).ok()?.to_owned())
     }
 
-    /// The number of the sensor, where a message states it.
+    /// The number of the sensor; `None` if the message does not state it.
     fn instance(&self, body: &[u8]) -> Option<u8> {
         let field = self.field("I").filter(|field| size(field.kind) == Some(1))?;
         body.get(field.at).copied()
     }
 
-    /// The time at which the sensor was read or, where that is not logged, at which the message was made.
+    /// The time at which the sensor was read or, if that is not logged, at which the message was made.
     fn time(&self) -> Option<(Field, TimeUnit)> {
         let units = [("SampleUS", TimeUnit::Us), ("TimeUS", TimeUnit::Us), ("TimeMS", TimeUnit::Ms)];
         units.into_iter().find_map(|(name, unit)| Some((self.field(name)?.clone(), unit)))
@@ -229,7 +229,7 @@ fn size(kind: u8) -> Option<usize> {
 }
 
 impl Field {
-    /// The value of the field; `None` for text. The letters c, C, e and E stand for hundredths.
+    /// The value of the field; `None` for text and arrays. The letters c, C, e and E stand for hundredths.
     fn number(&self, body: &[u8]) -> Option<f64> {
         let rest = body.get(self.at..)?;
         let integer = |bytes: usize, signed: bool| {
@@ -347,7 +347,7 @@ fn unknown(path: &Path, asked: &ColumnQuery<'_>, wanted: Option<&str>, name: &st
 }
 
 fn without_imu(path: &Path) -> LogError {
-    // TCLR messages hold one mean per 0.5 °C, from which neither noise nor lag can be told
+    // TCLR messages are not read: they hold one mean per 0.5 °C, which shows neither noise nor lag
     let why = "it is a log of ArduPilot without messages IMU, GYR or ACC; set LOG_BITMASK so that it logs them";
     InputError::not_a_log(path, why.to_owned()).into()
 }

@@ -10,7 +10,7 @@ pub enum LogError {
     /// The file cannot be read, or is damaged.
     #[error(transparent)]
     File(#[from] InputError),
-    /// The file lacks a fact or a requested column. The text asks for it.
+    /// The file lacks a fact or a requested column. The text asks the user for it.
     #[error("{0}")]
     Ask(String),
     /// The file has several candidates for what was asked, such as topics.
@@ -33,7 +33,7 @@ pub enum LogError {
         /// True if each sensor has a time column of its own, which is found if only its columns are asked for.
         has_own_times: bool,
     },
-    /// The numbers are readable, but must not become a result: a code for scripts, and the reason.
+    /// The numbers can be read, but must not become a result. The fields are a code for scripts, and the reason.
     #[error("{1}")]
     Refused(&'static str, String),
 }
@@ -41,7 +41,7 @@ pub enum LogError {
 /// The result of reading a log.
 pub type Result<T, E = LogError> = std::result::Result<T, E>;
 
-/// The error for a file of MATLAB that holds an object in place of numbers.
+/// The error for a MATLAB file that holds an object in place of numbers.
 #[cfg(any(feature = "hdf5", feature = "matlab"))]
 pub fn object_of_matlab(path: &Path, name: &str, class: &str) -> LogError {
     let remedy = match class {

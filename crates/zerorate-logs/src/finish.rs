@@ -51,18 +51,19 @@ impl Clock {
         stated.or_else(|| time_unit::dated(times))
     }
 
-    /// The time of the first row, s.
+    /// The time of the first row on the clock of the log, s.
     fn start_s(&self, args: &ColumnOptions) -> Option<f64> {
         let Self::Column(_, times) = self else { return None };
         Some(times.first() / self.unit(args)?.per_s())
     }
 
-    /// True if only the name of the column suggests that it holds the time.
+    /// True if only the name of the column suggests that it holds the time: no unit is known, and the user did not
+    /// name it.
     pub fn is_guess(&self, args: &ColumnOptions) -> bool {
         args.time_column.is_none() && self.unit(args).is_none()
     }
 
-    /// Scales times that count in a multiple of s, ms, us or ns, as their name states.
+    /// Scales times that count in a multiple of s, ms, us or ns, as the name of their column states.
     fn scale_ticks(&mut self, args: &ColumnOptions) {
         let Self::Column(name, times) = self else { return };
         let known = ticks(name).or_else(|| time_unit::of_xsens(name, times));
@@ -72,7 +73,7 @@ impl Clock {
         }
     }
 
-    /// The column and its rate, Hz, if it holds the steps between rows instead of times.
+    /// The name of the time column and the rate in Hz, if the column holds the steps between rows instead of times.
     fn rate_of_steps(&self) -> Option<(&str, f64)> {
         let Self::Column(name, times) = self else { return None };
         let unit = TimeUnit::of_column(name).filter(|_| is_step(name))?;
@@ -92,7 +93,8 @@ impl Clock {
 }
 
 impl RawColumns {
-    /// Puts the rows in the order of their times, and warns about times that were irregular.
+    /// Adds fractions of a second to the times, scales them, separates sensors, and sorts the rows by time. Adds
+    /// warnings about irregular times.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         self.add_fraction(path, args.names)?;
         self.clock.scale_ticks(args);
@@ -124,7 +126,7 @@ impl RawColumns {
         Ok(())
     }
 
-    /// Adds to whole seconds the parts of a second that stand in another column.
+    /// Adds the fractions of a second in another column to times in whole seconds, and removes that column.
     fn add_fraction(&mut self, path: &Path, settings: Names) -> Result<()> {
         let Clock::Column(seconds, times) = &mut self.clock else { return Ok(()) };
         let is_date = times.unit == Some(TimeUnit::Ns);
@@ -158,8 +160,8 @@ impl RawColumns {
         no_rate.map_or(Ok(columns), Err)
     }
 
-    /// The columns, and the question for the rate if the log does not tell it. The rate is then 1 Hz, so that the
-    /// caller can find out what else it has to ask.
+    /// The columns, and the question for the rate if it is not known. The rate of the columns is then 1 Hz, so that
+    /// the caller can find out what else to ask.
     pub fn finish_without_rate(
         mut self,
         path: &Path,
@@ -214,7 +216,7 @@ impl RawColumns {
     }
 }
 
-/// The refusal of times that cannot be put in order. For two logs in one file, it states where the first ends.
+/// The error for times that cannot be put in order. For two logs in one file, it states where the first ends.
 fn disordered(
     (path, name): (&Path, &str),
     times: &Times,

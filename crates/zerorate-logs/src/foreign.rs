@@ -42,7 +42,7 @@ fn bags_of_ros_1() {
     assert!(folder.fails(b"#ROSBAG V1.2\nxxxxxx", "").contains("rosbag fix"));
 }
 
-/// An IMU inside of another message, behind texts and lists of changing length.
+/// IMU messages inside messages of another type, behind strings and lists of changing length.
 #[test]
 fn bags_with_nested_imus() {
     let folder = Folder::new();
@@ -167,7 +167,8 @@ fn a_sample_rate_beside_the_columns_is_taken_and_said() {
         let said = &folder.read(file, "--column gz --unit dps --rate 100").unwrap().warnings;
         assert!(said[0].coded().contains("rate-contradicts"), "{said:?}");
     }
-    // two names in `HDF5` state a unit of time, and one in `MAT` and `MAT_73`
+    // two columns of `HDF5` state a unit of time, so that its rate is taken from `fs`; one column of the other files
+    // does
     for (file, name, said) in [(MAT, "imu.gx", 0), (MAT_73, "imu.gx", 0), (HDF5, "imu/gz", 1)] {
         let read = |options: &str| folder.read(file, &format!("--column {name} --unit dps {options}")).unwrap();
         assert_eq!((read("").warnings.len(), read("").rate_hz.round()), (said, 200.0));
@@ -237,7 +238,7 @@ fn logs_of_ardupilot() {
     let said = said.to_string();
     assert!(said.contains("several IMUs") && said.contains("IMU[0]") && !said.contains("BARO"), "{said}");
     assert!(folder.fails(DATAFLASH, "--column IMU[0].Nothing").contains("one of: IMU[0].GyrX"));
-    // bytes of something else between two messages, and an end inside one
+    // four bytes that are no message between two messages, and a file that ends inside a message
     let at = DATAFLASH.len() / 2;
     let torn = [&DATAFLASH[..at], &[0xA3, 0x95, 7, 0xA3], &DATAFLASH[at..DATAFLASH.len() - 9]].concat();
     let torn = folder.read(torn, "--column IMU[0].GyrZ").unwrap();
@@ -298,7 +299,7 @@ fn packed_by_bzip2_and_lz4() {
     assert!(folder.fails(&bzip2[..20], "--rate 1").contains("as Bzip2: it cannot be unpacked"));
 }
 
-/// EuRoC's recordings as they are. Columns are requested by their names in the header.
+/// Lines of a EuRoC recording, whose header is a comment. Columns are requested by their names in the header.
 #[test]
 fn names_as_they_stand_in_a_comment() {
     let text = "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]\n1403636579758555392,-0.0991,0.1473\n\

@@ -1,4 +1,4 @@
-//! The forms of logs: how each begins, and its reader.
+//! The file formats of logs: the marks at the start of each, and its reader.
 
 use crate::arrow_file::ArrowFile;
 use crate::error::Result;
@@ -10,30 +10,30 @@ use Content::{DescribedTable, Messages, Table};
 use std::path::Path;
 use zerorate_input::{Input, InputError, NotBuiltIn};
 
-/// A form that has a reader of its own. All else is a capture, an Arrow stream or text.
+/// A file format with a reader of its own. Any other file is a capture, an Arrow stream or text.
 pub struct Form {
     /// The marks at the start of a file. One of them suffices.
     marks: &'static [&'static [u8]],
     pub words: &'static str,
     pub content: Content,
-    /// The reader of the form, or the feature that adds it.
+    /// The reader of the format, or the feature that adds it.
     pub reader: Result<Reader, NotBuiltIn>,
 }
 
-/// The kind of content of a form.
+/// The kind of content of a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// Arrays or messages, of which rows cannot be chosen by the values of columns.
+    /// Arrays or messages. Their rows cannot be selected by the values of columns.
     Messages,
     /// A table with named columns.
     Table,
-    /// A table that may describe itself, and is then opened as a whole.
+    /// A table that may describe itself. If so, it is opened as a whole.
     DescribedTable,
 }
 
 type Reader = fn(Log<'_>, &ColumnQuery<'_>) -> Result<RawColumns>;
 
-/// The reader of a form that a feature adds.
+/// The reader of a format that a feature adds.
 macro_rules! reader {
     ($feature:tt, $what:literal, $($reader:tt)*) => {{
         #[cfg(feature = $feature)]
@@ -72,18 +72,18 @@ static FORMS: [Form; 11] = [
     ),
 ];
 
-/// MATLAB from version 7.3 on writes HDF5 behind a head of its own.
+/// From version 7.3 on, MATLAB writes HDF5 behind a header of its own.
 const HDF5: [&[u8]; 2] = [b"\x89HDF\r\n\x1A\n", b"MATLAB 7.3 MAT"];
 
 impl Form {
-    /// Recognises the form of a log. The error for a file of an unsupported form says what to do.
+    /// Recognises the format of a log. The error for a file of an unsupported format says what to do.
     pub fn of(log: &Log<'_>) -> Result<Option<&'static Self>, InputError> {
         log.check()?;
         Ok(FORMS.iter().find(|form| form.marks.iter().any(|mark| log.start.starts_with(mark))))
     }
 }
 
-/// The kind of a file in words, recognised by its start; `path` names it in messages.
+/// The format of a file in words, recognised by its start; `path` names the file in messages.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, or is not a log in any supported format.

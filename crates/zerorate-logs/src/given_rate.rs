@@ -1,4 +1,4 @@
-//! A rate that the user gave, compared with the stamps of the log.
+//! Compares a rate that the user or the log states with the timestamps of the log.
 
 use crate::TimeUnit;
 use crate::sample::Sampled;

@@ -27,7 +27,7 @@ use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning, TimeUnit, Unit};
 
-/// The number of LZF, a compression of h5py, in the HDF Group's list of filters.
+/// The identifier of LZF, a compression of h5py, in the HDF Group's list of filters.
 const LZF: u16 = 32000;
 
 /// Largest number of columns of a data set; one with more is probably an image.
@@ -42,7 +42,7 @@ const MAX_SETS: usize = 10_000;
 /// Number of rows that are read at once.
 const ROWS: usize = 1 << 16;
 
-/// Largest size of unpacked chunks that are kept for the other columns in them, in bytes.
+/// Largest total size of the unpacked chunks that are kept, bytes. The other columns in these chunks use them.
 const CACHE: usize = 64 << 20;
 
 /// Largest size of an object header, which holds attributes, in bytes.
@@ -86,7 +86,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns { stated_rate: StatedRate::among(rates), ..found })
 }
 
-/// The data sets of numbers, in the order of their names, because a file lists them in any order.
+/// Finds the data sets of numbers, the stated sample rates, and MATLAB's objects. Sorts the sets by name, because a
+/// file lists them in any order.
 fn content(path: &Path, input: Input, room: MemoryBudget) -> Result<Content, InputError> {
     let most = usize::try_from(room.bytes()).unwrap_or(usize::MAX) / 4;
     let options = OpenOptions::default()
@@ -160,7 +161,7 @@ fn starts_as_matlab(input: &Input) -> bool {
 const MATLAB_HEAD: u64 = 512;
 
 /// The end of the file that its superblock states, counted from the start of the file. `None` if addresses do not have
-/// eight bytes.
+/// eight bytes, or if the version of the superblock is unknown.
 fn end(input: &Input) -> Option<u64> {
     let start = if starts_as_matlab(input) { MATLAB_HEAD } else { 0 };
     let block = input.bytes_at(start, 52).ok()?;
@@ -213,7 +214,7 @@ struct Content {
     sets: Vec<Set>,
     /// The sample rates in Hz that the file states, with their names.
     rates: Vec<(String, f64)>,
-    /// Names and classes of MATLAB's objects.
+    /// Names and classes of MATLAB's objects, which are not numbers.
     objects: Vec<(String, String)>,
 }
 
@@ -251,7 +252,8 @@ fn matlab_class(set: &Dataset) -> Option<String> {
     Some(class.trim_end_matches('\0').to_owned())
 }
 
-/// True if a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, and marks them as such.
+/// True if a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, and marks them with
+/// attributes.
 fn is_of_numbers(set: &Dataset) -> bool {
     matlab_class(set).is_none_or(|class| class != "char") && set.attribute("MATLAB_empty").is_err()
 }
@@ -268,8 +270,8 @@ struct SetColumn<'a> {
 }
 
 impl Set {
-    /// The columns of a data set. A vector is one column, whichever way it lies. A matrix has samples along its longer
-    /// side.
+    /// The columns of a data set. A row vector and a column vector are one column each. A matrix has samples along its
+    /// longer side.
     fn columns(&self) -> Vec<SetColumn<'_>> {
         let Self { name, set } = self;
         let of = |name: String, rows: u64, at: Option<(u64, bool)>| SetColumn { name, set, rows, at, field: None };

@@ -11,7 +11,7 @@ use hdf5_reader::error::Error;
 /// Size of a checksum in bytes.
 const CHECK: usize = 4;
 
-/// Size of the header of a fixed array in bytes, where offsets and lengths have eight bytes.
+/// Size of the header of a fixed array in bytes, if offsets and lengths have eight bytes.
 const FIXED_HEAD: usize = 28;
 
 /// Bytes of a fixed array's data block before its entries or, if it has pages, before the bitmap of its pages.
@@ -34,7 +34,7 @@ pub fn check(bytes: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) 
 fn check_block(head: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) -> Result<(), Error> {
     let number = |at: usize| head[at..].first_chunk().map_or(u64::MAX, |bytes| u64::from_le_bytes(*bytes));
     let (size, page_bits, entries, block) = (u64::from(head[6]), u32::from(head[7]), number(8), number(16));
-    // no chunk was written yet, or offsets count from elsewhere, as behind a user block
+    // no chunk was written yet, or addresses do not count from the start of the file, as in a file with a user block
     if block == u64::MAX || read(block, 4)? != b"FADB" {
         return Ok(());
     }

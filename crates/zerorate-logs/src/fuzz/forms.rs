@@ -1,4 +1,4 @@
-//! Fuzz tests of logs in the forms that a feature adds.
+//! Fuzz tests of logs in the formats that Cargo features add.
 
 use super::edited;
 use super::logs::{OF_TABLES, read, table};

@@ -1,5 +1,5 @@
 //! Feeds damaged logs to every reader: none may panic, and none may keep more than the input's memory limit. The
-//! harness is that of `zerorate-record`, which says how to replay a failure.
+//! harness comes from `zerorate-record`, whose comments say how to replay a failure.
 
 #[path = "../../../zerorate-record/src/fuzz/edit.rs"]
 mod edit;
