@@ -1,6 +1,6 @@
-//! Repairs rows whose times are out of order. A counter that wrapped around is unwrapped. Rows that were swapped are
-//! sorted, and duplicate rows are dropped. A clock that was set back is followed. Each repair is counted and reported.
-//! If repairs are too frequent, the log is refused, and the error names the place.
+//! Repairs rows whose times are out of order. It unwraps a counter that wrapped around, sorts rows that were swapped,
+//! drops duplicate rows, and follows a clock that was set back. Each repair is counted and reported. If repairs are
+//! too frequent, the log is refused, and the error names the place.
 
 use super::clock::Times;
 use crate::raw_columns::RawColumn;
@@ -23,31 +23,32 @@ const MODULI: [f64; 13] = [
     6.048e11,
 ];
 
-/// The rows around a wrap of a counter lie within this many intervals of the place where it wraps.
+/// A step back in time is a wrap only if the rows around it are within this many intervals of the place of the wrap.
 const AT_WRAP: f64 = 1000.0;
 
-/// The rows around a wrap also lie within this share of the modulus. A log that was started again may end anywhere.
+/// The rows around a wrap are also within this share of the modulus. A log that was started again may end anywhere.
 const AT_MOST: f64 = 1.0 / 16.0;
 
-/// Largest number of rows by which a row may be late: the queue of a bag reorders rows this far.
+/// Largest number of rows by which a row may be late. The queue of a bag reorders rows by up to this number.
 const NEAR: usize = 64;
 
-/// Share of the rows that may be out of order.
+/// Largest share of the rows that may be out of order.
 const MAX_SWAPPED: f64 = 0.05;
 
-/// Share of the rows whose stamps may be useless, as a bad cable makes them.
+/// Largest share of the rows whose stamps may be wrong, for example because of a bad cable.
 const MAX_STRAY: f64 = 0.01;
 
-/// Share of the whole time by which a clock may be set back; after a larger step it is probably another log.
+/// Largest step back of a clock that was set, as a share of the whole time. After a larger step, it is probably
+/// another log.
 const MAX_STEP: f64 = 0.01;
 
-/// Share of the rows at which a clock may be set back.
+/// Largest share of the rows at which a clock may be set back.
 const MAX_STEPS: f64 = 0.001;
 
 /// Share of the rows that repeat the stamp of the row before, above which the clock counts as coarse.
 const COARSE: f64 = 0.05;
 
-/// Puts rows in the order of their times. Returns the texts about the repairs; `Err` tells why repair is impossible.
+/// Puts rows in the order of their times. Returns the texts about the repairs, or the reason why repair is impossible.
 pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<String>, String> {
     if times.since_first().is_sorted_by(|one, next| one < next) {
         return Ok(Vec::new());
@@ -77,14 +78,14 @@ pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<
     Ok(said)
 }
 
-/// A row of the file, and its time since the first.
+/// A row of the file, and its time since the first row, in the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TimedRow {
     row: usize,
     time: f64,
 }
 
-/// Restamps a row whose time is not between its neighbours, if just one row fits between them.
+/// Replaces the time of a row that is not between its neighbours, if exactly one row fits between them.
 fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
     let is_stray = |around: &[TimedRow]| {
         let [before, time, next] = [around[0].time, around[1].time, around[2].time];
@@ -174,7 +175,7 @@ fn set_back(steps: &[(f64, String)]) -> String {
     }
 }
 
-/// The range of rows to sort, if `row` and those behind it are late: they fill a hole in the times before them. A
+/// The range of rows to sort, if `row` and the rows behind it are late: they fill a hole in the times before them. A
 /// clock that was set back leaves no hole.
 fn late(rows: &[TimedRow], row: usize, interval: f64) -> Option<(usize, usize)> {
     let latest = rows[row - 1].time;

@@ -1,4 +1,4 @@
-//! Columns of a Parquet file: only the columns that are needed are read and decoded, several row groups at a time.
+//! Reads columns of a Parquet file. Only the wanted columns are read and decoded, several row groups at a time.
 
 use super::open::Log;
 use super::sample::ROWS;
@@ -62,10 +62,10 @@ struct Groups<'a> {
     file: Mutex<Input>,
     metadata: ArrowReaderMetadata,
     columns: Vec<usize>,
-    /// Bytes of a row of all wanted columns.
+    /// Number of bytes that a row of all wanted columns takes.
     row_bytes: u64,
     room: MemoryBudget,
-    /// Rows that were decoded so far, counted in each column. A page of a few bytes may state any number of rows.
+    /// Number of decoded rows, summed over the columns. A page of a few bytes may state any number of rows.
     rows_read: AtomicU64,
 }
 
@@ -147,7 +147,7 @@ impl Groups<'_> {
             .build()
     }
 
-    /// The bytes of a column in a row group.
+    /// The bytes of a column in a row group, read from the file.
     fn chunk(&self, group: usize, column: usize) -> ParquetResult<Chunk> {
         let group = self.metadata.metadata().row_group(group);
         let descriptor = self.metadata.parquet_schema();

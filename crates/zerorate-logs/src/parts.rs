@@ -1,4 +1,4 @@
-//! A log in several consecutive files: a bag of ROS 2 that was split.
+//! Reads a log in several consecutive files: a bag of ROS 2 that was split.
 
 use crate::choice::ColumnSelection;
 use crate::column::Column;
@@ -22,8 +22,8 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// These files from their start, to be read once more. Do not read both at the same time: they share one
-    /// position in each file.
+    /// These files from their start, to be read once more. Do not read the original and the clone at the same time:
+    /// they share one position in each file.
     ///
     /// # Errors
     /// Returns an error if the system has no more descriptors.
@@ -59,7 +59,7 @@ pub fn read_parts(
     no_rate.map_or(Ok(columns), Err)
 }
 
-/// Reads columns as [`read_parts`] does. Returns the question for the rate as well, if the log does not tell it.
+/// Reads columns as [`read_parts`] does. If the log does not state the rate, also returns the question for it.
 pub fn read_without_rate(
     path: &Path,
     parts: impl Into<Parts>,

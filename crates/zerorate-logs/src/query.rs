@@ -1,13 +1,13 @@
-//! The columns that a reader is asked for.
+//! The request for columns that a reader receives.
 
 use crate::choice::ColumnSelection;
 use crate::options::ColumnOptions;
 
-/// The wanted columns, and the known facts about them.
+/// The wanted columns, and the options that apply to them.
 pub struct ColumnQuery<'a> {
     pub wanted: ColumnSelection<'a>,
     pub args: &'a ColumnOptions,
-    /// True if the temperature of a capture is to be read in the same pass. It comes last.
+    /// True if the temperature of a capture is to be read in the same pass. It becomes the last column.
     pub with_temperature: bool,
 }
 

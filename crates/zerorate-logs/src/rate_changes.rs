@@ -4,12 +4,12 @@ use super::clock::median;
 use zerorate_allan::Gap;
 use zerorate_input::TimeUnit;
 
-/// Number of intervals in a span of rows. The duration of a span gives the interval to one percent, even if the clock
-/// counts in steps as long as the interval.
+/// Number of intervals in a span of rows. The duration of such a span gives the interval to one percent, even if the
+/// clock counts in steps as long as the interval.
 const SPAN: usize = 128;
 
-/// Least number of rows of a part of the log. In such a part, at most a third of the spans contain the same gap, so
-/// the median does not.
+/// Least number of rows in a part of the log. In such a part, at most a third of the spans contain the same gap, so
+/// that the median span is not affected.
 const PART: usize = 4 * SPAN;
 
 /// Number of parts that are compared.
@@ -18,7 +18,7 @@ const PARTS: usize = 8;
 /// An interval of more than this many usual intervals is a gap.
 const LONG: f64 = 1.5;
 
-/// Relative difference between rates above which a warning is given. A good clock changes less, and a smaller change
+/// Relative difference between rates above which a warning is given. A good clock changes less. A smaller change
 /// hardly shows in Allan deviations.
 const SAID: f64 = 0.02;
 

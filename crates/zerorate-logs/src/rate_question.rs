@@ -1,4 +1,4 @@
-//! The question for the rate of a log that does not tell it.
+//! The error that asks for the rate of a log that does not state it.
 
 use crate::clock::usual_step;
 use crate::error::LogError;
@@ -14,8 +14,8 @@ use zerorate_input::TimeUnit;
 /// Fewest rows that show that a column rises evenly.
 const FEWEST: usize = 10;
 
-/// Counts since an epoch in unusual units: the count at the start of the years 2000 and 2100, counts per second, and
-/// the words of the question.
+/// Counts since an epoch in unusual units: the range of counts from the year 2000 to about 2100, counts per second,
+/// and the words of the question.
 const EPOCHS: [(std::ops::Range<f64>, f64, &str); 4] = [
     (36_526.0..73_051.0, 1.0 / 86_400.0, "days, as Excel does"),
     (730_486.0..767_011.0, 1.0 / 86_400.0, "days, as MATLAB does"),
@@ -73,7 +73,7 @@ fn clocks(sample: &[Sampled]) -> Option<String> {
     (all.len() > 1).then(|| all.join(", "))
 }
 
-/// A remedy with the rate of a column that counts since an epoch in an unusual unit.
+/// Advice with the rate of a column that counts since an epoch in an unusual unit.
 fn since_epoch(sample: &[Sampled], rate: SettingName) -> Option<String> {
     sample.iter().find_map(|column| {
         let times = column.times().filter(|times| times.since_first().is_sorted_by(|one, next| one < next))?;
@@ -83,7 +83,7 @@ fn since_epoch(sample: &[Sampled], rate: SettingName) -> Option<String> {
     })
 }
 
-/// A remedy with the rate of a column that, by its name, holds the steps between rows, in an unknown unit.
+/// Advice with the rate of a column that, by its name, holds the steps between rows, in an unknown unit.
 fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
     let column = sample.iter().find(|column| is_step(&column.name))?;
     let step = usual_step(column.cells.iter().filter_map(Cell::as_number).collect())?;

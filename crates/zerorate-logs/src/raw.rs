@@ -1,4 +1,4 @@
-//! A file that is nothing but numbers: one column, or records of several.
+//! Reads a file that consists of raw numbers: one column, or records of several numbers.
 
 use super::open::Log;
 use super::series::SeriesBuilder;
@@ -12,7 +12,7 @@ use crate::setting::Setting;
 use std::io::Read;
 use zerorate_input::{Input, InputError};
 
-/// Bytes that are read at a time, rounded down to whole records. (To map the file into memory would take
+/// Number of bytes that are read at once, rounded down to whole records. (To map the file into memory would take
 /// `unsafe` code.)
 const BLOCK: usize = 1 << 18;
 

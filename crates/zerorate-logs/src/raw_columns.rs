@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use zerorate_allan::Gap;
 use zerorate_input::{Quantity, Unit};
 
-/// Columns as they stand in their file.
+/// The columns that a reader found, and what the file states about their times.
 pub struct RawColumns {
     pub columns: Vec<RawColumn>,
     pub clock: Clock,
@@ -21,7 +21,7 @@ pub struct RawColumns {
 }
 
 impl RawColumns {
-    /// Columns, and the named column of the times, from a reader that saw no other columns.
+    /// The columns, and the name and times of the time column, from a reader that saw no other columns.
     pub fn new(
         columns: impl IntoIterator<Item = RawColumn>,
         time: Option<(String, Times)>,
@@ -37,7 +37,7 @@ impl RawColumns {
 pub struct RawColumn {
     pub name: String,
     pub values: SeriesBuilder,
-    /// The quantity, and the size of a step of 1 in the unit of its results, if the form of the file defines them.
+    /// The quantity, and the size of a step of 1 in the unit of results, if the format of the file defines them.
     pub stated: Option<(Quantity, f64)>,
     /// The size of a step of 1 in the unit of the log, if the log states it; otherwise 1.
     pub step: f64,
@@ -52,7 +52,7 @@ impl RawColumn {
         Self { name, values, stated: None, step: 1.0, warnings: Vec::new(), is_beside: false }
     }
 
-    /// The column of a log that states its unit and the size of its steps.
+    /// The column with the unit and the size of its steps, which the log states.
     pub fn in_steps(self, unit: Unit, step: f64) -> Self {
         Self { stated: Some((unit.quantity(), unit.in_results() * step)), step, ..self }
     }

@@ -1,4 +1,4 @@
-//! The types of the numbers in a file that is nothing but numbers.
+//! The types of numbers in a file of raw numbers.
 
 use crate::clock::Times;
 use crate::series::SeriesBuilder;
@@ -7,14 +7,14 @@ use std::str::FromStr;
 /// Largest number of numbers in a record.
 const MAX_CHANNELS: usize = 256;
 
-/// The records of a file of plain numbers: `i16`, or `6xi16be` for six big-endian integers in each.
+/// The records of a file of raw numbers: `i16`, or `6xi16be` for six big-endian integers in each record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawType {
-    /// How many numbers a record has.
+    /// Number of numbers in a record.
     pub channels: usize,
     /// The type that all numbers in the file have.
     pub number: RawNumber,
-    /// True if the first byte of a number is the highest.
+    /// True if the first byte of a number is the most significant one.
     pub is_big_endian: bool,
 }
 
@@ -92,7 +92,7 @@ impl RawType {
         }
     }
 
-    /// Adds the numbers of a channel; `Err` is the index of the first infinite number.
+    /// Adds the numbers of a channel. On failure, returns the index of the first infinite number.
     pub fn append(self, values: &mut SeriesBuilder, block: &[u8], channel: usize) -> Result<(), usize> {
         if self.channels == 1 && !self.is_big_endian {
             return self.append_all(values, block);
@@ -123,7 +123,8 @@ impl RawType {
         Ok(())
     }
 
-    /// Adds the times in a channel. `Err` is the index of the first number that is not a time, and the reason.
+    /// Adds the times in a channel. On failure, returns the index of the first number that is not a time, and the
+    /// reason.
     pub fn append_times(self, times: &mut Times, block: &[u8], channel: usize) -> Result<(), (usize, String)> {
         let mut rows = self.channel(block, channel).into_iter().enumerate();
         rows.try_for_each(|(row, time)| times.push_number(time).map_err(|why| (row, why)))

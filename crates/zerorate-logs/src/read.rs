@@ -1,4 +1,4 @@
-//! Reads columns of a log in any form.
+//! Reads columns of a log in any supported format.
 
 use crate::choice::ColumnSelection;
 use crate::column::Column;
@@ -17,7 +17,7 @@ use zerorate_input::limits::MemoryBudget;
 use zerorate_input::table::{DESCRIPTION, DescribedTable, Source, describes_itself};
 use zerorate_input::{Input, InputError, Opened, open_table};
 
-/// Reads a column of a log in any supported form, compressed or not; `path` names the log in messages.
+/// Reads a column of a log in any supported format, compressed or not; `path` names the log in messages.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, says too little about the column, or holds numbers that are refused.
@@ -101,7 +101,7 @@ fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumn
     }
 }
 
-/// The log as a table that describes itself, if it is one.
+/// The log as a table that describes itself; `None` for other logs.
 fn described(log: &Log<'_>, is_possible: bool, asked: &ColumnQuery<'_>) -> Result<Option<Box<dyn DescribedTable>>> {
     let Some(open) = asked.args.described.filter(|_| is_possible) else {
         let describes_itself = log.start.starts_with(format!("# {DESCRIPTION}").as_bytes());

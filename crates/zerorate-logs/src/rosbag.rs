@@ -1,5 +1,6 @@
-//! Bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a head of named fields, most of
-//! them in chunks that may be packed. No library reads them without mapping the file into memory.
+//! Reads bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>). They consist of records with a header of
+//! named fields, most of them in chunks that may be packed. No library reads bags without mapping the file into
+//! memory.
 
 use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;
@@ -26,7 +27,7 @@ const CHUNK: u8 = 5;
 const CHUNK_INFO: u8 = 6;
 const CONNECTION: u8 = 7;
 
-/// Reads quantities of the IMU messages.
+/// Reads quantities of the IMU or temperature messages of one topic.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, room) = (log.path, log.room);
     let mut file = BufReader::with_capacity(BUFFER, log.input);
@@ -132,7 +133,7 @@ impl Record {
         i64::from(s) * 1_000_000_000 + i64::from(ns)
     }
 
-    /// The number of messages of each connection in a chunk, as the index at the end of the bag states.
+    /// The number of messages of each connection in a chunk, from the index at the end of the bag.
     fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
         let number = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
         self.data.as_chunks::<4>().0.as_chunks::<2>().0.iter().map(move |[conn, count]| (number(conn), number(count)))
@@ -179,7 +180,7 @@ enum Stop {
 enum EarlyEnd {
     /// The file is torn or damaged, as the text says.
     Torn(String),
-    /// Another bag of so many bytes follows.
+    /// Another bag of this many bytes follows.
     AnotherBag(u64),
 }
 
@@ -211,8 +212,8 @@ impl From<io::Error> for Stop {
 }
 
 impl Records<'_> {
-    /// Calls `take` with each record, and with those in chunks unless they are skipped. Returns the reason for an
-    /// early end.
+    /// Calls `take` with each record, and with the records in chunks unless `skip_chunks` is set. Returns the reason
+    /// for an early end.
     fn each(
         &mut self,
         skip_chunks: bool,
@@ -265,14 +266,14 @@ impl Records<'_> {
         (&start[..] == ROS_BAG).then_some(Stop::Early(EarlyEnd::AnotherBag(length - here)))
     }
 
-    /// Reads a length, and then as many bytes.
+    /// Reads a length, and then that many bytes.
     fn piece(&mut self, end: u64, most: Option<u32>) -> Result<Vec<u8>, Stop> {
         let mut bytes = vec![0; self.length(end, most)? as usize];
         self.file.read_exact(&mut bytes)?;
         Ok(bytes)
     }
 
-    /// Reads a length; as many bytes must follow.
+    /// Reads a length. Returns an error if fewer bytes follow.
     fn length(&mut self, end: u64, most: Option<u32>) -> Result<u32, Stop> {
         let mut length = [0; 4];
         self.file.read_exact(&mut length)?;

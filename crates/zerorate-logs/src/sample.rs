@@ -1,4 +1,4 @@
-//! The first rows of a table in all columns. A column that was not requested may show, for example, that the rows are
+//! The first rows of all columns of a table. A column that was not requested may show, for example, that the rows are
 //! of several sensors.
 
 use crate::clock::Times;
@@ -23,7 +23,7 @@ pub enum Cell {
     Missing,
 }
 
-/// A column of the first rows.
+/// The first cells of a column.
 #[derive(Clone, Debug)]
 pub struct Sampled {
     /// The name of the column, or its number.
