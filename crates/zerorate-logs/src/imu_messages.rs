@@ -1,5 +1,5 @@
-//! Decodes `sensor_msgs/Imu`, the message of ROS for gyroscopes, and `sensor_msgs/Temperature`, and collects them into
-//! columns.
+//! Decodes `sensor_msgs/Imu`, the ROS message of gyroscopes, and `sensor_msgs/Temperature`, and collects their numbers
+//! into columns.
 
 use super::clock::Times;
 use super::message::{Body, Encoding, is_imu, is_temperature};
@@ -21,8 +21,8 @@ use zerorate_input::NotBuiltIn;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{InputError, InputWarning, Quantity, TimeUnit, Unit};
 
-/// The quantities of a message: the name in ROS, and the index among the numbers after the header. Orientation and its
-/// covariance are 13 numbers, and a covariance of 9 follows each vector.
+/// The quantities of an IMU message: the name in ROS, and the index among the numbers after the header. Orientation
+/// and its covariance are 13 numbers, and a covariance of 9 numbers follows each vector.
 const QUANTITIES: [(&str, usize); 6] = [
     ("angular_velocity.x", 13),
     ("angular_velocity.y", 14),
@@ -32,25 +32,25 @@ const QUANTITIES: [(&str, usize); 6] = [
     ("linear_acceleration.z", 27),
 ];
 
-/// The quantity of a temperature message, and its index among the numbers after the header. Its variance follows.
+/// The quantity of a temperature message, and its index among the numbers after the header. Its variance follows it.
 const TEMPERATURE: [(&str, usize); 1] = [("temperature", 0)];
 
-/// How many numbers follow the header of an IMU message and of a temperature message.
+/// Number of numbers after the header of an IMU message, and of a temperature message.
 const NUMBERS_OF_IMU: usize = 37;
 const NUMBERS_OF_TEMPERATURE: usize = 2;
 
-/// The first bytes of Zstandard data. A bag may compress each message.
+/// The first bytes of Zstandard data, because a bag may compress each message.
 const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 
-/// Size of the longest message in bytes: a frame name and 37 numbers, with much to spare.
+/// Limit on the size of an unpacked message in bytes. A frame name and 37 numbers (296 bytes) are far shorter.
 #[cfg(feature = "zstd")]
 const MAX_MESSAGE: usize = 1 << 16;
 
-/// An IMU or a temperature of a bag: all messages of a topic, or a field of them.
+/// An IMU or a temperature sensor in a bag: its data are all messages of a topic, or a field in them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     pub topic: String,
-    /// The field with the IMU, where the messages are of another type.
+    /// The field with the IMU, if the messages are of another type.
     place: Option<Place>,
     is_temperature: bool,
 }
@@ -60,12 +60,12 @@ impl Source {
         if self.is_temperature { &TEMPERATURE } else { &QUANTITIES }
     }
 
-    /// The name of the messages' type.
+    /// The type of the messages or fields.
     fn kind(&self) -> &'static str {
         if self.is_temperature { "sensor_msgs/Temperature" } else { "sensor_msgs/Imu" }
     }
 
-    /// The body of a message, from this IMU on.
+    /// The body of a message, starting at the header of this IMU or temperature.
     fn body<'a>(&self, encoding: Encoding, message: &'a [u8]) -> Option<Body<'a>> {
         let body = Body::of(encoding, message)?;
         let start = self.place.as_ref().map_or(Some(0), |place| place.start(&body))?;
@@ -73,12 +73,13 @@ impl Source {
     }
 }
 
-/// The IMUs and the temperatures of a bag by name: `/imu`, or `/bundle.imu` for a field of another message.
+/// The IMUs and temperature sensors of a bag by name: `/imu`, or `/bundle.imu` for a field of another message.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sources(BTreeMap<String, Source>);
 
 impl Sources {
-    /// The IMUs and the temperature of a topic, by the name of its type and the text that defines it.
+    /// The IMUs or the temperature sensor of a topic. `kind` is the name of its type, and `definition` the text that
+    /// defines the type.
     pub fn of(topic: &str, kind: &str, definition: &str) -> Self {
         let source = |place| Source { topic: topic.to_owned(), place, is_temperature: is_temperature(kind) };
         if is_imu(kind) || is_temperature(kind) {
@@ -105,7 +106,7 @@ impl Sources {
     }
 
     /// The temperature topic `wanted`, with or without `.temperature` behind it. Plain `temperature` means the only
-    /// one, or the only one in the folder of the chosen topic.
+    /// temperature topic of the bag, or the only one in the folder of the chosen IMU topic.
     fn temperature(&self, path: &Path, wanted: &str, asked: &ColumnQuery<'_>) -> Result<Option<Quantities>> {
         let [(quantity, _)] = TEMPERATURE;
         let all = || self.0.iter().filter(|(_, source)| source.is_temperature);
@@ -140,13 +141,13 @@ fn folder(topic: &str) -> &str {
     topic.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
-/// The wanted quantities of an IMU, or a temperature.
+/// The wanted quantities of one IMU or one temperature sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantities {
     name: String,
-    /// The topic of the IMU, and its place in the messages.
+    /// The topic of the sensor, and its place in the messages.
     pub source: Source,
-    /// The quantities by name, with their places in a message.
+    /// The quantities by name, each with its index among the numbers of a message.
     all: Vec<(&'static str, usize)>,
 }
 
@@ -193,7 +194,7 @@ impl Quantities {
         Ok(Self { name, source, all: chosen.into_iter().flat_map(|one| one.all).collect() })
     }
 
-    /// Finds a quantity, with or without its topic. The names x, y and z mean angular_velocity.
+    /// Finds a quantity of an IMU, with or without the topic in its name. The names x, y and z mean angular_velocity.
     fn choose_one(topics: &Sources, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
         let wanted = wanted?;
         let of_topic = topics
@@ -207,7 +208,7 @@ impl Quantities {
     }
 }
 
-/// The error for a bag without an IMU; `others` are the types of its topics, by name.
+/// The error for a bag without an IMU. `others` maps its topics to their types.
 pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
     /// Largest number of topics that are named: a bag may have thousands.
     const NAMED: usize = 20;
@@ -223,7 +224,7 @@ pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
     InputError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
 }
 
-/// The error for a quantity that messages do not have, or that was not named.
+/// The error for a quantity that an IMU message does not have, or for a request without a quantity.
 fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
     if wanted == Some(crate::choice::TEMPERATURE_COLUMN) {
         return LogError::Ask(format!(
@@ -242,7 +243,7 @@ fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogE
 }
 
 impl Survey {
-    /// Adds a topic, which may have no messages.
+    /// Adds a topic, even if it has no messages.
     pub fn topic(&mut self, name: &str, kind: &str) {
         self.0.entry(name.to_owned()).or_insert_with(|| Topic { kind: kind.to_owned(), ..Topic::default() });
     }
@@ -266,7 +267,7 @@ impl Survey {
     }
 }
 
-/// Collects messages into columns.
+/// Collects the wanted quantities of messages into columns.
 pub struct Collector<'a> {
     path: &'a Path,
     wanted: Quantities,
@@ -275,7 +276,7 @@ pub struct Collector<'a> {
     times: Times,
     /// The times at which the bag recorded the messages.
     recorded: Times,
-    /// True if a rate was given. The stamps are then only compared with it.
+    /// True if a rate was given. The stamps of the messages are then only compared with the rate.
     has_rate: bool,
 }
 
@@ -287,7 +288,7 @@ impl<'a> Collector<'a> {
         Self { path, wanted, values, messages: 0, times: Times::new(), recorded: Times::new(), has_rate }
     }
 
-    /// Adds a message, which the bag recorded at this time.
+    /// Adds a message, which the bag recorded at `recorded_ns`, ns since 1970.
     pub fn push(&mut self, encoding: Encoding, message: &[u8], recorded_ns: i64) -> Result<(), InputError> {
         let number = self.messages;
         let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.name), what);
@@ -314,7 +315,7 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    /// The columns, after all messages were read. `of_end` is the warning about the end of the file, and `stated` the
+    /// The columns, after all messages were read. `of_end` is the warning about the end of the file. `stated` is the
     /// number of messages that the file states.
     pub fn finish(self, of_end: Option<InputWarning>, stated: Option<u64>) -> RawColumns {
         let Self { path, wanted, values, mut times, recorded, messages, has_rate } = self;

@@ -1,5 +1,5 @@
-//! Tests with files joined end to end, as `cat` does it. Either the second file is read, or a warning states its size,
-//! or an error says that there are two.
+//! Tests with files joined end to end, as `cat` does. Either the second file is read, or a warning states its size, or
+//! an error says that there are two files.
 
 use super::tests::{DATAFLASH, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ULOG};
 use super::tests::{Folder, npy, tables, there};
@@ -13,7 +13,7 @@ macro_rules! fixture {
     };
 }
 
-/// Arrow as a stream and as a file, and a NumPy array.
+/// An Arrow stream, an Arrow file and a NumPy array.
 fn made() -> Vec<(Vec<u8>, &'static str)> {
     let values = Float64Array::from_iter_values((0..20).map(f64::from));
     let mut all: Vec<_> = tables(&[("gz", Arc::new(values) as ArrayRef)]).into_iter().take(2).collect();
@@ -22,7 +22,7 @@ fn made() -> Vec<(Vec<u8>, &'static str)> {
     all.into_iter().map(|bytes| (bytes, "--rate 10")).collect()
 }
 
-/// Files whose forms state their end, with the options that read them.
+/// Files whose formats state where the file ends, with the options that read them.
 fn with_an_end() -> Vec<(Vec<u8>, &'static str)> {
     let files = [
         (fixture!("nested.mcap"), "--column z"),
@@ -38,7 +38,7 @@ fn with_an_end() -> Vec<(Vec<u8>, &'static str)> {
     files.into_iter().map(|(bytes, options)| (bytes.to_vec(), options)).chain(made()).collect()
 }
 
-/// The number of bytes behind the end of the first file, as the warning states it.
+/// The number of bytes behind the end of the first file, according to the warning; `None` without the warning.
 fn behind(content: impl AsRef<[u8]>, options: &str) -> Option<u64> {
     let column = Folder::new().read(content, options).unwrap();
     column.warnings.iter().find_map(|warning| match warning {
@@ -81,8 +81,8 @@ fn bytes_behind_the_end_are_counted() {
     }
 }
 
-/// These forms have their index at the end. Its offsets count from the start of its own file, so the index of the last
-/// file would lead to data of the first.
+/// Parquet and `.npz` have their index at the end. Its offsets count from the start of its own file, so the index of
+/// the last file would lead to data of the first.
 #[test]
 fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
     let parquet =
@@ -97,8 +97,8 @@ fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
     }
 }
 
-/// The readers of these forms continue behind the joint. The repeated rows are read, or are refused because their
-/// times go back.
+/// The readers of text and DataFlash continue behind the joint. The repeated rows are read, or are refused because
+/// their times go back.
 #[test]
 fn joined_texts_are_read_and_joined_logs_are_named() {
     let twice = Folder::new().fails([DATAFLASH, DATAFLASH].concat(), "--column IMU[0].GyrZ");

@@ -1,5 +1,5 @@
-//! Reads columns of numbers from any gyroscope's log, with their rate, gaps and units: all wanted columns in one pass
-//! over the file.
+//! Reads columns of numbers from the log of any gyroscope, with their rate, gaps and units. One pass over the file
+//! reads all wanted columns.
 //!
 //! Nothing is guessed: facts that a file does not state must be given as options, or are reported as unknown. A format
 //! is recognised by its content, not by its name, and nothing here opens a file ([`Input`]).

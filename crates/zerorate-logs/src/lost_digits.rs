@@ -1,4 +1,4 @@
-//! Detects stamps of which a spreadsheet or float32 kept only the first digits.
+//! Detects timestamps of which a spreadsheet or float32 kept only the first digits.
 
 use crate::clock::Times;
 use zerorate_input::TimeUnit;
@@ -9,7 +9,7 @@ const DIGITS: usize = 7;
 /// Stamps from this size on have more than [`DIGITS`] digits.
 const LARGE: f64 = 1e9;
 
-/// Least share of the rows that repeat the stamp of the row before, if digits were cut.
+/// Least share of the rows that repeat the stamp of the row before. With fewer repeats, no digits were cut.
 const REPEATED: f64 = 0.5;
 
 /// The evidence that most stamps repeat because their last digits were cut; `None` without evidence.

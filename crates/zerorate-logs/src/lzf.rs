@@ -1,7 +1,7 @@
-//! LZF, by which h5py packs a data set (`compression="lzf"`): the format of Marc Lehmann's LibLZF. It has neither a
-//! header nor a checksum.
+//! Unpacks LZF, by which h5py compresses a data set (`compression="lzf"`). The format is that of Marc Lehmann's
+//! LibLZF. It has neither a header nor a checksum.
 
-/// Unpacks a chunk. `None` if the chunk is invalid, or has more than `most` bytes.
+/// Unpacks a chunk. Returns `None` if the chunk is invalid, or unpacks to more than `most` bytes.
 pub fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
     let mut bytes: Vec<u8> = Vec::new();
     while let Some((&control, rest)) = packed.split_first() {
@@ -35,7 +35,7 @@ fn taken(packed: &mut &[u8]) -> Option<u8> {
 mod tests {
     use super::unpacked;
 
-    /// Data put together by hand, as LibLZF's comments describe the format.
+    /// Chunks put together by hand, from the description of the format in LibLZF's comments.
     #[test]
     fn literals_and_repetitions() {
         assert_eq!(unpacked(b"\x02abc", 9).unwrap(), b"abc");

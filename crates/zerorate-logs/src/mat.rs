@@ -1,5 +1,5 @@
-//! MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b): matrices of real numbers, by the name of the
-//! variable, and in structures of one element by `variable.field`. Other variables are ignored.
+//! Reads MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b). Matrices of real numbers have the name
+//! of their variable, or `variable.field` in a structure of one element. Other variables are ignored.
 //!
 //! Compressed data carries a checksum (Adler-32), other data carries none. A matrix of numbers that contradicts itself
 //! is an error: if it were left out, nobody would miss its columns.
@@ -22,7 +22,7 @@ use zerorate_input::{InputError, InputWarning};
 /// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Size of the file header in bytes: text, and the mark of the byte order.
+/// Size of the file header in bytes: text, version, and the mark of the byte order.
 const HEAD: usize = 128;
 
 /// Size of an element's tag in bytes: type and length.
@@ -68,7 +68,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns { stated_rate, ..RawColumns::new(found, time.transpose()?, of_end.map(LogWarning::from)) })
 }
 
-/// The unpacked variables of a file, and the warning if it is torn or another file follows.
+/// The unpacked variables of a file, and a warning if the file is torn or another file follows.
 fn variables(
     path: &Path,
     file: &mut BufReader<zerorate_input::Input>,
@@ -131,7 +131,8 @@ struct Packed {
 }
 
 impl Packed {
-    /// Reads the next element; `None` at the end of the file. An element whose tag is cut off has no data.
+    /// Reads the next element; `None` at the end of the file. An element whose tag is cut off has less data than
+    /// stated.
     fn next(
         path: &Path,
         file: &mut BufReader<zerorate_input::Input>,
@@ -178,7 +179,7 @@ impl<'a> Iterator for Parts<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let first = number(self.bytes.get(..4)?, self.big_endian);
-        // a part of up to four bytes stands in its tag
+        // a part of up to four bytes is stored in its tag
         if first >> 16 != 0 {
             let (part, rest) = self.bytes.split_at_checked(8)?;
             self.bytes = rest;
@@ -193,7 +194,7 @@ impl<'a> Iterator for Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Returns the next part, or an error if there is none.
+    /// Returns the next part, or an error that says that `what` is missing.
     fn part(&mut self, what: &str) -> Result<(u32, &'a [u8]), String> {
         self.next().ok_or_else(|| format!("its {what} are missing or cut short"))
     }
@@ -216,7 +217,7 @@ impl Element {
         let mut parts = Parts { bytes: &self.data, big_endian: self.big_endian };
         let is_object = number(parts.next()?.1, self.big_endian).to_le_bytes()[0] == OBJECT;
         let mut text = || Some(String::from_utf8_lossy(parts.next()?.1).into_owned());
-        // between them stands the name of the type system, MCOS
+        // the name of the type system, MCOS, is between them
         let (name, _, class) = (text()?, text()?, text()?);
         is_object.then_some((name, class))
     }
@@ -239,8 +240,8 @@ const OBJECT: u8 = 17;
 const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 
-/// Finds the columns of a matrix. It is called `name` or, if `name` is empty, by its own name. Only structures of one
-/// element and matrices of real numbers have columns.
+/// Finds the columns of a matrix. Their names begin with `name` or, if `name` is empty, with the name of the matrix.
+/// Only structures of one element and matrices of real numbers have columns.
 fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
     let big_endian = parts.big_endian;
     let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
@@ -293,7 +294,8 @@ fn collect_fields<'a>(
     Ok(())
 }
 
-/// Splits a matrix into columns. A vector is one column, whichever way it lies. Samples run along the longer side.
+/// Splits a matrix into columns. A row vector and a column vector are one column each. Samples run along the longer
+/// side.
 fn split<'a>(
     name: &str,
     kind: u32,

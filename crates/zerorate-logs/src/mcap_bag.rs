@@ -1,4 +1,4 @@
-//! ROS bags in MCAP.
+//! Reads ROS bags in MCAP format.
 
 mod messages;
 
@@ -18,7 +18,7 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// Reads quantities of the IMU messages.
+/// Reads quantities of the IMU or temperature messages of one topic.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, mut file) = (log.path, log.input);
     let (topics, others) = topics(path, &mut file, log.room)?;
@@ -52,8 +52,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(cut.or(behind), stated))
 }
 
-/// The IMUs and temperatures, and the types of the topics without an IMU. A channel may stand anywhere before its
-/// first message, so the whole file is read.
+/// The IMUs and temperatures of a file, and the types of the topics without an IMU. A channel may be declared anywhere
+/// before its first message, so the whole file is read.
 fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources, BTreeMap<String, String>)> {
     let (mut all, mut others, mut seen) = (Sources::default(), BTreeMap::new(), BTreeSet::new());
     let mut first = true;

@@ -1,5 +1,5 @@
-//! Rows of several sensors that were joined by time: each row has the cells of one sensor, and those of the others are
-//! empty.
+//! Separates rows of several sensors that were joined by time. Each row has the cells of one sensor, and the cells of
+//! the other sensors are empty.
 
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
@@ -8,13 +8,13 @@ use crate::sample::{Cell, Sampled};
 use crate::setting::Setting;
 use std::path::Path;
 
-/// Fewest rows of each sensor, and the share of the rows that must be of one sensor alone.
+/// Least number of rows of each sensor, and least share of the rows that must fit the pattern of separate sensors.
 const FEWEST: usize = 8;
 const ALONE: f64 = 0.9;
 
 impl RawColumns {
-    /// Drops rows of other sensors, in which the columns that were read are empty. The stamps of the rows that are
-    /// kept still show where samples are missing.
+    /// Drops rows of other sensors, in which the columns that were read are empty. The stamps of the kept rows still
+    /// show where samples are missing.
     ///
     /// # Errors
     /// Returns [`LogError::Merged`] if the columns that were read are of several sensors.
@@ -79,7 +79,7 @@ impl Presence {
     }
 
     /// True if the cells of this column are evenly spaced by two rows or more, and `other` has at least 1.5 times as
-    /// many.
+    /// many cells.
     fn is_thinner(&self, other: &Self) -> bool {
         let there = |of: &Self| (0..of.rows.len()).filter(|row| of.rows[*row]).collect::<Vec<usize>>();
         let (own, others) = (there(self), there(other));
@@ -91,7 +91,7 @@ impl Presence {
         is_even && own.len() * 3 <= others.len() * 2
     }
 
-    /// True if nearly all cells of the two columns are in rows in which the other column has none.
+    /// True if nearly all cells of the two columns are in rows in which the other of the two has none.
     fn alternates(&self, other: &Self) -> bool {
         let pairs = || self.rows.iter().zip(&other.rows);
         let one_alone = pairs().filter(|(one, other)| **one && !**other).count();

@@ -29,7 +29,7 @@ pub fn is_temperature(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Temperature" | "sensor_msgs/Temperature")
 }
 
-/// The body of a message: the bytes after the mark of the encoding.
+/// The body of a message: the bytes after the four-byte mark of CDR, or all bytes in ROS 1.
 pub struct Body<'a> {
     bytes: &'a [u8],
     encoding: Encoding,
@@ -39,7 +39,7 @@ pub struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// Splits off the mark of the encoding. `None` if the mark is invalid.
+    /// Splits off the mark of CDR. Returns `None` if the mark is invalid.
     pub fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
         let (big_endian, bytes) = match encoding {
             Encoding::Ros1 => (false, message),
@@ -51,7 +51,8 @@ impl<'a> Body<'a> {
         Some(Self { bytes, encoding, big_endian, start: 0 })
     }
 
-    /// The body for an IMU that begins at this byte. A header of ROS 1 begins with a sequence number.
+    /// The body with `start` at the stamp of an IMU that begins at this byte. In ROS 1, a sequence number precedes the
+    /// stamp.
     pub fn at(self, start: usize) -> Option<Self> {
         let start = match self.encoding {
             Encoding::Ros1 => start.checked_add(4)?,
@@ -60,7 +61,7 @@ impl<'a> Body<'a> {
         Some(Self { start, ..self })
     }
 
-    /// The first offset from `at` on where a number of `size` bytes may stand.
+    /// The first offset from `at` on at which a number of `size` bytes may begin.
     pub fn aligned(&self, at: usize, size: usize) -> usize {
         if self.encoding == Encoding::Cdr { at.next_multiple_of(size) } else { at }
     }
@@ -86,7 +87,7 @@ impl<'a> Body<'a> {
         Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
     }
 
-    /// The name of the frame, and the offset of the numbers.
+    /// The frame name of the header, and the offset of the numbers behind the header.
     pub fn frame(&self) -> Option<(&'a [u8], usize)> {
         let begin = self.start + 12;
         let end = (self.u32_at(self.start + 8)? as usize).checked_add(begin)?;

@@ -1,4 +1,5 @@
-//! The error for a format that is not built in names the feature that adds it, and never calls the file damaged.
+//! Tests that the error for a format that is not built in names the feature that adds it, and does not call the file
+//! damaged.
 
 use super::*;
 use std::path::Path;

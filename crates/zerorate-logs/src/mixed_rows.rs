@@ -1,11 +1,11 @@
-//! Detects rows of several sensors in one table, where a column tells the sensors apart by number or by name.
+//! Detects rows of several sensors in one table, in which the values of a column tell the sensors apart.
 //!
 //! Columns of flags, counters and coarse readings also have few values. So a column must meet two conditions. First,
-//! the rows of each value come in even steps by themselves. A flag is set within the rows of one sensor, and leaves
-//! holes in them. Second, there is other evidence: words, a name such as `SensorId`, times that overlap, or axes whose
-//! level or noise differs from value to value. Two columns together may tell the sensors apart, as `bus` and `sensor`
-//! do. Where the rows come in no order, or all rows of one sensor stand above those of the next, the name of the
-//! column must say so.
+//! the rows of each value come in even steps. A flag is set within the rows of one sensor, and leaves holes in them.
+//! Second, there is other evidence: words, a name such as `SensorId`, times that overlap, or axes whose level or noise
+//! differs from value to value. Two columns together may tell the sensors apart, as `bus` and `sensor` do. If the rows
+//! come in no order, or if all rows of one sensor are above those of the next, the name of the column must suggest a
+//! sensor.
 
 use crate::clock::{Times, median};
 use crate::error::{LogError, Result};
@@ -22,7 +22,7 @@ use zerorate_input::TimeUnit;
 /// Largest number of values in a column that tells sensors apart.
 const MOST: usize = 16;
 
-/// Least number of rows of a value that counts, and their least share of all rows.
+/// Least number of rows with a value for the value to count, and their least share of all rows.
 const FEWEST: usize = 8;
 const SHARE: f64 = 0.02;
 
@@ -32,10 +32,10 @@ const OTHERS: f64 = 0.05;
 /// Largest number of uneven steps of a value per interruption of its rows. A flag has one for each interruption.
 const UNEVEN: f64 = 0.25;
 
-/// If more than this share of the rows have an earlier time than the row above, times of several sensors overlap.
+/// If more than this share of the rows have an earlier time than the row above, the times of several sensors overlap.
 const OVERLAP: f64 = 0.05;
 
-/// Number of rows of a value from which its level and its noise are compared.
+/// Least number of rows of a value whose level and noise are compared.
 const COMPARED: usize = 50;
 
 /// Least difference between the levels of two sensors, in standard deviations of a sample.
@@ -138,13 +138,13 @@ struct Mixed {
     columns: Vec<String>,
     /// The values of these columns for each sensor, in the order of the file.
     values: Vec<Vec<String>>,
-    /// The usual time between two rows of each sensor, in the unit of the file; empty if all rows of one sensor stand
+    /// The usual time between two rows of each sensor, in the unit of the file. Empty if all rows of one sensor are
     /// above those of the next.
     steps: Vec<f64>,
 }
 
-/// The columns that tell sensors apart in the first rows of a table, of which these `columns` are read. `times` are
-/// the times of the rows, where they are known.
+/// The columns that tell sensors apart in the first rows of a table. `columns` are the names of the columns that are
+/// read. `times` are the times of the rows, if they are known.
 fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> Option<Mixed> {
     let rows = sample.iter().map(|column| column.cells.len()).min()?;
     let numbers: Vec<f64> = (0..rows).map(|row| row as f64).collect();
@@ -176,18 +176,18 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps })
 }
 
-/// True if a name has one of these words.
+/// True if the name of a column contains one of the `known` words.
 fn is_known(name: &str, known: &[&str]) -> bool {
     words(name).iter().any(|word| known.contains(&word.as_str()))
 }
 
-/// True if the name of a column, or words as values, suggest that it tells sensors apart.
+/// True if words in the name or in the values of a column suggest that the column tells sensors apart.
 fn is_id(name: &str, labels: &Labels<'_>) -> bool {
     labels.are_words() || is_known(name, &IDS) || words(name).iter().any(|word| word.ends_with("id"))
 }
 
-/// The column whose name says that it tells sensors apart, and in which all rows of one value stand above those of
-/// the next.
+/// The column whose name says that it tells sensors apart, and in which all rows of one value are above those of the
+/// next.
 fn in_blocks(found: &RawColumns, sample: &[Sampled]) -> Option<Mixed> {
     let is_sensor = |name: &str| is_known(name, &SENSORS) && !is_known(name, &NO_IDS);
     let read = found.columns.iter().filter(|column| is_sensor(&column.name)).map(|column| {
@@ -222,7 +222,7 @@ fn worded(cell: &Cell) -> String {
     }
 }
 
-/// The words of a name, in small letters: `sensor` and `id` of `SensorId` or `sensor_id`.
+/// The words of a name, in lower case: `sensor` and `id` of `SensorId` or `sensor_id`.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_small = false;
@@ -242,14 +242,15 @@ fn words(name: &str) -> Vec<String> {
 /// A column with few different values, or several such columns combined.
 #[derive(Clone)]
 struct Labels<'a> {
-    /// The values that count, in the order of the file, with a cell of each column.
+    /// The values that count, in the order of the file. Each has one cell per combined column.
     values: Vec<Vec<&'a Cell>>,
     /// The index of each row's value; `None` if the value does not count.
     rows: Vec<Option<usize>>,
 }
 
 impl<'a> Labels<'a> {
-    /// `None` if the column has a value that is not whole, too many values, or fewer than two that count.
+    /// Returns `None` if the column has a value that is not whole, too many values, or fewer than two values that
+    /// count.
     fn of(cells: &'a [Cell]) -> Option<Self> {
         let (mut all, mut rows): (Vec<(&Cell, usize)>, Vec<usize>) = (Vec::new(), Vec::new());
         for cell in cells {
@@ -274,7 +275,7 @@ impl<'a> Labels<'a> {
         (values.len() > 1 && others as f64 <= OTHERS * cells.len() as f64).then_some(Self { values, rows })
     }
 
-    /// Combines two columns into one of pairs of values.
+    /// Combines two columns into one column of pairs of values.
     fn beside(&self, other: &Self) -> Self {
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         let rows = self.rows.iter().zip(&other.rows).map(|(one, other)| {
@@ -294,14 +295,14 @@ impl<'a> Labels<'a> {
         self.values.iter().flatten().any(|value| matches!(value, Cell::Word(_)))
     }
 
-    /// The times between the rows of a value, and how often other rows interrupt them.
+    /// The times between consecutive rows with a value, and the number of these steps that other rows interrupt.
     fn steps(&self, value: usize, times: &[f64]) -> (Vec<f64>, usize) {
         let at: Vec<usize> = (0..times.len()).filter(|row| self.rows[*row] == Some(value)).collect();
         let interrupted = at.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
         (at.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect(), interrupted)
     }
 
-    /// True if the rows of each value come in even steps of these times.
+    /// True if the rows of each value come in even steps, measured by `times`.
     fn are_even(&self, times: &[f64]) -> bool {
         (0..self.values.len()).all(|value| {
             let (steps, interrupted) = self.steps(value, times);
@@ -324,7 +325,7 @@ impl<'a> Labels<'a> {
                 .all(|(pair, values)| pair[0] != pair[1] || values[0] != values[1])
     }
 
-    /// True if the level or the noise of these readings differs from value to value.
+    /// True if the level or the noise of the readings in `cells` differs from value to value.
     fn differ(&self, cells: &[Cell]) -> bool {
         let of_value = |value: usize| {
             let rows = cells.iter().zip(&self.rows).filter(|(_, row)| **row == Some(value));

@@ -1,12 +1,12 @@
 //! Finds a `sensor_msgs/Imu` inside a message of another type, by the definition of that type in the bag.
 //!
-//! A definition is the text of the message's own file. The texts of the types that it uses follow, each behind `===`
-//! and `MSG: name`.
+//! A definition begins with the text of the message's own file. The texts of the types that it uses follow, each
+//! behind `===` and `MSG: name`.
 
 use super::message::{Body, is_imu};
 use std::collections::BTreeMap;
 
-/// Limits up to which a definition is followed: depth of nested messages, fields, and IMUs of one message.
+/// Limits of a definition: depth of nested messages, number of fields, and number of IMUs in one message.
 const DEPTH: usize = 16;
 const FIELDS: usize = 10_000;
 const IMUS: usize = 64;
@@ -19,7 +19,7 @@ pub struct Place {
     before: Vec<Field>,
 }
 
-/// A field before the IMU, by the way in which its length is set.
+/// A field before the IMU. The variants tell how to find the length of the field.
 #[derive(Clone, Debug, PartialEq)]
 enum Field {
     /// `count` numbers of `size` bytes each.
@@ -28,13 +28,14 @@ enum Field {
         count: usize,
     },
     Text,
-    /// A known number of elements, each with these fields.
+    /// A number of elements that the type states, each with these fields.
     Array(usize, Vec<Field>),
-    /// Elements with these fields, behind the number of elements.
+    /// Elements with these fields. The message states their number in front of them.
     Sequence(Vec<Field>),
 }
 
-/// The IMUs that a definition shows; none if the definition is invalid. An IMU in an array does not count.
+/// The IMUs in a message of type `kind` with this definition; none if the definition is invalid. IMUs in arrays do not
+/// count.
 pub fn places(kind: &str, definition: &str) -> Vec<Place> {
     let mut definitions = Definitions { by_name: BTreeMap::new(), fields: 0 };
     for (at, part) in definition.split("\n===").enumerate() {
@@ -49,7 +50,7 @@ pub fn places(kind: &str, definition: &str) -> Vec<Place> {
     if whole.is_some() { found } else { Vec::new() }
 }
 
-/// The name without `msg/`: `package/Type` for both `package/Type` and `package/msg/Type`.
+/// The type name without `msg/`: `package/Type` for both `package/Type` and `package/msg/Type`.
 fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }
@@ -156,7 +157,7 @@ fn plain(kind: &str) -> Option<Field> {
         "int16" | "uint16" => 2,
         "int32" | "uint32" | "float32" => 4,
         "int64" | "uint64" | "float64" => 8,
-        // of ROS 1: two numbers
+        // types of ROS 1, which consist of two numbers
         "time" | "duration" => return Some(Field::Numbers { size: 4, count: 2 }),
         _ if kind == "string" || kind.starts_with("string<=") => return Some(Field::Text),
         _ => return None,

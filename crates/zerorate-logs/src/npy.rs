@@ -1,5 +1,5 @@
-//! Columns of NumPy arrays: one dimension, a column of two dimensions, or a field of a structured array. The columns
-//! are of one array, or of several arrays of an archive.
+//! Reads columns of NumPy arrays. A column is an array of one dimension, a column of two dimensions, or a field of a
+//! structured array. The columns come from one array, or from several arrays of an archive.
 
 mod header;
 
@@ -32,14 +32,14 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(found)
 }
 
-/// An array whose header was read.
+/// The layout of an array, as its header states it.
 pub struct Array {
     fields: Vec<Field>,
     rows: u64,
     /// Offset of the data in the file, and offset behind the data.
     start: u64,
     end: u64,
-    /// True if the array is a single number that is called a sample rate.
+    /// True if the array is a single number whose name is that of a sample rate.
     is_rate: bool,
 }
 
@@ -55,7 +55,7 @@ impl Array {
         let fields = match (header.shape.as_slice(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
             (_, "") => fields(path, &header)?,
-            // an array of an archive that cannot be read has no columns
+            // in an archive, an array of an unsupported type has no columns
             (shape, name) => {
                 fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
             }
@@ -170,7 +170,7 @@ fn push_times(times: &mut Times, cells: &Cells<'_>, field: &Field) -> Result<(),
     Ok(())
 }
 
-/// Reads the header behind its length. Returns it with the offset of the data.
+/// Reads the start of a file up to its data. Returns the header and the offset of the data.
 fn header(file: &mut impl Read) -> Result<(Header, u64), String> {
     let mut bytes = [0; START];
     file.read_exact(&mut bytes).map_err(|error| error.to_string())?;
@@ -190,7 +190,7 @@ fn header(file: &mut impl Read) -> Result<(Header, u64), String> {
     Ok((header, (START + of_length + text.len()) as u64))
 }
 
-/// Size of the mark and the version in bytes.
+/// Size of the magic number and the version in bytes.
 const START: usize = 8;
 
 /// Largest size of a header in bytes. NumPy itself reads 10 000 unless told otherwise.
@@ -322,7 +322,7 @@ impl Header {
     }
 }
 
-/// The size of the data in bytes; all of it must be there.
+/// The size of the data in bytes. Returns an error if the file has fewer bytes.
 fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, InputError> {
     let size = header.element.size.unwrap_or_default();
     let expected = header.shape.iter().try_fold(size, |product, n| product.checked_mul(*n));

@@ -1,4 +1,4 @@
-//! Several NumPy arrays in a zip archive (`.npz`). Each member carries a checksum (CRC-32), and the index at the end
+//! Reads NumPy arrays in a zip archive (`.npz`). Each member carries a checksum (CRC-32), and the index at the end
 //! repeats the header of each member.
 
 use super::npy::{self, Array};

@@ -87,8 +87,8 @@ impl Numerals {
         Ok(Number::Decimal(number))
     }
 
-    /// Adds what other lines showed, which begin `lines` lines behind the first. Returns false if they have another
-    /// decimal mark.
+    /// Adds the findings of `other`, whose first line is `lines` lines behind the first line of `self`. Returns false
+    /// if the two found different decimal marks.
     pub fn join(&mut self, other: Self, lines: u64) -> bool {
         if self.doubtful.is_none() {
             self.doubtful = other.doubtful.map(|(line, cell)| (line + lines, cell));
@@ -142,7 +142,7 @@ impl Numerals {
     }
 }
 
-/// The largest integer up to which an f64 holds every integer.
+/// The largest integer up to which an f64 holds every integer exactly.
 const EXACT: u64 = 1 << 53;
 
 /// Powers of ten that an f64 holds exactly.
@@ -154,9 +154,9 @@ const TENS: [f64; 23] = [
 /// Number of digits that always fit a u64.
 const DIGITS: usize = 18;
 
-/// Reads a number of only a sign, digits and a point, as nearly all are. An integer over a power of ten, both exact,
-/// is rounded once, so the result is that of `str::parse` (W. D. Clinger, How to read floating point numbers
-/// accurately, PLDI 1990).
+/// Reads a number that consists of a sign, digits and a point only, as nearly all do. An integer over a power of ten,
+/// both exact, is rounded once, so the result is that of `str::parse` (W. D. Clinger, How to read floating point
+/// numbers accurately, PLDI 1990).
 fn plain(cell: &[u8]) -> Option<Number> {
     let (negative, digits) = match cell {
         [b'-', rest @ ..] => (true, rest),

@@ -1,11 +1,11 @@
-//! The choice of the rows of a table.
+//! Selects rows of a table by the values of columns.
 
 use crate::error::LogError;
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-/// The rows of a table in which columns have these values.
+/// Selects the rows of a table that meet all conditions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowFilter {
     /// The conditions that each row must meet; one or more.
@@ -17,7 +17,7 @@ pub struct RowFilter {
 pub struct Condition {
     /// The column, by its name or its number counted from 0.
     pub column: String,
-    /// The value, as the table has it.
+    /// The value, as it is written in the table.
     pub value: String,
 }
 

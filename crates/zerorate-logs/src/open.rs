@@ -6,7 +6,7 @@ use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 use zerorate_input::{Input, InputError, NotBuiltIn};
 
-/// Length of the longest mark at a file's start, in bytes.
+/// Number of bytes at the start of a file that are read to recognise its format.
 const MARK: u64 = 16;
 
 /// Size of the read buffer in bytes.
@@ -50,13 +50,13 @@ pub fn looked_at(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     Ok(Log { path, input, room: MemoryBudget::of(0), start })
 }
 
-/// The packing of a file in words, by its first bytes.
+/// The compression of a file in words, by its first bytes; `None` if the file is not compressed.
 pub fn packing(start: &[u8]) -> Option<String> {
     Packing::of(start).map(|packing| format!("packed by {packing:?}"))
 }
 
 impl Log<'_> {
-    /// Refuses a file that is empty, or of a common form that is not supported.
+    /// Refuses a file that is empty, or of a common format that is not supported.
     pub fn check(&self) -> Result<(), InputError> {
         let foreign = FOREIGN.iter().find(|(mark, _)| self.start.starts_with(mark));
         match foreign {
@@ -176,7 +176,7 @@ impl Packing {
         }
     }
 
-    /// Unpacks the whole file, because some forms are not read from start to end.
+    /// Unpacks the whole file, because the readers of some formats seek in it.
     fn unpack(self, packed: &Input, room: MemoryBudget) -> Result<Input, Unpacking> {
         let most = if packed.is_file() { room.bytes_on_disk() } else { room.bytes() };
         packed.unpacked(|unpacked| {

@@ -1,4 +1,4 @@
-//! The options of reading a log.
+//! Options for reading a log.
 
 use crate::cut::Cut;
 use crate::error::{LogError, Result};
@@ -13,15 +13,16 @@ use zerorate_input::{Quantity, TimeUnit, Unit};
 /// The wanted numbers of a log, and facts that the log does not state itself.
 #[derive(Clone, Debug, Default)]
 pub struct ColumnOptions {
-    /// The column, by its name or its number counted from 0; `None` selects the rate of a capture, or the only column.
+    /// The column, by its name or its number counted from 0. `None` selects the rate of a capture, or the only column.
     ///
-    /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
+    /// In a ROS bag, the column is x, y or z of angular_velocity. If there are several IMUs, it is
+    /// TOPIC.angular_velocity.z.
     pub column: Option<String>,
 
     /// The topic of the log that has the columns; `None` selects the only topic with an IMU.
     pub topic: Option<String>,
 
-    /// The column with the time of each row: it tells the rate, and where samples are missing.
+    /// The column with the time of each row, which shows the rate and where samples are missing.
     pub time_column: Option<String>,
 
     /// The rows that are read; `None` reads all rows.
@@ -40,40 +41,41 @@ pub struct ColumnOptions {
     /// The unit of the column; `None` takes the unit that its name states, as in gyro_z_dps or `gz [rad/s]`.
     pub unit: Option<Unit>,
 
-    /// The size of a step of 1 in the column. Its unit is the given one, or else the one that the column's name or the
-    /// log states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a capture.
+    /// The size of a step of 1 in the column. The unit of this size is the given unit, or else the unit that the
+    /// column's name or the log states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a
+    /// capture.
     pub scale: Option<f64>,
 
-    /// True if the values are increments, an angle or a velocity for each sample, in place of rates. `None` reads them
-    /// as rates, and asks if the names of columns or the size of gravity tell otherwise. The `unit` of increments is
-    /// given per second: rad/s for rad.
+    /// True if the values are increments (an angle or a velocity for each sample) in place of rates. `None` reads them
+    /// as rates, and asks if the names of columns or the size of gravity suggest increments. The `unit` of increments
+    /// is given per second: rad/s for rad.
     pub increments: Option<bool>,
 
-    /// Uses the given unit even if the name of a column states another, which is otherwise an error.
+    /// True if the given unit overrides another unit in the name of a column. Otherwise such a unit is an error.
     pub force_unit: bool,
 
-    /// The decimal mark of a text file; `None` means a point, or a comma where nothing else is possible.
+    /// The decimal mark of a text file. `None` means a point, or a comma if no other reading is possible.
     pub decimal: Option<Decimal>,
 
-    /// The type of the numbers and of their records, if the file is nothing but numbers.
+    /// The type of the numbers and of their records, if the file consists of raw numbers.
     pub raw: Option<RawType>,
 
     /// Largest share of broken lines in a text file; `None` means [`MAX_BAD`]. Broken lines are skipped and counted.
     pub max_bad: Option<f64>,
 
-    /// Opens tables that describe themselves, such as captures; `None` reads them like any other table.
+    /// Opens tables that describe themselves, such as captures. With `None`, they are read like any other table.
     pub described: Option<OpenDescribed>,
 
     /// The names of these options in messages.
     pub names: Names,
 }
 
-/// Default of the largest share of broken lines in a text file. A bad cable breaks fewer lines; more broken lines mean
-/// that the file has another form.
+/// Default of `max_bad`. A bad cable breaks a smaller share of the lines; more broken lines mean that the file has
+/// another format.
 pub const MAX_BAD: f64 = 0.01;
 
 impl ColumnOptions {
-    /// The rate that corresponds to a value of 1: `rate_hz` for increments, and 1 for rates.
+    /// Factor from a value to a rate: `rate_hz` for increments, and 1 for rates.
     pub fn per_second(&self, rate_hz: f64) -> f64 {
         if self.increments == Some(true) { rate_hz } else { 1.0 }
     }

@@ -1,4 +1,4 @@
-//! A series of numbers, some of which are missing.
+//! The samples of a column: codes or numbers, some of which are missing.
 
 use zerorate_allan::Gap;
 use zerorate_allan::Input;
@@ -14,7 +14,7 @@ pub const ROW_BYTES: u64 = 16;
 /// A series of numbers: 32-bit integer codes, or floating-point numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Series {
-    /// Integer codes. Gaps beside them mark missing samples.
+    /// Integer codes without the missing samples, which a separate list of gaps marks.
     Codes(Vec<i32>),
     /// Other numbers: finite, or NaN where a sample is missing.
     Numbers(Vec<f64>),
@@ -43,7 +43,7 @@ impl Series {
     }
 }
 
-/// A series that grows. It holds codes until a number that is not a 32-bit integer is added.
+/// A series to which samples are added. It holds codes until a number that is not a 32-bit integer is added.
 pub struct SeriesBuilder {
     series: Series,
     /// The gaps among codes. Other numbers hold NaN instead.
@@ -152,7 +152,7 @@ impl SeriesBuilder {
         Ok(())
     }
 
-    /// Makes room for `additional` rows of codes or, if they are not integers, of numbers.
+    /// Reserves memory for `additional` rows of codes or, if they are not integers, of numbers.
     pub fn reserve(&mut self, additional: usize, integers: bool) {
         let additional = additional.min((self.room.bytes() / self.row_bytes()) as usize);
         if !integers {
@@ -165,8 +165,8 @@ impl SeriesBuilder {
     }
 
     /// Returns the series and the gaps among codes. `between_rows` are the samples that were lost between rows:
-    /// `missing` samples before row `at`, where empty rows count. `Err` is the number of missing samples, if they are
-    /// too many to be filled in.
+    /// `missing` samples before row `at`, where empty rows count. If too many samples are missing to be filled in, the
+    /// error is their number.
     pub fn finish(mut self, between_rows: &[Gap]) -> Result<(Series, Vec<Gap>), u64> {
         let row_bytes = self.row_bytes();
         let gaps = match &mut self.series {
@@ -235,7 +235,7 @@ impl SeriesBuilder {
         std::mem::take(self.numbers())
     }
 
-    /// The numbers of the series. Integers become floating-point numbers here.
+    /// The numbers of the series. Codes are converted to floating-point numbers first.
     fn numbers(&mut self) -> &mut Vec<f64> {
         if let Series::Codes(codes) = &self.series {
             let mut numbers = spread(codes, &self.gaps);
@@ -276,7 +276,7 @@ pub fn missing_in(gaps: &[Gap]) -> u64 {
     gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing))
 }
 
-/// Merges both kinds of gaps, with places counted in codes. In `between_rows`, places also count empty rows.
+/// Merges both kinds of gaps. The result counts places in codes; in `between_rows`, places also count empty rows.
 fn merged(empty_rows: &[Gap], between_rows: &[Gap]) -> Vec<Gap> {
     let mut all = Vec::with_capacity(empty_rows.len() + between_rows.len());
     let mut empty = empty_rows.iter().copied().peekable();
@@ -301,7 +301,7 @@ fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
     gaps
 }
 
-/// Codes as numbers, with a NaN for each missing sample. `Err` is the number of missing samples, if they are too many.
+/// Codes as numbers, with a NaN for each missing sample. If too many samples are missing, the error is their number.
 pub fn with_gaps(codes: &[i32], gaps: &[Gap]) -> Result<Vec<f64>, u64> {
     let numbers: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
     filled(&numbers, gaps, MemoryBudget::of(codes.len() as u64), ROW_BYTES)

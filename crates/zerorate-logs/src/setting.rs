@@ -1,9 +1,9 @@
-//! The names of the options of a column, as messages name them.
+//! The names of options in messages, which each front end sets.
 
 use std::fmt;
 use zerorate_allan::SettingName;
 
-/// An option of [`ColumnOptions`](super::ColumnOptions), for which each front end has its own name.
+/// An option of [`ColumnOptions`](super::ColumnOptions) or of a front end. Each front end has its own name for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields of `ColumnOptions`, and of `ImuOptions` and `Choice`")]
@@ -88,7 +88,7 @@ impl Setting {
 pub struct Names(pub fn(Setting) -> SettingName);
 
 impl Names {
-    /// The name of an option.
+    /// The name of an option in this front end.
     #[must_use]
     pub fn of(self, setting: Setting) -> SettingName {
         (self.0)(setting)

@@ -1,4 +1,4 @@
-//! Tests that columns that are read in one pass are the same as each column read by itself.
+//! Tests that columns that are read in one pass equal the columns that are read one by one.
 
 use super::tests::{imu, mcap_packed, npy, options, sqlite_bag, tables};
 use super::*;
@@ -129,8 +129,8 @@ fn rows_of_sensors_that_two_columns_tell() {
     }
 }
 
-/// All rows of one sensor stand above those of the next. Numbers tell the sensors apart in a log in which the first
-/// rows are of one sensor only, and names in a short log.
+/// All rows of one sensor are above those of the next. Numbers tell the sensors apart in a log whose first rows are of
+/// one sensor only, and names in a short log.
 #[test]
 fn rows_of_sensors_in_blocks() {
     let log = |names: [&str; 2], rows: usize| {

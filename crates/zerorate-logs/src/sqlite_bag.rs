@@ -1,4 +1,4 @@
-//! ROS bags in SQLite, as ROS 2 made them before Iron.
+//! Reads ROS bags in SQLite, the format of ROS 2 before Iron.
 
 use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;
@@ -13,7 +13,7 @@ use rusqlite::{Connection, OpenFlags, types::ValueRef};
 use std::io::Seek;
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// Reads quantities of the IMU messages.
+/// Reads quantities of the IMU or temperature messages of one topic.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, room) = (log.path, log.room);
     let failed = |error: rusqlite::Error| {
@@ -53,8 +53,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(behind, None))
 }
 
-/// The end of the database, from the number of pages in its header. `None` if an old version of SQLite wrote last,
-/// which does not state the number.
+/// The end of the database, from the number of pages in its header. `None` if the database was last written by an old
+/// version of SQLite, which does not state the number.
 fn end(input: &Input) -> Option<u64> {
     let head = input.bytes_at(0, 100).ok()?;
     let number = |at: usize| head[at..].first_chunk().map_or(0, |bytes| u32::from_be_bytes(*bytes));

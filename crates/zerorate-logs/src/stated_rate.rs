@@ -1,4 +1,4 @@
-//! A sample rate that stands beside the columns of a file as a single number: `Fs`.
+//! A sample rate that a file states as a single number beside its columns, such as `Fs`.
 
 /// A sample rate in Hz, and the name under which the file states it.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +20,8 @@ const WORDS: [&str; 9] = [
     "odr",
 ];
 
-/// True if a name is that of a sample rate, with or without `hz` at its end. The name of the structure or group in
-/// front of it does not count.
+/// True if a name is that of a sample rate, with or without `hz` at its end. The name of a structure or group in front
+/// does not count.
 pub fn is_rate(name: &str) -> bool {
     let own = name.rsplit(['.', '/', '@']).next().unwrap_or_default().to_lowercase();
     let word: String = own.chars().filter(|c| c.is_alphanumeric()).collect();
@@ -29,7 +29,7 @@ pub fn is_rate(name: &str) -> bool {
 }
 
 impl StatedRate {
-    /// The rate among single numbers and their names; `None` if they state no rate, or several.
+    /// The rate among single numbers and their names. `None` if they state no rate, or different rates.
     pub fn among(numbers: impl IntoIterator<Item = (String, f64)>) -> Option<Self> {
         let is_stated = |(name, rate_hz): &(String, f64)| is_rate(name) && *rate_hz > 0.0 && rate_hz.is_finite();
         let mut stated = numbers.into_iter().filter(is_stated);

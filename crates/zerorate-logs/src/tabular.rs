@@ -1,4 +1,4 @@
-//! Columns of a table with names and types: an Arrow stream or file, Parquet, or a table that describes itself.
+//! Reads columns of a table with names and types: an Arrow stream or file, Parquet, or a table that describes itself.
 
 use super::clock::Times;
 use super::sample::{self, Sampled};
@@ -55,14 +55,14 @@ pub fn read_described(
     reading.finish_described(described)
 }
 
-/// Columns being read, with their time.
+/// The wanted columns of a table while their rows are added.
 pub struct TableColumns<'a> {
     path: &'a Path,
-    /// The columns to be read: the numbers, behind them the time, and the columns of `only`.
+    /// Indices of the columns to read, in this order: the numbers, the time, and the columns of `only`.
     pub columns: Vec<usize>,
     values: Vec<TableColumn>,
     time: Option<(String, Times)>,
-    /// The choice of rows by the last of `columns`, and the names of those columns; `None` reads all rows.
+    /// The filter of rows, and the names of its columns, which are the last of `columns`; `None` reads all rows.
     only: Option<(&'a RowFilter, Vec<String>)>,
     /// The first rows of all columns of a table.
     sample: Vec<Sampled>,
@@ -130,7 +130,7 @@ impl<'a> TableColumns<'a> {
         self.values.len()
     }
 
-    /// Makes room for this many rows.
+    /// Reserves memory for this many rows.
     #[cfg(feature = "parquet")]
     pub fn reserve(&mut self, rows: usize, schema: &Schema) {
         for (column, index) in self.values.iter_mut().zip(&self.columns) {
@@ -145,7 +145,7 @@ impl<'a> TableColumns<'a> {
         self.append(&columns)
     }
 
-    /// Keeps the first wanted rows of a batch, in all columns.
+    /// Adds the first wanted rows of a batch, in all columns, to the sample.
     pub fn sample(&mut self, batch: &RecordBatch) -> Result<(), InputError> {
         if self.sample.is_empty() {
             self.sample = batch.schema().fields().iter().map(|field| Sampled::of_field(field)).collect();
@@ -157,7 +157,7 @@ impl<'a> TableColumns<'a> {
         Ok(())
     }
 
-    /// The wanted rows, chosen by the values in the last columns.
+    /// Keeps the rows that meet the conditions. The last of `columns` are the columns of the conditions.
     fn wanted_rows(&self, columns: Vec<ArrayRef>) -> Result<Vec<ArrayRef>, InputError> {
         let Some((only, names)) = &self.only else { return Ok(columns) };
         let mut wanted = vec![true; columns.first().map_or(0, |column| column.len())];
@@ -245,7 +245,7 @@ pub fn needs_reader(path: &Path) -> LogError {
     LogError::Ask(format!("{} describes itself; set `described` to its reader", path.display()))
 }
 
-/// An error: the number of the row among the rows that are being added, from 0, and the reason.
+/// An error: the index of the row among the rows that are being added, and the reason.
 type Wrong = (usize, String);
 
 /// Adds values. Integers stay integers if they are small enough to be codes.

@@ -5,14 +5,15 @@ use crate::error::Result;
 use std::io::{Read, Seek, SeekFrom};
 use zerorate_input::Input;
 
-/// The usual names of a temperature in logs.
+/// The usual names of a temperature column in logs.
 pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
 
 /// Number of bytes at each end of a file that are searched for column names.
 const ENDS: u64 = 1 << 16;
 
 /// The temperature of a log: the column `name`, or a column with a usual name; `None` if the log has neither. `read`
-/// reads columns by their names. `bytes` is the content of the file; `None` if it cannot be read twice, as a pipe.
+/// reads columns by their names. `bytes` is the content of the file; `None` if it cannot be read twice, such as a
+/// pipe.
 pub fn temperature(
     name: Option<&str>,
     bytes: Option<Input>,

@@ -1,4 +1,4 @@
-//! Tests with logs that are made here, so that their content is known.
+//! Tests with logs that the tests make themselves, so that their content is known.
 
 #[cfg(feature = "full")]
 mod forms;
@@ -306,7 +306,7 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert!(error.to_string().contains("`gz_rad_s` states rad/s, and --unit says dps, 0.0175 times"), "{error}");
 }
 
-/// Missing samples count in the number of samples. A gap that the cut goes through is removed whole.
+/// Missing samples count in the number of skipped samples. If the cut is inside a gap, the whole gap is removed.
 #[test]
 fn the_beginning_is_left_out() {
     let codes = |codes: &[i32], gaps: &[(usize, u64)]| Column {
@@ -393,7 +393,7 @@ fn dates_tell_the_unit_of_a_time() {
     assert!(why.contains("--time-column time with --time-unit us if it is the time, as it rises evenly"), "{why}");
 }
 
-/// A log with 300 rows of a time column of this name, in steps of this length.
+/// A log of 300 rows, with a time column that has this name and rises by this step.
 fn stepping(name: &str, step: f64) -> String {
     (0..300).map(|at| format!("{},{}\n", f64::from(at) * step, at % 7)).fold(format!("{name},gz_dps\n"), |a, b| a + &b)
 }

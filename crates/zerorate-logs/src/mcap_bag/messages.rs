@@ -1,4 +1,4 @@
-//! Messages of an MCAP file.
+//! Reads the messages of an MCAP file.
 
 use mcap::io::MessageReader;
 use mcap::sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions};
@@ -12,13 +12,13 @@ use zerorate_input::limits::{MemoryBudget, OverBudget};
 /// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Size of a record's kind and length in bytes.
+/// Size of the head of a record in bytes: its kind and its length.
 const RECORD_HEAD: usize = 9;
 
 /// The kind of the last record.
 const FOOTER: u8 = 0x02;
 
-/// The messages of an MCAP file, up to where it is torn or damaged.
+/// The messages of an MCAP file, up to the end of its readable part.
 pub struct Messages<R> {
     reader: Option<MessageReader<BufReader<R>>>,
     room: MemoryBudget,
@@ -51,8 +51,8 @@ impl Torn {
 const MESSAGE_HEAD: u64 = 31;
 
 impl<R: Read> Messages<R> {
-    /// Creates a reader. No record may be longer than the memory limit. The file must pass its checksums: one behind
-    /// the messages of each chunk, and one of all data, in front of the end.
+    /// Creates a reader. No record may be longer than the memory limit. The reader verifies the checksums behind the
+    /// messages of each chunk, and the checksum of all data, before the footer.
     pub fn new(file: R, room: MemoryBudget) -> Self {
         let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
         let options = LinearReaderOptions::default()

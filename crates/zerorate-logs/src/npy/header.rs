@@ -20,11 +20,11 @@ pub struct Element {
     pub form: Form,
 }
 
-/// The parts of an element.
+/// The structure of an element.
 pub enum Form {
-    /// One value: its kind, if it is a supported number.
+    /// One value. `kind` is `None` if the value is not a supported number.
     Value { kind: Option<Kind>, big_endian: bool, time_unit: Option<TimeUnit> },
-    /// Fields, one after the other.
+    /// Fields, one behind the other without padding.
     Fields(Vec<(String, Element)>),
     /// Several values of one type.
     Array,

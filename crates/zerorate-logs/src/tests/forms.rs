@@ -3,7 +3,7 @@
 use super::*;
 use std::io::{Cursor, Write};
 
-/// `0.5 0.25 -1.5 2`, one to a line, as Python's gzip, lzma and zstandard pack it.
+/// Four lines, `0.5`, `0.25`, `-1.5` and `2`, as Python's gzip, lzma and zstandard pack them.
 pub const GZIP: &[u8] = b"\
     \x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33\xD0\x33\xE5\x32\xD0\x33\x32\xE5\xD2\x35\x04\xB2\x8C\xB8\x00\
     \x3C\x10\xE6\xEC\x10\x00\x00\x00";
@@ -189,7 +189,7 @@ fn bags_of_an_independent_writer() {
     }
 }
 
-/// A message by hand: CDR aligns numbers to their size, ROS 1 does not.
+/// An IMU message, put together by hand. CDR aligns numbers to their size, and ROS 1 does not.
 pub fn imu(cdr: bool, big_endian: bool, ns: u64, z: f64) -> Vec<u8> {
     let u32_of = |number: u32| if big_endian { number.to_be_bytes() } else { number.to_le_bytes() };
     let f64_of = |number: f64| if big_endian { number.to_be_bytes() } else { number.to_le_bytes() };
@@ -262,7 +262,7 @@ fn mcap_of_types(
     file.into_inner()
 }
 
-/// A driver that never stamps its messages.
+/// The bag of a driver that does not stamp its messages.
 #[test]
 fn a_bag_of_zero_stamps_has_the_times_of_its_recording() {
     let bag = mcap_packed(None, &["/imu"], "cdr", |i| imu(true, false, 0, (i % 7) as f64));
@@ -378,7 +378,7 @@ fn bags_in_sqlite() {
     assert!(folder.fails(&content[..5000], "--column z").contains("ros2 bag"));
 }
 
-/// `std_msgs/Header header; float64 temperature; float64 variance` in CDR.
+/// A temperature message in CDR: `std_msgs/Header header; float64 temperature; float64 variance`.
 fn temperature(ns: u64, temp_c: f64) -> Vec<u8> {
     let mut message = imu(true, false, ns, 0.0);
     message.truncate(message.len() - 37 * 8);

@@ -22,7 +22,8 @@ const MOST_CONTROL: usize = 20;
 /// Up to this many control characters count as broken text, even in a short file.
 const FEWEST_CONTROL: usize = 20;
 
-/// A line that is longer than this, in bytes, and than a block is refused. This bounds the memory for other than text.
+/// A line that is longer than this, in bytes, and than a block is refused. This bounds the memory for files that are
+/// not text.
 const MAX_LINE: usize = 1 << 20;
 
 /// Bytes of whole lines. The last line of a text may lack its line feed.
@@ -39,20 +40,20 @@ impl Block {
         &self.buffer[..self.end]
     }
 
-    /// True if the start has more control characters than a text that a cable broke.
+    /// True if the start has more control characters than a text that a bad cable corrupted.
     pub fn is_binary(&self) -> bool {
         let start = &self.bytes()[..self.end.min(BINARY_START)];
         let is_control = |byte: &&u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
         start.iter().filter(is_control).count() > FEWEST_CONTROL.max(start.len() / MOST_CONTROL)
     }
 
-    /// The text of the lines. Bytes that are not UTF-8 are replaced, so that a line that a cable broke stays one line.
+    /// The text of the lines. Bytes that are not UTF-8 are replaced, so that a corrupted line stays one line.
     pub fn text(&self) -> Cow<'_, str> {
         // valid text, the usual case, is not copied
         std::str::from_utf8(self.bytes()).map_or_else(|_| String::from_utf8_lossy(self.bytes()), Cow::Borrowed)
     }
 
-    /// The text for names: lines that may be Latin-1 are read as Latin-1, in which Excel writes `°/s`.
+    /// The text for names: lines that may be Latin-1 are read as Latin-1, because Excel writes `°/s` so.
     pub fn legible(&self) -> Cow<'_, str> {
         let of_line = |line: &[u8]| {
             let is_text = line.iter().all(|byte| matches!(byte, b'\t' | b'\r' | b'\n' | b' '..=b'~' | 0xA0..));
@@ -74,9 +75,9 @@ pub struct Blocks<'a> {
     ended: bool,
     /// Buffers of used blocks. To allocate new ones would take as long as to read into them.
     spare: Vec<Vec<u8>>,
-    /// The delimiter that is put between a stamp and its line, where stamps have lines of their own.
+    /// The delimiter to put between a stamp and the next line; `None` if stamps have no lines of their own.
     stamps: Option<u8>,
-    /// The marks that are erased.
+    /// The marks to erase from the lines.
     marks: Marks,
 }
 
@@ -100,7 +101,7 @@ impl<'a> Blocks<'a> {
         self.spare.extend(blocks.into_iter().map(|block| block.buffer));
     }
 
-    /// The next block; `None` behind the last.
+    /// The next block; `None` after the last one.
     pub fn next(&mut self) -> Result<Option<Block>, InputError> {
         if self.ended {
             return Ok(None);

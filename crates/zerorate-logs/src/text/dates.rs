@@ -1,4 +1,4 @@
-//! Dates and times of day as people and programs write them.
+//! Parses dates and times of day, as people and programs write them.
 
 use jiff::civil::{Date, DateTime};
 use jiff::tz::TimeZone;
@@ -36,7 +36,7 @@ const TIMES: f64 = 0.95;
 const FALLS: f64 = 0.01;
 
 impl DateColumn {
-    /// Reads the first cells of a column.
+    /// Learns the format of a column from its first cells.
     pub fn of<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
         let decided = cells.clone().find_map(order_of);
         let order = decided.or_else(|| cells.clone().find_map(dotted).map(|_| DateOrder::DayFirst));
@@ -57,7 +57,7 @@ impl DateColumn {
     }
 }
 
-/// The place of the fraction of a second in a time.
+/// The range of the digits of the fraction of a second in a time.
 fn fraction(cell: &str) -> Option<Range<usize>> {
     let colon = cell.find(':')?;
     let rest = &cell[colon..];

@@ -1,4 +1,4 @@
-//! The start of a text: lines printed before the data, a header of one line or two, and the layout of the rows.
+//! Reads the start of a text: lines printed before the data, a header of one or two lines, and the layout of the rows.
 
 use super::super::number::{Number, Numerals};
 use super::axes_in_name;
@@ -38,11 +38,11 @@ pub struct Head {
     pub lines: u64,
     /// The number of lines before the first row that are neither header nor comment, and the first of them.
     pub skipped: Option<(usize, String)>,
-    /// The sentence that is read, such as `$VNYMR`, in a log of sentences.
+    /// The type of the sentences that are read, such as `$VNYMR`; `None` in a log without sentences.
     pub sentence: Option<String>,
-    /// The delimiter of the lines between stamps, where stamps have lines of their own.
+    /// The delimiter of the lines between stamps; `None` if stamps have no lines of their own.
     pub stamps: Option<u8>,
-    /// The marks between the cells that are erased.
+    /// The marks to erase between the cells.
     pub marks: Marks,
     /// The decimal mark, if the first lines of the text show it.
     pub decimal: Option<Decimal>,
@@ -64,7 +64,7 @@ pub enum Open {
     Nothing,
     /// The header has one name less than the rows have cells.
     OneNameLess,
-    /// Two columns of integers without names, or one with decimal commas.
+    /// The rows may be two columns of integers without names, or one column with decimal commas.
     TwoOrDecimals,
 }
 
@@ -138,7 +138,7 @@ impl Head {
         Ok(head)
     }
 
-    /// Reads the scales from the lines above the data that are not a header.
+    /// Reads scales from the lines above the data that are not a header, and counts these lines as skipped.
     fn skip(&mut self, skipped: &[Numbered<'_>], comments: &[&str]) {
         let lines = skipped.iter().map(|(_, line)| *line).chain(comments.iter().copied());
         self.scales = Scales::of(lines, &self.names);
@@ -215,7 +215,8 @@ impl Head {
         names.map_or(above.len(), |names| names + 1)
     }
 
-    /// True if the columns are those of `ros2 topic echo --csv` of a `sensor_msgs/Imu`: numbers, and the frame.
+    /// True if the columns are those of `ros2 topic echo --csv` of a `sensor_msgs/Imu`: numbers, apart from the frame
+    /// name.
     fn are_of_ros(&self) -> bool {
         let is_expected = |(at, is_numeric): (usize, &bool)| *is_numeric == (at != FRAME);
         self.delimiter == Delimiter::Comma
@@ -303,7 +304,7 @@ fn check_line_ends(path: &Path, text: &str) -> Result<(), InputError> {
     Ok(())
 }
 
-/// The place of the frame among the fields of a `sensor_msgs/Imu`.
+/// The index of the frame name among the fields of a `sensor_msgs/Imu`.
 const FRAME: usize = 2;
 
 /// The fields of a `sensor_msgs/Imu` in their order.
@@ -432,7 +433,7 @@ fn is_numbered(row: &[&str]) -> bool {
     row.len() > 1 && row[0].is_empty() && row[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at))
 }
 
-/// True if a cell begins as only the decimals of a number do: `05`, of a `0,05` that was cut.
+/// True if a cell may be the decimals of a number that was cut at its comma: `05` of `0,05`.
 fn is_rest_of_number(cell: &str) -> bool {
     cell.len() > 1 && cell.starts_with('0') && cell.bytes().all(|byte| byte.is_ascii_digit())
 }

@@ -1,12 +1,12 @@
-//! Lines that are JSON objects, one for each sample: `{"t_ms":10,"gyro":{"x":0.5,"y":0.25}}`. The names of the values
-//! are replaced by blanks, so that cells remain.
+//! Reads lines that are JSON objects, one for each sample: `{"t_ms":10,"gyro":{"x":0.5,"y":0.25}}`. The names of the
+//! values are replaced by blanks, so that cells remain.
 
 use std::ops::Range;
 
 /// Deepest nesting that is read.
 const DEEPEST: usize = 8;
 
-/// A value with the names that lead to it: `gyro.x`.
+/// The name of a value, made of the names that lead to it (`gyro.x`), and the place of the value in the line.
 type Named = (String, Range<usize>);
 
 /// The names of the values, if the line is an object.
@@ -14,8 +14,8 @@ pub fn names(line: &str) -> Option<Vec<String>> {
     Some(values(line.as_bytes())?.into_iter().map(|(name, _)| name).collect())
 }
 
-/// Erases an object except its values, and puts commas between them. Erases a line that is only a bracket of an array.
-/// Does not change other lines, or objects with other names.
+/// Erases an object except its values, and puts commas between the values. Erases a line that is only a bracket of an
+/// array. Does not change other lines, or objects with other names.
 pub fn erase(line: &mut [u8], names: &[String]) {
     if matches!(line.trim_ascii(), b"[" | b"]") {
         line.fill(b' ');
@@ -30,7 +30,7 @@ pub fn erase(line: &mut [u8], names: &[String]) {
     values[..values.len() - 1].iter().for_each(|(_, place)| line[place.end] = b',');
 }
 
-/// The values of an object, in order.
+/// The values of an object, in order; `None` if the line is not an object.
 fn values(line: &[u8]) -> Option<Vec<Named>> {
     // a client of MQTT writes the topic in front
     let at = line.iter().position(|byte| *byte == b'{')?;
@@ -106,7 +106,7 @@ impl Reading<'_> {
         (self.next()? == b':').then_some(name)
     }
 
-    /// Reads over a string without escapes.
+    /// Skips a string; `None` if the string contains an escape.
     fn string(&mut self) -> Option<()> {
         let rest = self.line.get(self.at..)?.strip_prefix(b"\"")?;
         let end = rest.iter().position(|byte| matches!(byte, b'"' | b'\\'))?;

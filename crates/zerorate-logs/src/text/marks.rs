@@ -1,5 +1,5 @@
-//! Marks that a serial monitor, a logger or a sketch writes between the numbers: an arrow behind the time of a line,
-//! and a label in front of each value. Blanks replace them before lines are cut into cells.
+//! Erases marks that a serial monitor, a logger or a sketch writes between the numbers: an arrow behind the time of a
+//! line, and a label in front of each value. Blanks replace the marks before lines are cut into cells.
 
 use super::json_lines;
 use super::stamp::{Stamp, is_value, preamble, without_colours};
@@ -8,23 +8,23 @@ use std::ops::Range;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{Quantity, TimeUnit};
 
-/// The number of lines that are examined, and the fewest that show a mark.
+/// Number of lines that are examined, and least number of lines that must show a mark.
 const LINES: usize = 1000;
 const FEWEST: usize = 3;
 
 /// The marks in most lines of a text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
-    /// True if the lines have the colours of a terminal.
+    /// True if the lines contain colour codes of a terminal.
     colours: bool,
-    /// The delimiter that replaces what stands behind the time of a line, and the name of the column of times:
-    /// `15:23:45.000 -> 0.5,0.25`.
+    /// The delimiter that replaces the text behind the time of a line, and the name of the column of times. An example
+    /// of such a text is the arrow in `15:23:45.000 -> 0.5,0.25`.
     stamp: Option<(Delimiter, &'static str)>,
     /// The labels of the values, in order, and the delimiter behind values: `gx:0.5,gy:0.25` or `gx=0.5 gy=0.25`.
     labels: Option<(Delimiter, Vec<String>)>,
     /// The words in front of all values of a row: `Raw:` in `Raw:1,2,3`.
     words: Option<String>,
-    /// True if rows stand in brackets: `(0.5, 0.25)`.
+    /// True if rows are in brackets: `(0.5, 0.25)`.
     brackets: bool,
     /// The names of the values, if lines are JSON objects.
     json: Option<Vec<String>>,
@@ -166,12 +166,12 @@ fn are_in_brackets(line: &str) -> bool {
     line.len() > 1 && line.starts_with(['(', '[']) && line.ends_with([')', ']'])
 }
 
-/// True if a line holds values, and is not a message that a board prints when it starts.
+/// True if a line holds values. Messages that a board prints when it starts do not.
 fn has_cells(line: &str, delimiter: Delimiter) -> bool {
     delimiter.byte().is_none_or(|byte| line.contains(char::from(byte))) || is_value(line)
 }
 
-/// The place of a label, and that of the unit behind its value, which may be empty.
+/// The place of a label, and the place of the unit behind the value, which may be empty.
 struct Label {
     name: Range<usize>,
     unit: Range<usize>,
@@ -217,7 +217,7 @@ fn is_unit(word: &str) -> bool {
     Quantity::of_column(&named).is_some() || TimeUnit::of_column(&named).is_some()
 }
 
-/// The most frequent item, and how often it comes.
+/// The most frequent item, and how often it occurs.
 fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
     let mut counts: Vec<(T, usize)> = Vec::new();
     for one in all {
@@ -233,7 +233,7 @@ fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
 mod tests {
     use super::*;
 
-    /// Erases arrows and labels from a text that repeats `line`. Returns the names in the labels, and a line of cells.
+    /// Erases marks from a text that repeats `line`. Returns the names in the labels, and a line of cells.
     fn erased(line: &str) -> (Option<Vec<String>>, String) {
         let mut bytes = format!("ready\n{line}\n{line}\n{line}\n{line}").into_bytes();
         let marks = Marks::of(std::str::from_utf8(&bytes).unwrap());
