@@ -1,4 +1,4 @@
-//! The names of columns with times.
+//! Recognises columns of times by their names.
 
 use zerorate_input::TimeUnit;
 
@@ -97,7 +97,7 @@ pub fn is_step(name: &str) -> bool {
     matches!(stem, "dt" | "deltat" | "Δt" | "δt") || name.starts_with("delta_t") || name.starts_with("time_step")
 }
 
-/// A stamp may be split: its whole seconds stand in column `seconds`, and the rest in column `name`. Returns the
+/// A stamp may be split: its whole seconds are in column `seconds`, and the rest is in column `name`. Returns the
 /// number of seconds in one unit of the rest: 1e-9 for `stamp.nsecs` beside `stamp.secs`, 1e-3 for `millisecond`
 /// beside `second`. `None` if the columns are not such a pair.
 pub fn fraction_s(name: &str, seconds: &str) -> Option<f64> {

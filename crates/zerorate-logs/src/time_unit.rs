@@ -114,7 +114,7 @@ fn short(number: f64) -> String {
     if (1e-3..1e7).contains(&number) { format!("{number:.3}") } else { format!("{number:.1e}") }
 }
 
-/// The next finer unit, if rows come rather slowly in a unit that only a name states.
+/// The next finer unit, if rows come slower than [`SLOW_HZ`] in a unit that only the name of the column states.
 fn finer(unit: TimeUnit, rate_hz: f64) -> Option<TimeUnit> {
     match unit {
         TimeUnit::Ms if rate_hz < SLOW_HZ => Some(TimeUnit::Us),
@@ -142,7 +142,7 @@ fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
 mod tests {
     use super::*;
 
-    /// 8000 Hz in µs would be 8 Hz in ms, and 100 Hz in ms is nothing else.
+    /// 0.008 rows per unit are 8 Hz in ms or 8000 Hz in µs. 0.1 rows per unit are a rate of an IMU in ms only.
     #[test]
     fn another_unit_may_fit_as_well() {
         assert_eq!((usual(0.008), other(0.008, TimeUnit::Ms)), (Some(TimeUnit::Ms), Some(TimeUnit::Us)));

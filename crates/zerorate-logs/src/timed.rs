@@ -1,4 +1,4 @@
-//! Columns as they stand in a log, with the time of each row.
+//! Reads columns of a log together with the time of each row.
 
 use crate::choice::ColumnSelection;
 use crate::choice::ColumnSpec;
@@ -14,7 +14,7 @@ use std::path::Path;
 use zerorate_allan::Gap;
 use zerorate_input::{Input, Quantity};
 
-/// Columns as they stand in a log: no unit is applied, and nothing is filled in.
+/// Columns as they are in a log, with the time of each row: no unit is applied, and nothing is filled in.
 pub struct TimedColumns {
     /// The columns, in the order in which they were asked for.
     pub columns: Vec<TimedColumn>,
@@ -32,14 +32,14 @@ pub struct TimedColumn {
     pub name: String,
     /// The value of each row, NaN for an empty row.
     pub values: Vec<f64>,
-    /// The quantity and the size of a step of 1 in the unit of its results, where the form of the log states them.
+    /// The quantity, and the size of a step of 1 in the unit of results, if the format of the log states them.
     pub stated: Option<(Quantity, f64)>,
     /// Warnings about this column alone.
     pub warnings: Vec<LogWarning>,
 }
 
-/// Reads the columns that `specs` describe, in one pass over the file; `path` names it in messages. Where neither time
-/// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
+/// Reads the columns that `specs` describe, in one pass over the file; `path` names the file in messages. If neither
+/// time column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, it lacks a column or the time, or its times do not increase.

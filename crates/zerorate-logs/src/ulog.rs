@@ -1,5 +1,6 @@
-//! Logs of PX4 in ULog (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>): formats that name the fields of
-//! messages, subscriptions that name topics, and data. Times are µs since the start of the flight controller.
+//! Reads PX4 logs in ULog format (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>). A log holds formats
+//! that name the fields of messages, subscriptions that name topics, and data. Times are µs since the start of the
+//! flight controller.
 
 use super::clock::Times;
 use super::open::{Log, ULOG};
@@ -20,7 +21,7 @@ use zerorate_input::{Input, InputError, InputWarning, Quantity, TimeUnit, Unit};
 /// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Size of the file header in bytes: the mark, a version and a time.
+/// Size of the file header in bytes: the magic number, a version and a time.
 const HEAD: usize = 16;
 
 /// Number of rows between two checks of the memory limit.
@@ -51,7 +52,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let mut messages = Messages::new(path, BufReader::with_capacity(BUFFER, input))?;
     let mut topics = Topics::default();
     let (mut pending, mut of_end) = (None, None);
-    // formats and subscriptions of what is logged from the start stand before all data; others follow anywhere
+    // most formats and subscriptions are before all data, but others may follow anywhere, so all messages are read
     let all = messages.all(&mut of_end, |kind, body| topics.take(kind, body).is_some())?;
     let chosen = topics.choose(path, asked)?;
     let mut times = Times::new();
@@ -100,7 +101,7 @@ fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     (topic.starts_with("sensor_") && field == "temperature").then_some((Quantity::Temperature, 1.0))
 }
 
-/// The name of the field that a description means. A name that is not exact is that of a field of `sensor_gyro`.
+/// The name of the field that a description means. A name that is not exact means a field of `sensor_gyro`.
 fn of_driver(column: &ColumnSpec) -> String {
     match (column.is_exact, column.name.as_str()) {
         (true, name) => name.to_owned(),
@@ -326,7 +327,7 @@ impl Topics {
         self.chosen(path, &topic, id, found.into_iter().map(|(_, _, field)| field).collect())
     }
 
-    /// The chosen fields, with the time of the sensor's reading or, where that is not logged, the time of the message.
+    /// The chosen fields, with the time of the sensor's reading or, if that is not logged, the time of the message.
     fn chosen(&self, path: &Path, topic: &str, id: u16, fields: Vec<(String, Field)>) -> Result<Chosen> {
         let all = self.fields(id).unwrap_or_default();
         let named = |name: &str| all.iter().find(|field| field.name == name).cloned();
@@ -335,7 +336,7 @@ impl Topics {
         Ok(Chosen { id, topic: topic.to_owned(), time, fields })
     }
 
-    /// The error if no topic was chosen, or none with an IMU.
+    /// The error for a request that selects no topic with an IMU.
     fn several(&self, path: &Path, asked: &ColumnQuery<'_>) -> LogError {
         let mut survey = Survey::default();
         for (topic, id) in self.names() {
@@ -348,7 +349,7 @@ impl Topics {
         several(path, asked, &survey)
     }
 
-    /// Lists the readings of IMUs; any other field can be asked for as well.
+    /// Lists the readings of IMUs. A request may name any other field as well.
     fn offered(&self) -> String {
         let of_topic = |(topic, id): (&String, &u16)| {
             let fields = self.fields(*id).unwrap_or_default().into_iter();
@@ -364,7 +365,7 @@ impl Topics {
 }
 
 impl Kind {
-    /// Looks up a basic type: the kind of number, if it is one, and the size in bytes.
+    /// Looks up a basic type. Returns the kind of number, or `None` for `bool` and `char`, and the size in bytes.
     fn of(name: &str) -> Option<(Option<Self>, usize)> {
         Some(match name {
             "int8_t" => (Some(Self::Signed(1)), 1),

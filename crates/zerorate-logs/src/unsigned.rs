@@ -8,13 +8,14 @@ use std::path::Path;
 /// The usual widths of codes, bits.
 const WIDTHS: [i32; 7] = [12, 14, 16, 18, 20, 24, 32];
 
-/// The share of the range at each end in which codes that wrapped around lie: a sensor at rest is near zero.
+/// Codes that wrapped around lie within this share of the range from either end, because a sensor at rest is near
+/// zero.
 const END: f64 = 0.125;
 
 /// Largest share of the samples between the two ends of the range.
 const BETWEEN: f64 = 0.001;
 
-/// Largest hole around zero: this share of the spread of the samples, and this many codes more. Noise has no hole.
+/// Largest hole around zero: this share of the spread of the samples, plus this number of codes. Noise has no hole.
 const HOLE: f64 = 0.25;
 const HOLE_CODES: f64 = 2.0;
 
@@ -28,8 +29,8 @@ pub fn unwrap(series: &mut Series) -> Option<i32> {
     Some(bits)
 }
 
-/// Gives the codes of a column their sign if they all lie at the upper end of the range of another column, whose codes
-/// wrapped around: the column is always negative.
+/// Gives the codes of a column their sign if another column has codes that wrapped around, and all codes of this
+/// column lie at the upper end of the same range. Such a column is always negative.
 pub fn unwrap_others(path: &Path, columns: &mut [Column]) {
     let wrapped = |column: &Column| {
         column.warnings.iter().find_map(|warning| match warning {
@@ -63,7 +64,7 @@ fn sign(series: &mut Series, bits: i32) {
     }
 }
 
-/// The width of codes that wrapped around zero.
+/// The width in bits of codes that wrapped around zero; `None` if the codes did not wrap.
 fn bits<I: Iterator<Item = f64>>(codes: impl Fn() -> I) -> Option<i32> {
     if codes().any(|code| code < 0.0 || code.fract() != 0.0) {
         return None;

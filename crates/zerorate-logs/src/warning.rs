@@ -12,7 +12,7 @@ use zerorate_input::InputWarning;
 pub enum LogWarning {
     /// A warning about the end of the file.
     File(InputWarning),
-    /// A warning of a table that describes itself.
+    /// A warning that a table that describes itself states.
     OfTable { code: &'static str, text: String },
     /// A warning about a column of a table that describes itself.
     OfReadings { path: String, code: &'static str, text: String },
@@ -26,7 +26,7 @@ pub enum LogWarning {
     Stopped { path: String, column: String, same: usize, len: usize },
     /// Samples of a column are equal from `from_s` seconds on, and change again later.
     Hung { path: String, column: String, same: usize, len: usize, from_s: f64 },
-    /// Rows were put in order, as the text says.
+    /// Irregular times were repaired, as the text says.
     TimesRepaired { path: String, column: String, how: String },
     /// The stamps deviate from an even clock, as the text says.
     TimesJitter { path: String, how: String },
@@ -42,7 +42,7 @@ pub enum LogWarning {
     LinesBroken(String),
     /// The samples of a column are not all measured, as the text says.
     Resampled { path: String, column: String, how: String },
-    /// Codes of a column, of so many bits, were written without their sign, and got it again.
+    /// Codes of a column, `bits` bits wide, were written without their sign, and are read with it.
     CodesUnsigned { path: String, column: String, bits: i32 },
     /// This line above the data states a scale that is not used.
     ScaleUnused { path: String, line: String },
@@ -52,7 +52,7 @@ pub enum LogWarning {
     RateTaken { path: String, name: String, rate_hz: f64 },
     /// The rate that was given is not the rate of the stamps.
     RateContradicts { path: String, given_hz: f64, stamps_hz: f64 },
-    /// Samples of a column stand at a limit, as the text says.
+    /// Samples of a column are at a limit, as the text says.
     Clipped { path: String, column: String, how: String },
     /// The steps of a column are larger than its noise, as the text says.
     CoarseCodes { path: String, column: String, how: String },
@@ -66,7 +66,7 @@ pub enum LogWarning {
     NoNumbers { path: String, names: String },
     /// These columns are 0 in every row.
     BlanksLeftOut { path: String, names: String },
-    /// Samples are missing.
+    /// Samples are missing. `are_closed` is true if the gaps were closed up.
     Gaps { path: String, missing: u64, among: usize, are_closed: bool },
     /// A record differs from the others by more than chance, as the text says.
     NotAlike(String),
@@ -172,7 +172,7 @@ impl LogWarning {
         Self::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
     }
 
-    /// The warning with this text about damage to the file; empty without a text.
+    /// The warning about damage to the file with this text; no warning without a text.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }

@@ -28,7 +28,7 @@ pub fn narrowed(path: &Path, mut input: Input, room: MemoryBudget) -> Result<Inp
     (&mut input).take(16).read_to_end(&mut start).map_err(failed)?;
     input.rewind().map_err(failed)?;
     let Some(is_big) = order(&start) else { return Ok(input) };
-    // two bytes of UTF-16 become at most three of UTF-8
+    // two bytes of UTF-16 become at most three bytes of UTF-8, so twice the length is enough
     let length = input.length().map_err(failed)?;
     room.check_on_disk(length.saturating_mul(2)).map_err(|why| InputError::over_budget(path, why))?;
     let again = input.try_clone().map_err(failed)?;

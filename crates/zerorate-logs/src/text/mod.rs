@@ -1,4 +1,4 @@
-//! Columns of delimited text, with or without a header.
+//! Reads columns of delimited text, with or without a header.
 
 mod axes_in_name;
 mod blocks;
@@ -80,7 +80,7 @@ pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQue
     Ok(found)
 }
 
-/// Reads the head of the text, and the whole text where the head leaves a question open.
+/// Reads the head of the text, and the whole text if the head leaves a question open.
 fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head> {
     let failed = |error| InputError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
@@ -109,7 +109,7 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
     Ok(head)
 }
 
-/// Adds the time column that the header of the file names, unless the options give a rate or a time column.
+/// Adds the time column whose step the header of the file states, unless the options give a rate or a time column.
 fn timed<'a>(args: &'a ColumnOptions, head: &Head) -> Cow<'a, ColumnOptions> {
     match head.scales.time().filter(|_| args.rate.is_none() && args.time_column.is_none()) {
         Some(time) => Cow::Owned(ColumnOptions { time_column: Some(time.to_owned()), ..args.clone() }),
@@ -117,7 +117,7 @@ fn timed<'a>(args: &'a ColumnOptions, head: &Head) -> Cow<'a, ColumnOptions> {
     }
 }
 
-/// Columns of a text being read.
+/// The wanted columns of a text while their rows are added.
 struct TextColumns<'a> {
     cut: &'a Cut<'a>,
     columns: Vec<SeriesBuilder>,

@@ -15,7 +15,7 @@ use zerorate_allan::SettingName;
 use zerorate_input::InputError;
 use zerorate_input::delimited::Delimiter;
 
-/// Largest length of a byte in hexadecimal digits: `0x68`.
+/// Number of characters of a byte in hexadecimal digits, as in `0x68`.
 const BYTE: usize = 4;
 
 /// The places of the wanted cells in each line of a file.
@@ -34,7 +34,7 @@ pub struct Cut<'a> {
     pub names: Vec<String>,
     /// Number of lines at the start that are not data.
     pub head: u64,
-    /// The sentence that is read, as in [`Head`].
+    /// The type of the sentences that are read, as in [`Head`].
     pub sentence: Option<String>,
     /// Number of cells in front of the first column: 1 for an index without a name, otherwise 0.
     shift: usize,
@@ -44,7 +44,7 @@ pub struct Cut<'a> {
     pub only: Vec<(usize, String)>,
 }
 
-/// What was read from a block of lines.
+/// The content of a block of lines.
 pub struct Piece {
     /// The numbers of each wanted cell, NaN where one is missing, and whether all of them are codes.
     pub columns: Vec<(Vec<f64>, bool)>,
@@ -62,7 +62,7 @@ pub struct Piece {
     pub fatal: Option<Wrong>,
     /// The error in the last line, which lacks its end.
     pub cut: Option<Wrong>,
-    /// What the block shows about the decimal mark.
+    /// The decimal mark that the block shows, or an ambiguous cell.
     pub numerals: Numerals,
     /// The first rows in all columns, if it is the first piece.
     pub sample: Vec<Sampled>,
@@ -187,7 +187,7 @@ impl<'t> Reading<'_, 't> {
         if width > self.cut.width || is_half {
             return Err(format!("it has {width} cells, and the others have {}", self.cut.width));
         }
-        // of sensors beside each other in a table, another may have more rows than this one
+        // in a table of several sensors side by side, another sensor may have more rows than this one
         if self.cut.time.is_some_and(|time| self.cells[time].is_empty())
             && self.cells.iter().all(|cell| cell.is_empty())
         {

@@ -1,5 +1,5 @@
-//! Scales in the lines above the data. Scales of Gyroflow's logs (.gcsv) and the time of LabVIEW's logs (.lvm) are
-//! used, and other scales are reported.
+//! Reads scales in the lines above the data. The scales of Gyroflow's logs (.gcsv) and the time of LabVIEW's logs
+//! (.lvm) are used, and other scales are reported.
 
 use crate::clock::Times;
 use zerorate_input::TimeUnit;

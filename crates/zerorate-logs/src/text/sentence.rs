@@ -1,5 +1,5 @@
-//! Sentences of a serial line: `$VNYMR,+073.2,…,+00.000043*68`. The exclusive or of the bytes between `$` and `*`
-//! follows in two hexadecimal digits (NMEA 0183), or their CRC-16 in four (VectorNav).
+//! Reads sentences of a serial line: `$VNYMR,+073.2,…,+00.000043*68`. The two hexadecimal digits behind `*` are the
+//! exclusive or of the bytes between `$` and `*` (NMEA 0183). Four digits are the CRC-16 of these bytes (VectorNav).
 
 use crc::{CRC_16_XMODEM, Crc};
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ pub fn without_end(line: &str) -> &str {
     line.strip_suffix(';').filter(|rest| !rest.contains(';') && are_cells(rest)).unwrap_or(line)
 }
 
-/// Removes what [`without_end`] removes, and verifies the checksum. `Err` if it is wrong.
+/// Removes the same parts as [`without_end`], and verifies the checksum. Returns an error if the checksum is wrong.
 pub fn checked(line: &str) -> Result<&str, String> {
     let Some((body, stated)) = parts(line) else { return Ok(without_end(line)) };
     let found = match stated.len() {

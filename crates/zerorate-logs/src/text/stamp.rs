@@ -1,17 +1,17 @@
-//! The time that a serial monitor or a logger writes in front of each line, and the words behind it.
+//! Finds the time that a serial monitor or a logger writes in front of each line, and the words behind the time.
 
 use super::dates::{self, DateFormat};
 use std::ops::Range;
 use zerorate_input::delimited::Delimiter;
 
-/// What serial monitors write behind the time of a line: Arduino's, PlatformIO's, and Tera Term's, which puts the time
-/// in brackets.
+/// The texts that serial monitors write behind the time of a line: those of Arduino, PlatformIO, and Tera Term, which
+/// puts the time in brackets.
 const ARROWS: [&str; 3] = [" -> ", " > ", "] "];
 
 /// An arrow must begin before this byte of a line, and words in front of the values must end before it.
 const LONGEST: usize = 60;
 
-/// Fewest digits behind the point of seconds in brackets, as the Linux kernel and ROS write them.
+/// Least number of decimals of seconds in brackets, as the Linux kernel and ROS write them.
 const DECIMALS: usize = 3;
 
 /// The time in front of a line.
@@ -68,7 +68,7 @@ impl Stamp {
     }
 
     /// A date with a time of day, or a time of day, in front of words: `2026-03-01 12:00:00,125 - INFO - `. A date
-    /// without a year, as in Android's logs, is left out.
+    /// without a year, as in Android's logs, is not part of the result.
     fn of_logger(line: &str) -> Option<(Range<usize>, usize)> {
         let mut blanks = line.match_indices(' ').map(|(at, _)| at);
         let (first, second) = (blanks.next()?, blanks.next().unwrap_or(line.len()));

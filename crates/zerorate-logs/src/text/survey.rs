@@ -13,7 +13,7 @@ use std::path::Path;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{Input, InputError};
 
-/// What the rows of a whole text show.
+/// The facts that the rows of a whole text show.
 struct Survey {
     rows: u64,
     /// True if the first cell counts the rows, from 0 or from 1.

@@ -194,7 +194,7 @@ fn names_above_units() {
     assert!(column.warnings.is_empty(), "{:?}", column.warnings);
 }
 
-/// The lines that a board prints while it starts, and lines that a cable broke.
+/// Lines that a board prints while it starts, and lines that a bad cable corrupted.
 #[test]
 fn a_serial_log() {
     let mut lines: Vec<String> = (0..2000).map(|row| format!("{},{}.5,-3", row * 10, row % 7)).collect();
@@ -269,7 +269,7 @@ fn sentences_are_checked_and_lose_their_checksum() {
     let column = read(&text, "--column 12 --rate 40 --unit rad/s");
     assert_eq!((column.series.len(), numbers(&column)[0]), (120, -0.001_017));
     assert!(column.warnings.is_empty(), "{:?}", column.warnings);
-    // a bit that a cable flips costs a sample
+    // a line in which a bit was flipped is a missing sample
     let flipped = text.replacen("-00.001017", "-00.001016", 1);
     let column = read(&flipped, "--column 12 --rate 40 --unit rad/s");
     assert_eq!((column.series.len(), there(&column)[0]), (120, None));
