@@ -1,9 +1,8 @@
 //! `cargo xtask ci`: the gate that every change must pass.
 //!
 //! Everything is built once, in one profile and with one set of features (`xtask::app::WHOLE`): `test` builds it, and
-//! the program, the lab, the wheel and the book of the later steps use that build. Steps with random samples, with
-//! checks that depend on the date, or with a Linux kernel belong to `cargo xtask night`. Each step must pass on a busy
-//! machine.
+//! the program, the lab, the wheel and the book of the later steps use that build. Random samples, checks that depend
+//! on the date, and tests with a Linux kernel belong to `cargo xtask night`. Each step must pass on a busy machine.
 
 use crate::steps::{self, Pace, Step};
 use crate::{check, test};

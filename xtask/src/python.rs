@@ -118,8 +118,7 @@ fn notebook(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["--nbmake", "examples"])
 }
 
-/// Compares the package with allantools, and runs allantools' own tests on it. The source of allantools stays in
-/// `target/`.
+/// Compares the package with allantools, and runs allantools' own tests on it. Their source stays in `target/`.
 fn allantools(wheel: &Wheel) -> Result<()> {
     let python = &night(wheel)?;
     pytest(python, PACKAGE, &["-m", "allantools"])?;

@@ -176,8 +176,7 @@ fn embed() -> Result<()> {
     Ok(())
 }
 
-/// True for files that only a static site needs: modules of a session in the page, and files for use without a
-/// network.
+/// True for files that only a static site needs: modules of a session in the page, and files for offline use.
 fn is_static_only(name: &str) -> bool {
     let is_session = ["first", "live", "replay"].iter().any(|of| name == format!("zerorate_{of}_bg.wasm"));
     is_session || matches!(name, "home.json" | "sw.js" | "live.js")

@@ -1,5 +1,4 @@
-//! Reads Arrow IPC streams, the format of zerorate's recordings. If a stream is cut off, all whole batches stay
-//! readable.
+//! Reads Arrow IPC streams, the format of recordings. All whole batches stay readable if a stream is cut off.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::MemoryBudget;
@@ -52,8 +51,8 @@ impl StreamReader {
         Ok(Self { path: path.to_owned(), messages, decoder, rest, len, room, stated: Stated::new(schema) })
     }
 
-    /// Decodes a whole message that starts at byte `start`. Returns `None` if the message is the end statement or
-    /// holds no batch.
+    /// Decodes the message that starts at byte `start`. Returns `None` for the end statement or a message without
+    /// batch.
     fn decode(&mut self, start: u64, bytes: MessageBytes) -> Result<Option<RecordBatch>, InputError> {
         let damaged = |what: String| InputError::damaged(&self.path, format!("byte {start}"), what);
         if self.stated.end.is_some() {

@@ -170,8 +170,8 @@ impl Input {
         Ok(None)
     }
 
-    /// Returns the bytes that `fill` writes as a new input. They are in a nameless temporary file if this input is a
-    /// file, otherwise in memory.
+    /// Returns the bytes that `fill` writes, in a nameless temporary file if this input is a file, otherwise in
+    /// memory.
     pub fn unpacked<E: From<io::Error>>(
         &self,
         fill: impl FnOnce(&mut dyn io::Write) -> Result<(), E>,

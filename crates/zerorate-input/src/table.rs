@@ -65,8 +65,7 @@ pub trait BatchSource {
     /// the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
-    /// True if checks may be missing because common software rewrote the file: it keeps the description but drops
-    /// checks.
+    /// True if common software may have dropped the checks: it keeps the description when it rewrites such a file.
     fn may_be_stripped(&self) -> bool {
         true
     }

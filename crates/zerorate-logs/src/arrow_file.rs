@@ -1,5 +1,4 @@
-//! Reads Arrow files, also called Feather: a stream between two magic numbers. The index behind the stream is not
-//! needed.
+//! Reads Arrow files, also called Feather: a stream between two magic numbers, and an index, which is not needed.
 //!
 //! The messages are split by [`Messages`], as in a capture, because the library's own file reader trusts the lengths
 //! and offsets in a file.

@@ -16,8 +16,7 @@ fn read(bytes: &[u8], said: &str) -> Result<Read> {
     Ok((columns.iter().map(|column| (column.name.clone(), bits(column))).collect(), rate, notes))
 }
 
-/// Flips bits spread over `places`, one at a time. Returns the flips that change the result without an error or a
-/// warning.
+/// Flips single bits, spread over `places`. Returns the flips that change the result without an error or a warning.
 fn silent(whole: &[u8], said: &str, places: std::ops::Range<usize>) -> Vec<(usize, u32)> {
     let (columns, rate, notes) = read(whole, said).unwrap();
     let flips = std::env::var("ZERORATE_FLIPS").ok().and_then(|flips| flips.parse().ok()).unwrap_or(FLIPS);

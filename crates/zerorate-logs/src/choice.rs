@@ -88,8 +88,7 @@ pub struct Choice {
 }
 
 impl Columns<'_> {
-    /// Chooses the wanted columns. If the request names none, columns in `default`, such as the rates of a capture,
-    /// have precedence over all others.
+    /// Chooses the wanted columns. If the request names none, columns in `default` have precedence over all others.
     pub fn choose(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
         let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
@@ -216,9 +215,8 @@ impl Columns<'_> {
         Err(LogError::Merged { question, groups, has_own_times: true })
     }
 
-    /// The only column outside `values` whose name states a unit of time, or the seconds of a timestamp that is split
-    /// into two columns. A column whose name is a unit alone, such as `ms`, counts only if no other column is called a
-    /// time.
+    /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns. A
+    /// column whose name is a unit alone, such as `ms`, counts only if no other column is called a time.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];

@@ -40,9 +40,8 @@ const NEAR: f64 = 1.75;
 /// between them. The standard deviation of such a median is a fifth of the jitter.
 const AROUND: usize = 32;
 
-/// Limits that tell a clock that counts in steps from a sensor that loses single samples: the least number of blocks
-/// of rows, the mean number of losses in a block, and the least share of neighbouring blocks whose numbers of losses
-/// differ by at most one.
+/// Limits that tell a clock that counts in steps from a sensor that loses single samples: the fewest blocks of rows,
+/// the mean number of losses in a block, and the share of neighbouring blocks whose losses differ by one at most.
 const FEWEST_BLOCKS: usize = 8;
 const IN_A_BLOCK: usize = 8;
 const EVEN_BLOCKS: f64 = 0.9;
@@ -163,8 +162,8 @@ impl Times {
         self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
     }
 
-    /// The rate and the gaps. Returns an error if the clock is too uneven to determine both. `names` are the names of
-    /// the options, for messages.
+    /// The rate and the gaps, or an error if the clock is too uneven for both. `names` are the names of options in
+    /// messages.
     pub fn time_base(&self, unit: TimeUnit, names: Names) -> Result<TimeBase, String> {
         let rate = names.of(Setting::Rate);
         let interval = self.interval();
@@ -220,8 +219,7 @@ impl Times {
         (1.0 / steps_per_sample / 12f64.sqrt(), gaps, steps)
     }
 
-    /// The usual interval: the mean of the intervals near the median. This mean is exact even if timestamps are
-    /// rounded.
+    /// The usual interval: the mean of the intervals near the median. This mean is exact also for rounded timestamps.
     pub fn interval(&self) -> Option<f64> {
         let mut intervals: Vec<f64> = self.intervals().filter(|interval| *interval > 0.0).collect();
         let middle = intervals.len().checked_sub(1)? / 2;
@@ -234,9 +232,9 @@ impl Times {
         self.since_first.windows(2).map(|pair| pair[1] - pair[0])
     }
 
-    /// Jitter, gaps and number of intervals of a clock whose single rows may be as late as a missing sample would make
-    /// them. A late row stands alone. Behind a missing sample all rows are later, which the median delays of the
-    /// neighbouring rows show.
+    /// Jitter, gaps and number of intervals of a clock whose rows may be as late as a missing sample would make them.
+    /// A late row stands alone. Behind a missing sample all rows are later, which median delays of neighbouring rows
+    /// show.
     fn among_late_rows(&self) -> (f64, Vec<Gap>, u64) {
         let times = &self.since_first;
         let span = AROUND.min(times.len() / 2).max(1);
@@ -361,8 +359,7 @@ pub struct TimeBase {
     pub gaps: Vec<Gap>,
     /// Root mean square deviation of the timestamps from an even clock, in intervals.
     pub jitter: f64,
-    /// For a clock that counts in steps: the rate, Hz, if its double steps are lost samples instead. `None` for other
-    /// clocks.
+    /// The rate, Hz, if the double steps of a clock that counts in steps are lost samples. `None` for other clocks.
     pub as_losses: Option<f64>,
 }
 

@@ -28,8 +28,7 @@ pub struct Column {
     pub quantity: Option<Quantity>,
     /// Factor from a sample to the unit in which results of the quantity are given; 1 if the unit is not known.
     pub scale: f64,
-    /// Factor from a sample to the unit of the log, if the log states the factor beside the unit, as in `gx (0.01
-    /// dps)`; otherwise 1.
+    /// Factor from a sample to the unit of the log, if the log states one, as in `gx (0.01 dps)`; otherwise 1.
     pub step: f64,
     /// The warnings about the file, such as a torn end or an unknown unit.
     pub warnings: Vec<LogWarning>,

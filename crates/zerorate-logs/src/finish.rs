@@ -57,8 +57,7 @@ impl Clock {
         Some(times.first() / self.unit(args)?.per_s())
     }
 
-    /// True if only the name of the column suggests that it holds the time: no unit is known, and the user did not
-    /// name it.
+    /// True if only the name of the column suggests a time: the user did not name the column, and its unit is unknown.
     pub fn is_guess(&self, args: &ColumnOptions) -> bool {
         args.time_column.is_none() && self.unit(args).is_none()
     }

@@ -252,8 +252,7 @@ fn matlab_class(set: &Dataset) -> Option<String> {
     Some(class.trim_end_matches('\0').to_owned())
 }
 
-/// True if a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, and marks them with
-/// attributes.
+/// True if a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, with an attribute.
 fn is_of_numbers(set: &Dataset) -> bool {
     matlab_class(set).is_none_or(|class| class != "char") && set.attribute("MATLAB_empty").is_err()
 }

@@ -131,8 +131,7 @@ struct Packed {
 }
 
 impl Packed {
-    /// Reads the next element; `None` at the end of the file. An element whose tag is cut off has less data than
-    /// stated.
+    /// Reads the next element; `None` at the end of the file. An element whose tag is cut off counts as cut off.
     fn next(
         path: &Path,
         file: &mut BufReader<zerorate_input::Input>,
@@ -294,8 +293,7 @@ fn collect_fields<'a>(
     Ok(())
 }
 
-/// Splits a matrix into columns. A row vector and a column vector are one column each. Samples run along the longer
-/// side.
+/// Splits a matrix into columns. A row or column vector is one column. Samples run along the longer side.
 fn split<'a>(
     name: &str,
     kind: u32,

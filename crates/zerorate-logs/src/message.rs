@@ -51,8 +51,7 @@ impl<'a> Body<'a> {
         Some(Self { bytes, encoding, big_endian, start: 0 })
     }
 
-    /// The body with `start` at the stamp of an IMU that begins at this byte. In ROS 1, a sequence number precedes the
-    /// stamp.
+    /// The body with `start` at the stamp of an IMU that begins at this byte, behind the sequence number of ROS 1.
     pub fn at(self, start: usize) -> Option<Self> {
         let start = match self.encoding {
             Encoding::Ros1 => start.checked_add(4)?,

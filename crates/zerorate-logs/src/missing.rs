@@ -1,5 +1,4 @@
-//! Tests that the error for a format that is not built in names the feature that adds it, and does not call the file
-//! damaged.
+//! Tests that the error for a missing format names the feature that adds it, and does not call the file damaged.
 
 use super::*;
 use std::path::Path;

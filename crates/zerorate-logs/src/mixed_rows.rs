@@ -249,8 +249,7 @@ struct Labels<'a> {
 }
 
 impl<'a> Labels<'a> {
-    /// Returns `None` if the column has a value that is not whole, too many values, or fewer than two values that
-    /// count.
+    /// Returns `None` if a value is not whole, if there are too many values, or if fewer than two of them count.
     fn of(cells: &'a [Cell]) -> Option<Self> {
         let (mut all, mut rows): (Vec<(&Cell, usize)>, Vec<usize>) = (Vec::new(), Vec::new());
         for cell in cells {

@@ -15,8 +15,7 @@ use zerorate_input::{Quantity, TimeUnit, Unit};
 pub struct ColumnOptions {
     /// The column, by its name or its number counted from 0. `None` selects the rate of a capture, or the only column.
     ///
-    /// In a ROS bag, the column is x, y or z of angular_velocity. If there are several IMUs, it is
-    /// TOPIC.angular_velocity.z.
+    /// In a ROS bag: x, y or z for angular_velocity or, if there are several IMUs, TOPIC.angular_velocity.z.
     pub column: Option<String>,
 
     /// The topic of the log that has the columns; `None` selects the only topic with an IMU.
@@ -41,9 +40,8 @@ pub struct ColumnOptions {
     /// The unit of the column; `None` takes the unit that its name states, as in gyro_z_dps or `gz [rad/s]`.
     pub unit: Option<Unit>,
 
-    /// The size of a step of 1 in the column. The unit of this size is the given unit, or else the unit that the
-    /// column's name or the log states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a
-    /// capture.
+    /// The size of a step of 1 in the column, in the given unit, or else the unit that the column's name or the log
+    /// states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a capture.
     pub scale: Option<f64>,
 
     /// True if the values are increments (an angle or a velocity for each sample) in place of rates. `None` reads them

@@ -38,8 +38,7 @@ const MAX_SWAPPED: f64 = 0.05;
 /// Largest share of the rows whose stamps may be wrong, for example because of a bad cable.
 const MAX_STRAY: f64 = 0.01;
 
-/// Largest step back of a clock that was set, as a share of the whole time. After a larger step, it is probably
-/// another log.
+/// Largest step back of a clock, as a share of the whole time. After a larger step, it is probably another log.
 const MAX_STEP: f64 = 0.01;
 
 /// Largest share of the rows at which a clock may be set back.

@@ -92,7 +92,7 @@ impl RawType {
         }
     }
 
-    /// Adds the numbers of a channel. On failure, returns the index of the first infinite number.
+    /// Adds the numbers of a channel. The error is the index of the first infinite number.
     pub fn append(self, values: &mut SeriesBuilder, block: &[u8], channel: usize) -> Result<(), usize> {
         if self.channels == 1 && !self.is_big_endian {
             return self.append_all(values, block);
@@ -123,8 +123,7 @@ impl RawType {
         Ok(())
     }
 
-    /// Adds the times in a channel. On failure, returns the index of the first number that is not a time, and the
-    /// reason.
+    /// Adds the times in a channel. The error is the index of the first number that is not a time, and the reason.
     pub fn append_times(self, times: &mut Times, block: &[u8], channel: usize) -> Result<(), (usize, String)> {
         let mut rows = self.channel(block, channel).into_iter().enumerate();
         rows.try_for_each(|(row, time)| times.push_number(time).map_err(|why| (row, why)))

@@ -1,6 +1,5 @@
-//! Reads bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>). They consist of records with a header of
-//! named fields, most of them in chunks that may be packed. No library reads bags without mapping the file into
-//! memory.
+//! Reads bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a header of named fields,
+//! most of them in chunks that may be packed. No library reads bags without mapping the file into memory.
 
 use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;

@@ -1,6 +1,5 @@
-//! Reads PX4 logs in ULog format (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>). A log holds formats
-//! that name the fields of messages, subscriptions that name topics, and data. Times are µs since the start of the
-//! flight controller.
+//! Reads PX4 logs in ULog format (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>): formats that name the
+//! fields of messages, subscriptions that name topics, and data. Times are µs since the start of the controller.
 
 use super::clock::Times;
 use super::open::{Log, ULOG};

@@ -8,8 +8,7 @@ use std::path::Path;
 /// The usual widths of codes, bits.
 const WIDTHS: [i32; 7] = [12, 14, 16, 18, 20, 24, 32];
 
-/// Codes that wrapped around lie within this share of the range from either end, because a sensor at rest is near
-/// zero.
+/// Share of the range at each end in which codes that wrapped around lie, because a sensor at rest is near zero.
 const END: f64 = 0.125;
 
 /// Largest share of the samples between the two ends of the range.

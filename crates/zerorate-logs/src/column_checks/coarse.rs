@@ -1,5 +1,4 @@
-//! Detects columns whose noise before rounding was below half a step. The noise of such samples depends on the
-//! rounding.
+//! Detects columns whose noise before rounding was below half a step. The noise of the samples depends on rounding.
 
 use super::block::{Block, WINDOW};
 

@@ -38,8 +38,7 @@ fn columns() -> Vec<Vec<f64>> {
     ]
 }
 
-/// Number of changes, and the last of the longest runs of equal samples: index of its first sample, number of samples,
-/// and number of samples including missing ones.
+/// Number of changes, and the last of the longest runs: its first sample, its length without and with missing samples.
 fn stretches(samples: &[f64]) -> (usize, (usize, usize, usize)) {
     let there: Vec<usize> = (0..samples.len()).filter(|at| !samples[*at].is_nan()).collect();
     let starts: Vec<usize> =

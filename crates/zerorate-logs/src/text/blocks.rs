@@ -22,8 +22,8 @@ const MOST_CONTROL: usize = 20;
 /// Up to this many control characters count as broken text, even in a short file.
 const FEWEST_CONTROL: usize = 20;
 
-/// A line that is longer than this, in bytes, and than a block is refused. This bounds the memory for files that are
-/// not text.
+/// A line that is longer than this, in bytes, and than a block is refused. This bounds the memory if a file is not
+/// text.
 const MAX_LINE: usize = 1 << 20;
 
 /// Bytes of whole lines. The last line of a text may lack its line feed.

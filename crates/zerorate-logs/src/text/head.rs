@@ -215,8 +215,7 @@ impl Head {
         names.map_or(above.len(), |names| names + 1)
     }
 
-    /// True if the columns are those of `ros2 topic echo --csv` of a `sensor_msgs/Imu`: numbers, apart from the frame
-    /// name.
+    /// True if the columns are those of `ros2 topic echo --csv` of a `sensor_msgs/Imu`: numbers, and the frame name.
     fn are_of_ros(&self) -> bool {
         let is_expected = |(at, is_numeric): (usize, &bool)| *is_numeric == (at != FRAME);
         self.delimiter == Delimiter::Comma
