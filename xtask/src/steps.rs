@@ -179,7 +179,6 @@ fn names(steps: &[Step]) -> String {
     }
 }
 
-/// The result of a step.
 struct StepResult<'a> {
     step: &'a Step,
     ok: bool,

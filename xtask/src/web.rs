@@ -29,7 +29,7 @@ The tests need Chromium (apt install nodejs npm clang chromium). On Debian, root
 the task says what it skips.";
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// The file with the licences of the modules.
+/// The file with the licences of the third-party code in the page.
 const LICENCES: &str = "THIRD-PARTY.txt";
 /// Enables SIMD, which all browsers of the last years support in WebAssembly.
 const RUSTFLAGS: &str = "-C target-feature=+simd128";
@@ -122,7 +122,7 @@ fn has_node() -> Result<bool> {
 }
 
 impl Module {
-    /// Builds the module's bytes, and the TypeScript that calls them.
+    /// Builds the WebAssembly file of the module, and the TypeScript that calls it.
     fn build(&self, profile: &str) -> Result<()> {
         let mut cargo = Command::new("cargo");
         cargo.args(["rustc", "--locked", "-p", "zerorate-web", "--lib", "--crate-type", "cdylib"]);

@@ -16,7 +16,7 @@ pub enum InputError {
     #[error("cannot {action} {}", path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
 
-    /// The file is not in a supported form.
+    /// The file is not in a supported format.
     #[error("{} cannot be read as a log: {why}", path.display())]
     NotALog { path: PathBuf, why: String },
 
@@ -47,7 +47,7 @@ impl InputError {
         Self::Io { action, path: path.to_owned(), source }
     }
 
-    /// The error for a file that is not a log in any supported form.
+    /// The error for a file that is not a log in any supported format.
     pub fn not_a_log(path: &Path, why: impl Into<String>) -> Self {
         Self::NotALog { path: path.to_owned(), why: why.into() }
     }

@@ -112,7 +112,7 @@ fn flips_in_bags_of_ros_1_are_noticed() {
     never_silent(&[fixture!("bz2.bag"), fixture!("lz4.bag")], "");
 }
 
-/// Fixtures of several forms and compressions hold the same samples in three columns.
+/// Fixtures of several formats and compressions hold the same samples in three columns.
 #[test]
 fn every_fixture_is_read() {
     let of =

@@ -11,7 +11,7 @@ use zerorate_input::{Quantity, Unit, is_celsius};
 /// Largest number of columns that an error message lists.
 const LISTED: usize = 100;
 
-/// Smallest number of numeric columns behind a time column that may be a sensor with its own time.
+/// Least number of numeric columns behind a time column that count as a sensor with its own time.
 const BLOCK: usize = 3;
 
 /// The wanted columns of a log, each by its name or its number counted from 0.
@@ -316,7 +316,7 @@ impl Columns<'_> {
 
     /// The column of this name or number. A name has precedence over a number.
     fn position(&self, wanted: &str, setting: Setting) -> Result<usize> {
-        // where the header is a comment, the user may give a name with the mark of that comment: `# gx`
+        // if the header is a comment, the user may give a name with the mark of that comment: `# gx`
         let bare = wanted.trim_start_matches(['#', '%', ' ']);
         let is_named = |(_, name): &(usize, &&str)| **name == wanted || !bare.is_empty() && **name == bare;
         let mut named = self.names.iter().enumerate().filter(is_named).map(|(at, _)| at);

@@ -65,7 +65,6 @@ enum Origin {
 }
 
 impl Times {
-    /// Creates an empty list of times.
     pub fn new() -> Self {
         Self { origin: None, since_first: Vec::new(), unit: None }
     }

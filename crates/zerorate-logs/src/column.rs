@@ -12,11 +12,11 @@ use zerorate_input::Quantity;
 /// A column of a log, with its rate, gaps, quantity and warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// The name of the column, or its number where columns have no names.
+    /// The name of the column, or its number if columns have no names.
     pub name: String,
     /// The samples in order. A missing sample among floating-point numbers is NaN.
     pub series: Series,
-    /// The gaps where samples are missing among integer codes.
+    /// The places of missing samples among integer codes; empty if `series` holds other numbers.
     pub gaps: Vec<Gap>,
     /// Time that was skipped at the start of the log, s.
     pub skipped_s: f64,

@@ -23,7 +23,7 @@ pub enum LogError {
         /// The topics, if the candidates are topics.
         topics: Vec<String>,
     },
-    /// The table holds several sensors. Their rows were joined by time, or their columns stand side by side.
+    /// The table holds several sensors: their rows were joined by time, or their columns are side by side.
     #[error("{question}\n  {}", .groups.iter().map(|names| names.join(",")).collect::<Vec<_>>().join("\n  "))]
     Merged {
         /// The question to the user, with the options that answer it.

@@ -128,7 +128,7 @@ fn matrices_of_matlab() {
     }
 }
 
-/// Files of h5py in its oldest and its newest form, and of hdf5storage for MATLAB.
+/// Files of h5py in its oldest and newest format, and a file that hdf5storage wrote for MATLAB.
 #[test]
 fn data_sets_of_hdf5() {
     let folder = Folder::new();
@@ -237,7 +237,7 @@ fn logs_of_ardupilot() {
     let said = said.to_string();
     assert!(said.contains("several IMUs") && said.contains("IMU[0]") && !said.contains("BARO"), "{said}");
     assert!(folder.fails(DATAFLASH, "--column IMU[0].Nothing").contains("one of: IMU[0].GyrX"));
-    // four bytes that are no message between two messages, and a file that ends inside a message
+    // four stray bytes between two messages, and a file that ends inside a message
     let at = DATAFLASH.len() / 2;
     let torn = [&DATAFLASH[..at], &[0xA3, 0x95, 7, 0xA3], &DATAFLASH[at..DATAFLASH.len() - 9]].concat();
     let torn = folder.read(torn, "--column IMU[0].GyrZ").unwrap();

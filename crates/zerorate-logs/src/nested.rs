@@ -19,7 +19,7 @@ pub struct Place {
     before: Vec<Field>,
 }
 
-/// A field before the IMU. The variants tell how to find the length of the field.
+/// A field before the IMU. The variants show how to find the length of the field.
 #[derive(Clone, Debug, PartialEq)]
 enum Field {
     /// `count` numbers of `size` bytes each.

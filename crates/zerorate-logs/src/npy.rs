@@ -84,8 +84,8 @@ impl Array {
     }
 }
 
-/// Reads columns of arrays. `open` takes the number of an array and whether its data are wanted, and gives its file.
-/// It is called once for each array.
+/// Reads columns of arrays. `open` receives the index of an array and whether its data are wanted, and returns the
+/// file with the array. It is called once for each array.
 pub fn read_arrays(
     path: &Path,
     room: MemoryBudget,
@@ -364,7 +364,8 @@ impl Cells<'_> {
     }
 }
 
-/// Calls `take` with blocks of cells. All columns take one pass if the cells of a row are next to each other.
+/// Calls `take` with the index of a column and a block of its cells. One pass reads all columns if a row is
+/// contiguous.
 fn each(
     path: &Path,
     file: &mut BufReader<Input>,
@@ -380,7 +381,7 @@ fn each(
     if span(fields) <= fields.first().map_or(0, |field| field.stride) {
         return array.each_block(fields, take);
     }
-    // one column after the other
+    // the cells of a row are far apart, so read one column after the other
     let mut columns = fields.iter().enumerate();
     columns.try_for_each(|(column, field)| array.each_block(&[*field], |_, cells| take(column, cells)))
 }

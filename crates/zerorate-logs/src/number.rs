@@ -30,7 +30,6 @@ impl Number {
         self != Self::Missing
     }
 
-    /// The number, if there is one.
     #[cfg(feature = "hdf5")]
     pub fn as_f64(self) -> Option<f64> {
         match self {
@@ -200,13 +199,13 @@ fn in_thousands(cell: &str) -> Option<(Decimal, f64)> {
     number.parse().ok().filter(|_| fits).map(|number| (mark, number))
 }
 
-/// A number of Fortran in double precision, such as 1.5D-03.
+/// Parses a number that Fortran printed in double precision, such as 1.5D-03.
 fn of_fortran(cell: &str) -> Option<f64> {
     let is_one = cell.contains('.') && cell.contains(['d', 'D']);
     is_one.then(|| cell.replacen(['d', 'D'], "e", 1).parse().ok())?
 }
 
-/// A code such as 0x1F2A, without a sign.
+/// Parses a hexadecimal code without a sign, such as 0x1F2A.
 fn of_hexadecimal(cell: &str) -> Option<i64> {
     let digits = cell.strip_prefix("0x").or_else(|| cell.strip_prefix("0X"))?;
     i64::from_str_radix(digits, 16).ok().filter(|_| digits.starts_with(|c: char| c.is_ascii_hexdigit()))

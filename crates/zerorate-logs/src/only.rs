@@ -40,7 +40,7 @@ impl FromStr for RowFilter {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        // a comma may also stand in a value: `place=left, outside`
+        // a value may contain a comma: `place=left, outside`
         let mut parts: Vec<String> = Vec::new();
         for part in text.split(',') {
             match parts.last_mut() {

@@ -406,7 +406,7 @@ mod tests {
         }
     }
 
-    /// A signed counter, and the time of day.
+    /// A counter with a sign, and the time of day.
     #[test]
     fn counters_wrap_below_zero_and_at_midnight() {
         for (start, modulus, what) in [

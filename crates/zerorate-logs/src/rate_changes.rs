@@ -35,7 +35,7 @@ pub fn find(times: &[f64], gaps: &[Gap], unit: TimeUnit) -> Option<String> {
     })
 }
 
-/// The usual interval between rows of a part; its first row is row `begin` of the log.
+/// The usual interval between the rows of a part whose first row is row `begin` of the log.
 fn interval(times: &[f64], begin: usize, gaps: &[Gap]) -> f64 {
     let first = gaps.partition_point(|gap| gap.at <= begin);
     let last = gaps.partition_point(|gap| gap.at < begin + times.len());

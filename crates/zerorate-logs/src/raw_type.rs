@@ -18,7 +18,7 @@ pub struct RawType {
     pub is_big_endian: bool,
 }
 
-/// The size and form of one number.
+/// The type of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RawNumber {
     /// 16-bit integers.
@@ -32,7 +32,6 @@ pub enum RawNumber {
 }
 
 impl RawNumber {
-    /// The types by their names.
     const NAMES: [(&str, Self); 4] = [("i16", Self::I16), ("i32", Self::I32), ("f32", Self::F32), ("f64", Self::F64)];
 
     fn bytes(self) -> usize {

@@ -109,7 +109,6 @@ fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, Topic>) -> Survey {
     survey
 }
 
-/// The header of a record and its data.
 struct Record {
     head: Vec<u8>,
     data: Vec<u8>,

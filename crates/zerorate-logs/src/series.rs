@@ -55,7 +55,6 @@ pub struct SeriesBuilder {
 }
 
 impl SeriesBuilder {
-    /// Creates an empty series.
     #[cfg(test)]
     pub fn new(room: MemoryBudget) -> Self {
         Self::sharing(room, 1)

@@ -18,7 +18,8 @@ use zerorate_input::{Input, Quantity};
 pub struct TimedColumns {
     /// The columns, in the order in which they were asked for.
     pub columns: Vec<TimedColumn>,
-    /// The time of each row, ns, by the clock of the log, or since the first row if the log has none. It increases.
+    /// The time of each row, ns, by the clock of the log, or since the first row if the log has none. The times
+    /// increase.
     pub t_ns: Vec<u64>,
     /// Samples that are missing between rows.
     pub gaps: Vec<Gap>,

@@ -20,7 +20,7 @@ pub enum LogWarning {
     Miscounted { path: String, topic: String, stated: u64, found: u64 },
     /// Rows of the log of a sensor lack the value of an axis.
     RowsIncomplete { path: String, lacking: usize, rows: usize },
-    /// Values of a column were rounded to codes, by up to `by` `unit`.
+    /// Values of a column were rounded to codes, by up to `by`, in `unit`, or `codes` steps of the code.
     OffCodes { path: String, column: String, by: f64, unit: &'static str, codes: f64 },
     /// The last samples of a column are equal.
     Stopped { path: String, column: String, same: usize, len: usize },
@@ -38,17 +38,17 @@ pub enum LogWarning {
     RateChanges { path: String, how: String },
     /// The lines above the data are not a header.
     LinesSkipped { path: String, lines: usize, first: String },
-    /// Lines are broken, as the text says.
+    /// Lines cannot be read as rows and are skipped, as the text says.
     LinesBroken(String),
-    /// The samples of a column are not all measured, as the text says.
+    /// Samples of a column were repeated or interpolated instead of measured, as the text says.
     Resampled { path: String, column: String, how: String },
     /// Codes of a column, `bits` bits wide, were written without their sign, and are read with it.
     CodesUnsigned { path: String, column: String, bits: i32 },
-    /// This line above the data states a scale that is not used.
+    /// `line`, above the data, states a scale that is not used.
     ScaleUnused { path: String, line: String },
     /// The scale of integer codes is assumed, as the text says.
     ScaleAssumed(String),
-    /// A number beside the columns states the sample rate.
+    /// The number `name` beside the columns states the sample rate, which is used.
     RateTaken { path: String, name: String, rate_hz: f64 },
     /// The rate that was given is not the rate of the stamps.
     RateContradicts { path: String, given_hz: f64, stamps_hz: f64 },
@@ -60,11 +60,11 @@ pub enum LogWarning {
     Implausible { path: String, what: String },
     /// A column does not state its unit; `unit` and `scale` are the names of settings.
     UnitUnknown { path: String, column: String, unit: SettingName, scale: SettingName },
-    /// These columns are not axes of an IMU.
+    /// The columns `names` are not axes of an IMU.
     ColumnsLeftOut { path: String, names: String },
-    /// These columns hold no numbers.
+    /// The columns `names` hold no numbers.
     NoNumbers { path: String, names: String },
-    /// These columns are 0 in every row.
+    /// The columns `names` are 0 in every row.
     BlanksLeftOut { path: String, names: String },
     /// Samples are missing. `are_closed` is true if the gaps were closed up.
     Gaps { path: String, missing: u64, among: usize, are_closed: bool },

@@ -49,7 +49,6 @@ impl<'a> Block<'a> {
         }
     }
 
-    /// The number of samples.
     pub fn len(&self) -> usize {
         self.samples.len()
     }

@@ -21,7 +21,6 @@ pub struct Clipped {
 }
 
 impl Clipped {
-    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         let Some(facts) = &block.facts else {
             return block.samples().iter().filter(|sample| sample.is_finite()).for_each(|sample| {

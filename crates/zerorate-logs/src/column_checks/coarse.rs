@@ -27,7 +27,6 @@ impl Default for Coarse {
 }
 
 impl Coarse {
-    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         let differences = || block.pairs().map(|(before, sample)| (sample - before).abs());
         let step = || differences().filter(|difference| *difference > 0.0).fold(f64::INFINITY, f64::min);

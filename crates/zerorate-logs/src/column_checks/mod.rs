@@ -48,7 +48,7 @@ pub struct ColumnChecks {
 /// Facts about the samples that are needed after the checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ColumnFacts {
-    /// The changes of the column, and where it stands still.
+    /// The changes of the column, and its longest run of equal samples.
     pub changes: Changes,
     /// The sum of the samples that are finite.
     sum: f64,

@@ -34,7 +34,7 @@ const NEAR: u32 = 3;
 /// were printed with further digits, too. The larger estimate counts.
 const LAGS: RangeInclusive<usize> = 2..=10;
 
-/// Number of parts of a log that must each show repeats: a sensor that stands still for a while repeats as well.
+/// Number of parts of a log that must each show repeats: a sensor that stops for a while repeats samples as well.
 const PARTS: usize = 8;
 
 /// The first samples of a column.
@@ -42,7 +42,6 @@ const PARTS: usize = 8;
 pub struct Resampled(Vec<f64>);
 
 impl Resampled {
-    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         if self.0.len() < LOOKED_AT {
             self.0.extend_from_slice(block.samples());
@@ -50,7 +49,7 @@ impl Resampled {
     }
 
     /// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last
-    /// digit. `None` if the numbers are too coarse to tell.
+    /// digit. `None` if the numbers are too coarse to show this.
     pub fn text(&self) -> Option<String> {
         doubt(&self.0)
     }

@@ -41,7 +41,6 @@ pub struct Changes {
 const _: () = assert!(BLOCK < STOPPED_SAMPLES);
 
 impl Changes {
-    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         match &block.facts {
             Some(facts) => self.take(block, facts.changes),

@@ -137,7 +137,7 @@ fn npy_of_two_dimensions_and_of_fields() {
         );
         assert!(folder.fails(&file, "--rate 10").contains("several columns; choose with --column one of: 0, 1"));
     }
-    // with more columns than rows, each column is a sample
+    // with more than 64 columns and fewer rows, each column is a sample
     let header = "{'descr': '<i2', 'fortran_order': False, 'shape': (2, 300), }";
     let file = npy(header, (0..600i16).map(i16::to_le_bytes).collect::<Vec<_>>().concat());
     assert_eq!(numbers(&folder.read(&file, "--column 1 --rate 10").unwrap())[..2], [300.0, 301.0]);

@@ -147,7 +147,8 @@ impl Head {
         }
     }
 
-    /// The head of a file with nothing but a header: a log that was just begun.
+    /// The head of a file with a header and no rows, as a log that was just begun. Returns an error for any other
+    /// file.
     fn without_rows(path: &Path, first: &str, (some, lines): (usize, u64), args: &ColumnOptions) -> Result<Self> {
         let delimiter = delimiter(first, args.decimal);
         let names: Vec<String> = delimiter.cells(first).map(str::to_owned).collect();

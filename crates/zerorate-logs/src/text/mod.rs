@@ -37,7 +37,7 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, TimeUnit};
 
-/// Number of blocks per thread. With one block per thread, the thread that reads ahead finishes late.
+/// Number of blocks per thread. With one block each, all threads wait for the thread that also reads the next blocks.
 const AT_ONCE: usize = 2;
 
 pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
@@ -156,7 +156,7 @@ impl<'a> TextColumns<'a> {
         pieces.iter().try_for_each(|piece| self.learn(piece))
     }
 
-    /// Adds what a piece holds besides its numbers: times, line counts, errors, and the decimal mark.
+    /// Adds the times, line counts and errors of a piece, and the decimal mark that it shows.
     fn learn(&mut self, piece: &Piece) -> Result<(), InputError> {
         let path = self.cut.path;
         let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;

@@ -44,7 +44,7 @@ pub struct Cut<'a> {
     pub only: Vec<(usize, String)>,
 }
 
-/// The content of a block of lines.
+/// The wanted numbers and the findings from one block of lines.
 pub struct Piece {
     /// The numbers of each wanted cell, NaN where one is missing, and whether all of them are codes.
     pub columns: Vec<(Vec<f64>, bool)>,
@@ -237,7 +237,7 @@ impl<'t> Reading<'_, 't> {
 
     fn cell(&self, cell: &str) -> Cell {
         match Numerals::new(self.piece.numerals.decimal()).read(cell, 0) {
-            // a byte is the address of a sensor, and is named as it is written
+            // a byte such as `0x68` is the address of a sensor, and stays a word
             Ok(_) if cell.starts_with("0x") && cell.len() <= BYTE => Cell::Word(cell.to_owned()),
             Ok(Number::Integer(integer)) => Cell::Number(integer as f64),
             Ok(Number::Decimal(number)) => Cell::number(number),

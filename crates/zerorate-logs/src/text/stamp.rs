@@ -30,7 +30,7 @@ const CLOCK_MS: &str = "clock [ms]";
 const CLOCK_S: &str = "clock [s]";
 
 impl Stamp {
-    /// The time in front of a line, or behind the level of a message such as `[INFO]`, if it has one.
+    /// Finds the time in front of a line, or behind the severity level of a message such as `[INFO]`.
     pub fn of(line: &str) -> Option<Self> {
         let level = level(line);
         let Self { time, end, name } = Self::at_start(&line[level..])?;
@@ -104,7 +104,7 @@ impl Stamp {
     }
 }
 
-/// Length of the level of a message in brackets, with the blank behind it.
+/// Length in bytes of the severity level in front of a line, with its brackets and the blank behind it: `[INFO] `.
 fn level(line: &str) -> usize {
     let level = line.strip_prefix('[').and_then(|rest| rest.split_once("] "));
     let is_word = |word: &str| !word.is_empty() && word.chars().all(char::is_alphabetic);

@@ -1,5 +1,4 @@
-//! Questions that only a whole text can answer: whether its first column is an index, and whether its commas mark
-//! decimals.
+//! Answers questions about a whole text: whether its first column is an index, and whether its commas mark decimals.
 
 use super::super::number::Numerals;
 use super::blocks::Blocks;

@@ -300,7 +300,7 @@ fn a_stamp_may_have_a_line_of_its_own() {
         assert_eq!(numbers(&column), (0..2000).map(f64::from).collect::<Vec<_>>(), "{cut:?}");
         assert!((column.rate_hz - 100.0).abs() < 1e-6, "{cut:?}");
     }
-    // a column of numbers with a stray pair is no such log
+    // one line with two cells in a column of numbers does not make the other lines stamps
     let text = "1.5\n".repeat(60) + "1.5,2\n" + &"1.5\n".repeat(60);
     assert_eq!(read(&text, "--rate 10").series.len(), 121);
 }
