@@ -70,7 +70,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
 
 /// The share of all mutants of a crate that may survive.
 const MAY_SURVIVE: f64 = 0.1;
-/// Significance level: if this many survivors are less likely, given [`MAY_SURVIVE`], then more than a tenth survive.
+/// Significance level. If the sample's survivors are less probable, more than a tenth of all mutants survive.
 const UNLIKELY: f64 = 0.01;
 
 /// The outcomes of the mutants of a crate.

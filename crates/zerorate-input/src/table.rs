@@ -58,7 +58,7 @@ pub trait BatchSource {
     /// What the table has stated so far, besides its rows.
     fn stated(&self) -> &Stated;
 
-    /// The same statements, to be changed.
+    /// Mutable access to [`stated`](Self::stated).
     fn stated_mut(&mut self) -> &mut Stated;
 
     /// Reads the next batch; `None` at the end. [`next_batch`](Self::next_batch) does not call this method again after

@@ -161,8 +161,7 @@ impl Times {
         self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
     }
 
-    /// The rate and the gaps, or an error if the clock is too uneven for both. `names` are the names of options in
-    /// messages.
+    /// The rate and the gaps, or an error if the clock is too uneven. `names` are the names of options in messages.
     pub fn time_base(&self, unit: TimeUnit, names: Names) -> Result<TimeBase, String> {
         let rate = names.of(Setting::Rate);
         let interval = self.interval();

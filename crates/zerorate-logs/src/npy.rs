@@ -364,7 +364,7 @@ impl Cells<'_> {
     }
 }
 
-/// Calls `take` with the index of a column and a block of its cells. One pass reads all columns if a row is
+/// Calls `take` with the index of a column and a block of its cells. Reads all columns in one pass if rows are
 /// contiguous.
 fn each(
     path: &Path,

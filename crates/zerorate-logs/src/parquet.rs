@@ -56,7 +56,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     reading.finish(None)
 }
 
-/// Columns of the row groups of a file.
+/// The wanted columns in the row groups of a file.
 struct Groups<'a> {
     path: &'a Path,
     file: Mutex<Input>,

@@ -10,7 +10,7 @@ const MAX_CHANNELS: usize = 256;
 /// The records of a file of raw numbers: `i16`, or `6xi16be` for six big-endian integers in each record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawType {
-    /// Number of numbers in a record.
+    /// Number of channels, which is how many numbers a record holds.
     pub channels: usize,
     /// The type that all numbers in the file have.
     pub number: RawNumber,

@@ -12,7 +12,7 @@ use zerorate_input::InputWarning;
 pub enum LogWarning {
     /// A warning about the end of the file.
     File(InputWarning),
-    /// A warning that a table that describes itself states.
+    /// A warning about a table that describes itself.
     OfTable { code: &'static str, text: String },
     /// A warning about a column of a table that describes itself.
     OfReadings { path: String, code: &'static str, text: String },
@@ -30,7 +30,7 @@ pub enum LogWarning {
     TimesRepaired { path: String, column: String, how: String },
     /// The stamps deviate from an even clock, as the text says.
     TimesJitter { path: String, how: String },
-    /// The dates in a column of times tell its unit.
+    /// The log does not state the unit of a column of times, and the dates in the column show it.
     TimeUnitTaken { path: String, column: String, unit: &'static str },
     /// The header is that of Kalibr's tools, so the axes are in rad/s and m/s².
     UnitsTaken { path: String },
@@ -68,7 +68,7 @@ pub enum LogWarning {
     BlanksLeftOut { path: String, names: String },
     /// Samples are missing. `are_closed` is true if the gaps were closed up.
     Gaps { path: String, missing: u64, among: usize, are_closed: bool },
-    /// A record differs from the others by more than chance, as the text says.
+    /// A record differs from the other records by more than chance, as the text says.
     NotAlike(String),
 }
 

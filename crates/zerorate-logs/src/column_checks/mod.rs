@@ -75,7 +75,7 @@ impl ColumnChecks {
         }
     }
 
-    /// The warnings about the column `name` of the log at `path`, and the findings that are needed later.
+    /// The warnings about the column `name` of the log at `path`, and the facts that are needed later.
     pub fn finish(self, path: &Path, name: &str) -> (Vec<LogWarning>, ColumnFacts) {
         let Self { clipped, coarse, resampled, facts, .. } = self;
         let (path, column) = (|| path.display().to_string(), || name.to_owned());

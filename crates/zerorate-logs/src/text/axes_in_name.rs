@@ -1,7 +1,7 @@
 //! Gives names to the columns of GoPro's telemetry. There, the name of one column lists the axes of several columns,
 //! and numbers name the other columns: `Gyroscope (z,x,y) [rad/s]`, `1`, `2`.
 
-/// Gives each such column a name of its own: `Gyroscope z [rad/s]`, `Gyroscope x [rad/s]`, `Gyroscope y [rad/s]`.
+/// Gives each column the name of its axis: `Gyroscope z [rad/s]`, `Gyroscope x [rad/s]`, `Gyroscope y [rad/s]`.
 pub fn spread(names: &mut [String]) {
     for first in 0..names.len() {
         let Some((before, axes, after)) = listed(&names[first]) else { continue };

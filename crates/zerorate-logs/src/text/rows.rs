@@ -246,7 +246,7 @@ impl<'t> Reading<'_, 't> {
         }
     }
 
-    /// Keeps all cells of one of the first rows.
+    /// Adds all cells of a row to the sample, unless the sample has [`ROWS`] rows already.
     fn sample(&mut self, line: &str) {
         if self.piece.sample.first().is_none_or(|column| column.cells.len() >= ROWS) {
             return;

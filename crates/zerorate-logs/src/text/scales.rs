@@ -20,7 +20,7 @@ pub struct Scales {
     time: Option<(&'static str, f64)>,
     gyro_rad_s: Option<f64>,
     accel_g: Option<f64>,
-    /// The first line with another scale.
+    /// The first line that states a scale that is not used.
     pub unused: Option<String>,
 }
 

@@ -395,7 +395,7 @@ fn the_fields_of_a_ros_message_have_names() {
     assert_eq!(numbers(&read(&text, "--column linear_acceleration.x"))[0], 9.5);
 }
 
-/// Programs print the codes of registers in hexadecimal digits.
+/// Programs print negative codes of registers in two's complement: -400 as `0xFE70`.
 #[test]
 fn hexadecimal_codes_have_a_sign() {
     let text: String = (0..300i16).map(|at| format!("0x{:04X}\n", (at % 9 - 4) * 100)).collect();
