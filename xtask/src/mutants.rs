@@ -23,7 +23,7 @@ pub fn help() -> String {
     )
 }
 
-/// A crate whose tests are tried, and how.
+/// A crate whose tests must kill mutants, and the options for this.
 struct TestedCrate {
     name: &'static str,
     /// Tries every N-th mutant, where N is this number.

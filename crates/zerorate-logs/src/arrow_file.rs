@@ -24,7 +24,6 @@ const END: u64 = 4 + MARK.len() as u64;
 
 const MARK: &[u8] = b"ARROW1";
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Reads an Arrow file, batch by batch.

@@ -63,7 +63,6 @@ impl ColumnSpec {
 
 /// All columns of a file, to choose from.
 pub struct Columns<'a> {
-    /// The path of the file.
     pub path: &'a Path,
     /// The names of the columns, or their numbers.
     pub names: Vec<&'a str>,

@@ -1,5 +1,3 @@
-//! A column of a log, with its rate, gaps, quantity and warnings.
-
 use crate::column_checks::ColumnFacts;
 use crate::error::{Result, too_many};
 use crate::series::{Series, missing_in, with_gaps};
@@ -63,7 +61,7 @@ impl Column {
         }
     }
 
-    /// The samples and the gaps, as the analysis takes them.
+    /// The samples and the gaps as input of the Allan analysis.
     pub fn input(&self) -> Input<'_> {
         self.series.input(&self.gaps)
     }

@@ -22,7 +22,6 @@ const FMT: u8 = 128;
 const HEAD: usize = 3;
 /// Size of the fields of an FMT message in bytes.
 const FMT_BODY: usize = 86;
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 /// Number of messages between two checks of the memory limit.
 const PIECE: u64 = 1024;

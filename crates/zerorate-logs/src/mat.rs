@@ -19,7 +19,6 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{InputError, InputWarning};
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Size of the file header in bytes: text, version, and the mark of the byte order.
@@ -131,7 +130,8 @@ struct Packed {
 }
 
 impl Packed {
-    /// Reads the next element; `None` at the end of the file. An element whose tag is cut off counts as cut off.
+    /// Reads the next element; `None` at the end of the file. If its tag is cut off, the element states data but has
+    /// none.
     fn next(
         path: &Path,
         file: &mut BufReader<zerorate_input::Input>,

@@ -18,7 +18,6 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning, TimeUnit};
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {

@@ -14,7 +14,6 @@ use zerorate_input::{Input, InputError};
 use zip::ZipArchive;
 use zip::result::{ZipError, ZipResult};
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Largest number of columns of all arrays together.

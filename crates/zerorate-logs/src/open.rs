@@ -9,7 +9,6 @@ use zerorate_input::{Input, InputError, NotBuiltIn};
 /// Number of bytes at the start of a file that are read to recognise its format.
 const MARK: u64 = 16;
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 pub struct Log<'a> {

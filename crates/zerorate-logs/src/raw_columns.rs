@@ -33,7 +33,6 @@ impl RawColumns {
     }
 }
 
-/// A column of [`RawColumns`].
 pub struct RawColumn {
     pub name: String,
     pub values: SeriesBuilder,

@@ -15,7 +15,6 @@ use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Longest header of a record in bytes: a connection names a topic and a type.

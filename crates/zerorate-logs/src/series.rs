@@ -34,7 +34,7 @@ impl Series {
         self.len() == 0
     }
 
-    /// The samples as the analysis takes them. `gaps` are the gaps among codes; other numbers hold NaN instead.
+    /// The samples as input of the Allan analysis. `gaps` are the gaps among codes; other numbers hold NaN instead.
     pub fn input<'a>(&'a self, gaps: &'a [Gap]) -> Input<'a> {
         match self {
             Self::Codes(codes) => Input::Codes { codes, gaps },

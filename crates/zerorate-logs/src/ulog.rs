@@ -17,7 +17,6 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 use zerorate_input::{Input, InputError, InputWarning, Quantity, TimeUnit, Unit};
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Size of the file header in bytes: the magic number, a version and a time.

@@ -5,7 +5,6 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError};
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 16;
 
 /// True if UTF-16 text is big endian; `None` if the text is not in UTF-16.

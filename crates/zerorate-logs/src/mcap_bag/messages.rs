@@ -9,7 +9,6 @@ use zerorate_input::Input;
 use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 
-/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Size of the head of a record in bytes: its kind and its length.

@@ -30,7 +30,6 @@ pub struct Cut<'a> {
     pub time: Option<usize>,
     /// How dates and times of day are written.
     pub format: DateFormat,
-    /// The names of the wanted cells.
     pub names: Vec<String>,
     /// Number of lines at the start that are not data.
     pub head: u64,
