@@ -1,3 +1,5 @@
+//! The type of a column that was read from a log.
+
 use crate::column_checks::ColumnFacts;
 use crate::error::{Result, too_many};
 use crate::series::{Series, missing_in, with_gaps};

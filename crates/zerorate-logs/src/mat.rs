@@ -1,8 +1,8 @@
 //! Reads MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b). Matrices of real numbers have the name
 //! of their variable, or `variable.field` in a structure of one element. Other variables are ignored.
 //!
-//! Compressed data carries a checksum (Adler-32), other data carries none. A matrix of numbers that contradicts itself
-//! is an error: if it were left out, nobody would miss its columns.
+//! Compressed data carries a checksum (Adler-32), other data carries none. A matrix whose size and data disagree is an
+//! error, because nobody would notice that its columns were left out.
 
 use super::clock::Times;
 use super::open::{Log, MATLAB};
