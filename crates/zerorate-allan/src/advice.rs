@@ -2,7 +2,7 @@
 
 use super::{AllanWarning, Fit, Term};
 
-/// Averaging times of AN-1042, s: steps 4 and 8 of F-51.
+/// The averaging times that AN-1042 prescribes, s (F-51): 10 s in step 4, 150 s in step 8.
 pub const AN1042_TAUS_S: [f64; 2] = [10.0, 150.0];
 
 /// The advised averaging time for the bias.
@@ -44,7 +44,7 @@ pub struct Advice {
 const FLAT_WITHIN: f64 = 1.05;
 /// An average counts as filtered if its deviation is below this share of the white noise N/√τ.
 const FILTERED_BELOW: f64 = 0.9;
-/// Steps per octave of the search for the minimum.
+/// Averaging times per octave in the search for the minimum.
 const STEPS_PER_OCTAVE: f64 = 32.0;
 
 /// Derives advice from a fit (F-53: the Allan deviation shows how long to average). `None` if the model is rejected or
@@ -53,7 +53,7 @@ const STEPS_PER_OCTAVE: f64 = 32.0;
 pub fn advice(fit: &Fit) -> Option<Advice> {
     let within = |tau_s: f64| tau_s >= fit.span_s.0 && tau_s <= fit.span_s.1;
     let an1042 = AN1042_TAUS_S.map(|tau_s| within(tau_s).then(|| deviation(fit, tau_s)));
-    // the drift of a warming sensor would call for short averages
+    // no advice in that case: the drift of a warming sensor raises the curve, so short averages would seem best
     let follows = |warning: &AllanWarning| matches!(warning, AllanWarning::FollowsTemperature { .. });
     let is_of_noise = !fit.is_rejected && !fit.warnings.iter().any(follows);
     is_of_noise.then(|| Advice { averaging: averaging(fit), an1042 })
@@ -78,10 +78,10 @@ fn least(fit: &Fit) -> f64 {
     taus(fit).min_by(|&a, &b| deviation(fit, a).total_cmp(&deviation(fit, b))).unwrap_or(fit.span_s.1)
 }
 
-/// The averaging times to choose from, up to the longest. Behind a filter, and within the correlation time of noise,
-/// short averages are alike although they are far from the bias: the curve rises and falls again. The choice starts
-/// after that rise. A warm-up also makes the curve rise and fall, but averages up to its end are not better, so its
-/// rise is not skipped.
+/// The averaging times to choose from, ascending, up to the longest. A low-pass filter or correlated noise makes the
+/// curve rise and then fall again, so that short averages have a small deviation although they are far from the bias.
+/// The choice therefore starts after that rise. A warm-up also makes the curve rise and fall, but averages up to its
+/// end are not better, so its rise is not skipped.
 fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     let (first, last) = fit.span_s;
     let octaves = libm::log2(last / first);
@@ -101,7 +101,7 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     ((from..steps).find(|step| !is_filtered(*step)).unwrap_or(from)..=steps).map(tau_s)
 }
 
-/// The fitted deviation at `tau_s`. The span of the fit starts at one sample interval.
+/// The fitted deviation at `tau_s`, in the unit of the rate. `fit.span_s.0` is the sample interval, s.
 fn deviation(fit: &Fit, tau_s: f64) -> f64 {
     fit.deviation(libm::round(tau_s / fit.span_s.0).max(1.0) as u64)
 }

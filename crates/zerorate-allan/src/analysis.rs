@@ -32,7 +32,7 @@ impl Default for Options {
 /// The result at one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Averaging time τ = m / rate, s, as computed; the request was rounded to whole samples.
+    /// Averaging time τ = m / rate, s. The requested time was rounded to a whole number of samples.
     pub tau_s: f64,
     /// Samples in each average.
     pub m: u64,
@@ -164,7 +164,7 @@ fn check(rate_hz: f64, options: &Options) -> Result<(), AnalysisError> {
     }
 }
 
-/// Requests, ascending by length. A time that is not positive has the length 0, which [`deviations`] refuses.
+/// The requested averaging lengths, ascending. A time that is not positive gets the length 0, which has no deviation.
 fn requests(input: &Input<'_>, rate_hz: f64, options: &Options) -> Vec<Request> {
     let mut requests: Vec<Request> = match &options.taus {
         Taus::List(times) => {
@@ -282,8 +282,8 @@ mod tests {
         }
     }
 
-    /// White noise of variance 1/12 has an Allan variance of 1/(12 m). The count over 400 records holds to three
-    /// standard errors.
+    /// White noise of variance 1/12 has an Allan variance of 1/(12 m). The limits must enclose it in 68.3 % of 400
+    /// records, within three standard errors of this count.
     #[test]
     fn limits_enclose_the_truth_as_often_as_they_say() {
         let samples = noise(400 * 1000);

@@ -12,8 +12,8 @@ const STEPS: usize = 200;
 /// The value that a χ² variable with real `degrees` > 0 of freedom stays below with probability `p`, 0 < p < 1.
 ///
 /// Solves P(ν/2, χ²/2) = p, P the regularised lower incomplete gamma function (NIST SP 1065 equation 45 uses it;
-/// Abramowitz & Stegun 26.4.19), from the start of Wilson & Hilferty (26.4.17). Relative error below 1e-9 for ν ≥ 0.1
-/// and 1e-6 < p < 1 − 1e-6. NaN outside the range of `p` or `degrees`.
+/// Abramowitz & Stegun 26.4.19). The first guess is the approximation of Wilson & Hilferty (26.4.17). Relative error
+/// below 1e-9 for ν ≥ 0.1 and 1e-6 < p < 1 − 1e-6. NaN outside the range of `p` or `degrees`.
 ///
 /// ```
 /// // Abramowitz & Stegun table 26.8: 95 % point for 10 degrees of freedom
@@ -42,7 +42,8 @@ pub(crate) fn normal_quantile(p: f64) -> f64 {
     SQRT_2 * (2.0 * p - 1.0).inv_error()
 }
 
-/// Abramowitz & Stegun 26.2.49 with the cumulants of χ²: the expansion in 1/√ν up to the order ν^−3/2.
+/// The χ² quantile for the standard normal quantile `z`: Abramowitz & Stegun 26.2.49 with the cumulants of χ², up to
+/// the order ν^−3/2.
 fn cornish_fisher(z: f64, degrees: f64) -> f64 {
     let root = libm::sqrt(2.0 * degrees);
     let z2 = z * z;
@@ -140,7 +141,7 @@ mod tests {
         }
     }
 
-    /// Both branches are independent of each other and must meet.
+    /// `solve` and the expansion are independent computations and agree where one takes over from the other.
     #[test]
     fn the_expansion_meets_the_gamma_function() {
         for p in [1e-6, 0.1585, 0.5, 0.8415, 1.0 - 1e-6] {

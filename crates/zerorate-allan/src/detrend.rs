@@ -62,7 +62,7 @@ pub enum DetrendError {
     },
     /// The order is not one of 1 to [`MOST_ORDER`].
     Order(usize),
-    /// Too few samples, or parts of the record without a rate and a temperature.
+    /// Fewer than 128 samples, a part of the record without a rate, or a first part without a temperature.
     Short,
     /// The temperature is the same all the time.
     Constant,
@@ -227,7 +227,8 @@ impl Parts {
         Ok(basis)
     }
 
-    /// Coefficients of (T − mean), from the first power on: normal equations of powers scaled to ±1.
+    /// Least-squares coefficients of (T − mean), from the first power on. The powers are scaled to ±1 before the
+    /// normal equations are solved.
     fn polynomial(&self, order: usize, mean_c: f64) -> Option<Vec<f64>> {
         let span_c = self.temps.iter().map(|t| (t - mean_c).abs()).fold(0.0, f64::max);
         let column =
@@ -239,7 +240,7 @@ impl Parts {
     }
 }
 
-/// Gaussian elimination with pivots.
+/// Solves linear equations by Gaussian elimination with pivots. Each row ends with its right side. `None` if singular.
 fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let count = rows.len();
     for step in 0..count {
@@ -265,7 +266,8 @@ fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
     if total > 0.0 { (by_basis / total).min(1.0) } else { 0.0 }
 }
 
-/// Shares of a random walk left by a projection: of the Allan variance at 1, 2, 4 … parts, and of the variance.
+/// Shares of a random walk that remain after its projection on `basis` is removed: of the Allan variance at 1, 2, 4 …
+/// parts, and of the variance.
 fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     let (all, constant) = (walk(basis), walk(&basis[..1]));
     let octaves = (0..).map(|k| 1usize << k).take_while(|m| 2 * m <= basis[0].len());
@@ -359,7 +361,7 @@ mod tests {
     use super::*;
     use adis16130_twin::{Means, Spec};
 
-    /// 40 minutes from power-on, a mean for each second.
+    /// Rates, °/s, and temperatures, °C, of the 40 minutes after power-on: one mean per second.
     fn record(spec: &Spec) -> (Vec<f64>, Vec<f64>) {
         let mut means = Means::new(spec, 10);
         (0..2400).map(|_| means.next_mean()).map(|mean| (mean.rate_dps, mean.temp_c)).unzip()

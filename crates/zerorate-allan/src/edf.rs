@@ -3,9 +3,10 @@
 use super::stat::Freedom;
 use super::{Difference, Stat};
 
-/// Largest number of terms that are summed before tables take over (J_max of the paper).
+/// Largest number of terms that are summed before tables take over (J_max in Greenhall & Riley 2003).
 const MOST_TERMS: f64 = 100.0;
-/// Largest filter factor in the sum for flicker phase. With a larger factor the differences would cancel numerically.
+/// Largest filter factor in the sum for flicker phase noise. With a larger factor the differences would cancel
+/// numerically.
 const LONGEST_FILTER: f64 = 1e6;
 
 /// Equivalent degrees of freedom of the statistic `stat` at the averaging length `m`, for power-law noise S_y(f) ∝
@@ -83,7 +84,7 @@ struct Case {
 }
 
 impl Case {
-    /// Case 1: modified variances, every α.
+    /// Case 1 of Greenhall & Riley: modified variances, every α.
     fn modified(&self, terms: &Terms) -> f64 {
         match self.regime(terms) {
             Regime::Sum(j) => self.sum(j, terms.count, terms.stride, 1.0),
@@ -92,7 +93,7 @@ impl Case {
         }
     }
 
-    /// Cases 2, 3, 4: unmodified variances with α ≤ 0, 1, 2.
+    /// Cases 2, 3, 4 of Greenhall & Riley: unmodified variances with α ≤ 0, 1, 2.
     fn unmodified(&self, terms: &Terms) -> f64 {
         match self.alpha {
             2 => self.white_phase(terms),
@@ -161,7 +162,7 @@ impl Case {
         own * own * count / self.basic_sum(j, count, stride, filter)
     }
 
-    /// Equation 10 of the paper.
+    /// BasicSum, equation 10 of Greenhall & Riley.
     fn basic_sum(&self, j: f64, count: f64, stride: f64, filter: f64) -> f64 {
         let squared = |t: f64| {
             let covariance = self.sz(t, filter);
@@ -224,8 +225,8 @@ fn binomial(n: u32, k: u32) -> f64 {
     (1..=k).fold(1.0, |product, i| product * f64::from(n + 1 - i) / f64::from(i))
 }
 
-/// Table 1 of the paper, (a0, a1) of modified variances: α = 2 … −4, d = 1, 2, 3. Pairs that do not converge are
-/// never looked up.
+/// Table 1 of Greenhall & Riley, (a0, a1) of modified variances: α = 2 … −4, d = 1, 2, 3. Pairs that do not converge
+/// are never looked up.
 const MODIFIED: [[(f64, f64); 3]; 7] = [
     [(2.0 / 3.0, 1.0 / 3.0), (7.0 / 9.0, 1.0 / 2.0), (22.0 / 25.0, 2.0 / 3.0)],
     [(0.840, 0.345), (0.997, 0.616), (1.141, 0.843)],
@@ -236,7 +237,7 @@ const MODIFIED: [[(f64, f64); 3]; 7] = [
     [NONE, NONE, (1.489, 0.702)],
 ];
 
-/// Table 2 of the paper, (a0, a1) of unmodified variances: α = 2 … −4, d = 1, 2, 3.
+/// Table 2 of Greenhall & Riley, (a0, a1) of unmodified variances: α = 2 … −4, d = 1, 2, 3.
 const UNMODIFIED: [[(f64, f64); 3]; 7] = [
     [(3.0 / 2.0, 1.0 / 2.0), (35.0 / 18.0, 1.0), (231.0 / 100.0, 3.0 / 2.0)],
     [(78.6, 25.2), (790.0, 410.0), (9950.0, 6520.0)],
@@ -249,7 +250,7 @@ const UNMODIFIED: [[(f64, f64); 3]; 7] = [
 
 const NONE: (f64, f64) = (1.0, 0.0);
 
-/// Table 3, (b0, b1): s_z(0) of flicker phase noise is b0 + b1 ln m, d = 1, 2, 3.
+/// Table 3 of Greenhall & Riley, (b0, b1): s_z(0) of flicker phase noise is b0 + b1 ln m, d = 1, 2, 3.
 const FLICKER_PHASE: [(f64, f64); 3] = [(6.0, 4.0), (15.23, 12.0), (47.8, 40.0)];
 
 #[cfg(test)]
@@ -330,8 +331,8 @@ mod tests {
         ]
     }
 
-    /// The error is 3e-3 if correlations are summed. The paper's simpler filter for m (d + 1) > 100 costs up to
-    /// 2.7e-2.
+    /// The relative error is 3e-3 if the correlations are summed with the filter factor m. For m (d + 1) > 100 the
+    /// paper uses an infinite filter factor, which costs up to 2.7e-2.
     #[test]
     fn edf_is_close_to_the_definition() {
         for difference in differences() {

@@ -22,7 +22,7 @@ impl Envelope {
     pub fn new(samples: &[f64], rate_hz: f64) -> Self {
         let there = || samples.iter().filter(|value| value.is_finite());
         let count = samples.len().min(Self::STRETCHES);
-        // 64 bits: in a browser a `usize` has 32, which six million samples overflow
+        // 64 bits: in a browser `usize` has 32, and `index * samples.len()` overflows with six million samples
         let begin = |index: usize| (index as u64 * samples.len() as u64 / count as u64) as usize;
         let stretch = |index: usize| {
             let part = &samples[begin(index)..begin(index + 1)];

@@ -89,7 +89,7 @@ struct Accelerometer {
     velocity_random_walk: Option<FigureEntry>,
     bias_instability: Option<FigureEntry>,
     acceleration_random_walk: Option<FigureEntry>,
-    // the scale of its output, which is not used here
+    // the output format and bandwidth of the accelerometer, which the comparison of noise does not use
     #[serde(rename = "lsb_per_g")]
     _lsb_per_g: Option<IgnoredAny>,
     #[serde(rename = "width_bits")]
@@ -120,7 +120,8 @@ enum Means {
     B,
 }
 
-/// A key, its figure, the exponent of its unit (as [`Unit::halves`]), and the units that it may have.
+/// A key of the file, the quantity that it states, the exponent of the second in its unit (as [`Unit::halves`]), and
+/// the accepted units for the error message.
 struct FigureRow(&'static str, Figure, i32, &'static str);
 
 impl Gyroscope {

@@ -61,7 +61,7 @@ pub enum Figure {
 pub struct Comparison {
     /// Value and 95 % interval. `None` if the model is missing or rejected; the curve minimum needs no model.
     pub measured: Option<Estimate>,
-    /// What the comparison says about the sensor. [`Verdict::Open`] if nothing was measured.
+    /// The verdict on the sensor. [`Verdict::Open`] if nothing was measured.
     pub verdict: Verdict,
 }
 
@@ -110,7 +110,7 @@ impl Line {
         let rounding = if self.is_maximum { 0.0 } else { self.half_digit };
         let (below, above) = (self.value - rounding, self.value + rounding);
         match measured {
-            // a coefficient without an upper limit
+            // no verdict on a coefficient without a finite, positive upper limit
             Estimate { hi, .. } if !(*hi > 0.0 && hi.is_finite()) => Verdict::Open,
             Estimate { lo, .. } if *lo > above => Verdict::Worse,
             Estimate { hi, .. } if self.is_maximum && *hi <= above => Verdict::Within,

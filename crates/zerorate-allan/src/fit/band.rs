@@ -1,9 +1,11 @@
-//! The frequency up to which the model describes the noise. Above it the sensor's filter shapes the noise.
+//! The frequency up to which the model describes the noise. Above this upper end the model does not follow the
+//! sensor's filter.
 //!
 //! N² is the density at frequency 0 of noise that a filter shapes above some frequency. Fitted to the lowest part of
-//! the spectrum, N is right but uncertain. Each higher end makes N more certain, until a shape of few terms no longer
-//! follows the filter. An end is fair if its N agrees with those of all lower ends, and the highest fair end is taken
-//! (Lepski 1991). The lowest end may be off by chance, so the longest chain of ends that agree counts.
+//! the spectrum, N is right but uncertain. A higher upper end makes N more certain, until a shape of few terms no
+//! longer follows the filter. An upper end is fair if its N agrees with the N of all lower fair ends (Lepski 1991).
+//! The fair end with the most certain N is taken. The lowest end may be off by chance, so the longest chain of ends
+//! that agree counts.
 
 use super::MOST_ERROR;
 use super::density::Table;
@@ -15,11 +17,11 @@ use super::select::{
 };
 use alloc::vec::Vec;
 
-/// The upper ends to try: half the rate, and down to `STEPS_DOWN` half octaves below it, each with at least
-/// `FEWEST_COEFFICIENTS` coefficients.
+/// The upper ends to try are half the rate and `STEPS_DOWN` lower frequencies, half an octave apart. Each needs more
+/// than `FEWEST_COEFFICIENTS` coefficients below it.
 const STEPS_DOWN: u32 = 14;
 const FEWEST_COEFFICIENTS: f64 = 1500.0;
-/// Least share of white noise in the power of the [`plateau`] bin. With less, the plateau is not seen.
+/// Least share of white noise in the density of the [`plateau`] bin. With less, the white noise does not show.
 const PLATEAU: f64 = 0.7;
 /// Standard deviations by which two upper ends may differ in ln N. At 3 a record without a filter loses half an octave
 /// in 3 of 100 cases, at 3.5 in none.
@@ -33,15 +35,16 @@ struct FitUpTo {
     ln_n: f64,
     variance: f64,
     error: f64,
-    /// Whether the shape follows the filter up to the end, the plateau is seen, the model holds, and N agrees with the
-    /// other fair ends.
+    /// Whether the shape follows the filter up to `top_hz`, the white noise shows in the spectrum, the model error is
+    /// small, and N agrees with the other fair ends.
     is_fair: bool,
-    /// The parameters without the shape.
+    /// The fitted parameters without those of the shape.
     slow: Vec<f64>,
 }
 
-/// The upper end of the model, Hz. Seen from low frequencies, a Gauss–Markov term looks like a filter. So a scan with
-/// such a term counts only if the term lowers −2 ln L by more than its price, and if white noise shows beside it.
+/// The upper end of the model, Hz. In the low part of the spectrum, a Gauss–Markov term can imitate a filter. So a
+/// scan with such a term counts only if the term lowers −2 ln L by more than its price, and if the white noise shows
+/// beside the term.
 pub(super) fn top_hz(table: &Table) -> f64 {
     let tops = tops(table);
     let &[lowest, .., full] = &tops[..] else { return table.top_hz };
@@ -65,7 +68,8 @@ fn tops(table: &Table) -> Vec<f64> {
     tops.filter(|top_hz| 2.0 * top_hz * table.span_s > FEWEST_COEFFICIENTS).collect()
 }
 
-/// Fits up to each end, from the lowest on. Each fit starts from the result before.
+/// Fits up to each end, from the lowest on. Each fit starts from the result of the fit before. Returns the fair fit
+/// with the most certain N. If no fit is fair, returns the highest one with a small model error, or else the highest.
 fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) -> Option<FitUpTo> {
     let mut looks: Vec<FitUpTo> = Vec::new();
     for &top_hz in tops {
@@ -100,7 +104,8 @@ fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Opti
     Some(FitUpTo { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
 }
 
-/// The longest chain of fair ends, Hz, each of which agrees with all lower ones. Of equal chains, the lowest.
+/// The upper ends in the longest chain of fair ends, Hz, each of which agrees with all lower ones. Of equally long
+/// chains, the one that starts lowest.
 fn agreeing(looks: &[FitUpTo]) -> Vec<f64> {
     let from = |first: usize| {
         let mut chain: Vec<&FitUpTo> = Vec::new();

@@ -6,7 +6,8 @@ use alloc::vec::Vec;
 const PER_OCTAVE: f64 = 12.0;
 pub(super) const LINEAR: usize = 160;
 
-/// Adjacent coefficients of the DCT-II. The mean of their c²·dt estimates the two-sided density at f = k/(2T).
+/// Adjacent coefficients of the DCT-II. The mean of their c²·dt estimates the two-sided density at f = k/(2T), with
+/// index k and record length T.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bin {
     /// Index of the first coefficient.
@@ -37,7 +38,8 @@ impl Response {
 const LEAST_DENSITY: f64 = 1e-3;
 
 impl Bin {
-    /// Whether the bin has one coefficient. A drift is fitted to such bins only, because it determines the sign.
+    /// Whether the bin has one coefficient. A drift is fitted to such bins only, because its sign shows in a
+    /// coefficient but not in a mean power.
     pub(super) fn is_single(&self) -> bool {
         self.end - self.first == 1
     }
@@ -76,7 +78,7 @@ pub(super) fn at_coefficients(middles: impl Iterator<Item = f64>, values: &[f64]
     (1..=count).map(|k| interpolated(&known, k as f64)).collect()
 }
 
-/// Interpolates values known at ascending places: linear between, level beyond.
+/// Interpolates values known at ascending places: linear between the places, constant beyond the first and last.
 pub(super) fn interpolated(known: &[(f64, f64)], at: f64) -> f64 {
     let next = known.partition_point(|(place, _)| *place < at);
     match (next.checked_sub(1).map(|before| known[before]), known.get(next)) {

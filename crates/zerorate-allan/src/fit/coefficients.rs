@@ -41,16 +41,16 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N, and a second explanation of the spectrum if one fits as well. The interval allows for `unsteady`, the
-    /// standard deviation of ln N because the noise varies, and for `tail`, the density that a resonance may add at
-    /// frequency 0.
+    /// N, and a second explanation of the spectrum if one fits as well. The interval is widened by `unsteady`, the
+    /// standard deviation of ln N between parts of the record, and by `tail`, the density at frequency 0 that a
+    /// resonance may add, unit²/Hz.
     pub(super) fn n(&self, unsteady: f64, tail: f64) -> (Coefficient, Option<Other>) {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
         let doubt = tail / (2.0 * self.chosen.found.at[N2]);
         let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
         let wide = Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n };
-        // white noise that is nowhere a tenth of the density is not identified: the model may be off by as much
+        // not identified if white noise is nowhere a tenth of the density, because the model may be off by as much
         let is_hidden = white_share(&self.chosen.problem, &self.chosen.found) < MOST_ERROR && !self.is_rejected;
         let needed_s = n.needed_s.or(is_hidden.then_some(f64::INFINITY));
         let own = if is_hidden { Coefficient { lo: 0.0, identified: false, needed_s, ..wide } } else { wide };
@@ -58,7 +58,7 @@ impl Coefficients<'_> {
         (other.map_or(own, |other| own.or(other.n)), other)
     }
 
-    /// K rests on few coefficients of the spectrum. So K² is the mean of its confidence distribution.
+    /// K. Few coefficients of the spectrum determine it, so K² is the mean of its confidence distribution.
     pub(super) fn k(&self) -> Coefficient {
         let profile = self.square(K2);
         let (lo, hi) = profile.interval();

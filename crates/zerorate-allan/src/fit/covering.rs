@@ -2,8 +2,8 @@
 //!
 //! Such an estimator assumes an Allan variance of N²/τ + K²τ/3. If the noise of the sensor is larger (flicker,
 //! correlated noise), the estimator is overconfident. So N and K are raised until they cover the noise from 1 s to a
-//! horizon: all of its variance for a filter, nine tenths for a batch estimator, whose N stays. Lines, a drift and a
-//! warm-up are not noise, and are left out.
+//! horizon. For a filter they cover all of its variance. For a batch estimator K alone is raised and covers nine
+//! tenths. Lines, a drift and a warm-up are not noise, and are left out.
 
 use super::Fit;
 use crate::Deviation;
@@ -71,8 +71,8 @@ impl Fit {
     /// one if that is outside the 95 % band of the model. The default horizon is a third of the record, and at most
     /// the horizon of the usage. `None` if no averaging time lies in the range.
     ///
-    /// docs/imu.md compares the errors of estimators with the errors that they expect, with these numbers and with the
-    /// fitted ones.
+    /// docs/imu.md compares the errors of estimators with the errors that these estimators expect, once with the
+    /// raised N and K and once with the fitted ones.
     #[must_use]
     pub fn covering(&self, usage: Usage, horizon_s: Option<f64>) -> Option<Covering> {
         let (dt_s, half_s) = self.span_s;
@@ -94,8 +94,8 @@ impl Fit {
         best.filter(|_| !inside.is_empty())
     }
 
-    /// The Allan variance of the sensor's noise at the averaging time of a measured point. A point that is mostly
-    /// lines and drift says nothing about the noise.
+    /// The Allan variance of the sensor's noise at the averaging time of a measured point. If lines and drift make up
+    /// most of the point, this is the model's variance.
     fn noise_variance(&self, found: &Deviation) -> f64 {
         let (whole, noise) = (self.model.allan_variance(found.m), self.model.noise_variance(found.m));
         let (lo, hi) = self.model.band(found.m, found.n, self.model.samples() as u64);

@@ -9,8 +9,8 @@ use core::ops::Range;
 pub(super) const BLOCKS: usize = 8;
 /// Length of a part divided by the length of its longest average.
 const LONGEST_IN_BLOCK: usize = 16;
-/// A longer record without gaps is thinned for averages of at least `THINNED` samples. They then begin only at every
-/// `STEP`-th sample, which costs no degrees of freedom.
+/// A record of more than `LONG` samples without gaps is thinned for averages of at least `THINNED` samples. These
+/// averages then begin only at every `STEP`-th sample, which costs no degrees of freedom.
 const LONG: usize = 1 << 20;
 const THINNED: u64 = 256;
 const STEP: usize = 16;
@@ -36,7 +36,7 @@ impl<'a> Curves<'a> {
         Self { rate, rate_hz, block, lengths, blocks }
     }
 
-    /// The deviations over consecutive parts. In short averages no difference spans two parts.
+    /// The deviations of consecutive parts together. Up to the longest of `lengths`, no difference spans two parts.
     pub(super) fn of_parts(&self, parts: Range<usize>) -> Vec<Deviation> {
         let part = &self.rate[parts.start * self.block..(parts.end * self.block).min(self.rate.len())];
         let longer: Vec<u64> =

@@ -9,8 +9,8 @@ use core::f64::consts::PI;
 pub(super) const MOST_COSINES: usize = 6;
 /// Largest number of coefficients to which a drift is fitted, with their signs.
 pub(super) const LOW: usize = 64;
-/// E(c_k²) of 1/f noise over its density at f_k, k = 1, 2 …, and 1 beyond: ∫|Φ_k|²/f df, where Φ_k is the transform of
-/// the cosine.
+/// Expected c_k² of 1/f noise divided by its density at f_k, for k = 1, 2 … (1 for larger k): ∫|Φ_k|²/f df, where Φ_k
+/// is the Fourier transform of the k-th cosine.
 const FLICKER: [f64; 20] = [
     0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747, 0.9774, 0.9798, 0.9815, 0.9831, 0.9844, 0.9855,
     0.9865, 0.9873, 0.9881, 0.9887, 0.9893, 0.9899,
@@ -25,11 +25,11 @@ pub(super) struct Table {
     /// Length of the record, s.
     pub(super) span_s: f64,
     pub(super) rows: Vec<BinRow>,
-    /// The first coefficients times √dt.
+    /// The first coefficients of the record times √dt, with their signs.
     pub(super) low: Vec<f64>,
 }
 
-/// A bin, with the density of each noise per squared coefficient.
+/// A bin, with the density of each noise term for a coefficient of 1.
 #[derive(Clone, Debug)]
 pub(super) struct BinRow {
     pub(super) bin: Bin,
@@ -83,7 +83,7 @@ impl Table {
         Self { rate_hz, top_hz, span_s, rows, low: Vec::new() }
     }
 
-    /// Subtracts a drift of this size from the first coefficients.
+    /// Removes a drift of this size from the powers of the bins with one coefficient each.
     pub(super) fn remove(&mut self, drift: Drift, size: f64) {
         let template = drift.coefficients(self.span_s, self.low.len());
         for row in 0..self.singles() {
@@ -148,7 +148,7 @@ impl BinRow {
     }
 
     /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: its density and the slope by ln `tau_s`.
-    /// They are exact for one coefficient of the record, otherwise the mean over the bin.
+    /// Both are exact for a single coefficient, otherwise means over the bin.
     pub(super) fn gauss_markov(&self, tau_s: f64) -> (f64, f64) {
         let span_s = self.span_s;
         if self.bin.is_single() {
@@ -186,7 +186,7 @@ pub(super) enum Drift {
 }
 
 impl Drift {
-    /// The level of a drift of size 1 at a time.
+    /// The value of a drift of size 1 at a time.
     pub(super) fn at(self, t_s: f64) -> f64 {
         match self {
             Self::Ramp => t_s,
@@ -228,7 +228,7 @@ impl Drift {
 
 impl Fit {
     /// The two-sided density of the model at a frequency, unit²/Hz, for a record sampled `rate_hz` times per second.
-    /// Lines, ramp and warm-up are not included. It holds up to `max_freq_hz`.
+    /// Lines, ramp and warm-up are not included. The density is valid up to `max_freq_hz`.
     #[must_use]
     pub fn density(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
         let omega = 2.0 * PI * frequency_hz;
@@ -290,7 +290,7 @@ mod tests {
         }
     }
 
-    /// The exact variance of a coefficient: Σ of the covariance matrix e^(−|i−j|dt/T), written out.
+    /// The exact variance of a coefficient is a sum over the covariance matrix e^(−|i−j|·dt/`tau_s`).
     #[test]
     fn gauss_markov_is_exact_for_a_coefficient() {
         let (n, rate_hz, tau_s) = (400usize, 10.0, 8.0);

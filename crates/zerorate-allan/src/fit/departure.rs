@@ -1,4 +1,5 @@
-//! The distance of held parameters from the best ones, as defined for r* (Skovgaard, Bernoulli 2, 1996).
+//! The distance u between the held and the best value of a parameter, which the statistic r* needs (Skovgaard,
+//! Bernoulli 2, 1996).
 
 use super::scoring::Local;
 use crate::linear::Square;
@@ -41,7 +42,7 @@ mod tests {
     use super::*;
     use std::vec;
 
-    /// One scale parameter with ν degrees of freedom, beside another in separate rows.
+    /// One scale parameter with ν = 5. A second parameter has a row of its own.
     #[test]
     fn the_departure_of_one_scale_is_its_score() {
         let nu = [5.0, 9.0];

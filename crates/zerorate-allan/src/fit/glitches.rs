@@ -43,18 +43,19 @@ const HEAVY_BY_CHANCE: f64 = 1e-3;
 /// Share of the heavy-tailed records in which a gap within the tail is mistaken for one that isolates glitches.
 const GAP_BY_CHANCE: f64 = 0.05;
 
-/// A sample this many times as large as usual is damaged, whatever the noise.
+/// A sample is damaged, whatever the noise, if it is this many times farther from the median than 90 % of the samples.
 const ABSURD: f64 = 1e9;
 
 /// Number of windows that are processed together.
 const PIECE: usize = 1 << 14;
 
-/// Indices of the samples that are glitches, or so near that averages include one, ascending. `None` if too many.
+/// Indices of the samples that are glitches, or so near that averages include one, ascending. `None` if they are more
+/// than [`MOST`] of all samples.
 ///
-/// The mean of w samples is compared with the means of the w samples before and after. This is linear, so the rate of
-/// false alarms holds for correlated noise too; a median against its window gave 270 times as many. The narrowest
-/// width comes first, and finds are replaced before the next search. Otherwise one bad sample would remove eight, and
-/// hide the one beside it.
+/// The mean of w samples is compared with the means of the w samples before and after. This comparison is linear, so
+/// the rate of false alarms holds for correlated noise too. A comparison with the median of a window gave 270 times as
+/// many false alarms. The narrowest width comes first, and flagged samples are replaced before the next search.
+/// Otherwise one bad sample would remove eight, and hide a bad sample beside it.
 ///
 /// Missing samples are left out, because straight lines in their place would scatter less than noise. If the noise is
 /// correlated, the samples beside a gap differ by more, so windows with gaps have scales of their own.
@@ -76,7 +77,7 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
         for _ in 0..LOOKS {
             let before = bad.len();
             let found = Windows { values: &values, there: &there, width }.beyond(limit);
-            // the first and the last samples are in the middle of no window, and show in the window beside them
+            // no window has the first or last samples in its middle, so the first and the last window flag these too
             let begin = |i: usize| if i == 0 { 0 } else { i + width };
             let end = |i: usize| if i + 3 * width == count { count } else { i + 2 * width };
             found.into_iter().for_each(|i| bad.extend(begin(i)..end(i)));
@@ -152,7 +153,7 @@ impl Windows<'_> {
         missing.div_ceil(self.width).min(CLASSES - 1)
     }
 
-    /// The standard deviation of the windows of each class.
+    /// The standard deviation of the differences in the windows of each class.
     fn scales(&self) -> [f64; CLASSES] {
         let pieces = self.len().div_ceil(PIECE);
         let every = self.len().div_ceil(SCALED_BY);
@@ -214,7 +215,7 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     if are_rare || below < beyond || by_chance() > HEAVY_BY_CHANCE {
         return 1.0;
     }
-    // Hill: ln of the sizes above a threshold is exponential
+    // Hill estimator: ln of the sizes above a threshold is exponentially distributed
     let least = sizes.first().map_or(0.0, |size| libm::log(*size));
     let mean = sizes.iter().map(|size| libm::log(*size) - least).sum::<f64>() / sizes.len() as f64;
     let chance = |at: usize| libm::exp(-libm::log(sizes[at] / sizes[at - 1]) * (sizes.len() - at) as f64 / mean);
@@ -222,8 +223,8 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     first.map_or(f64::INFINITY, |at| sizes[at - 1])
 }
 
-/// The standard deviation of the values, without those beyond [`CLIP`] standard deviations. A median alone would be
-/// off by up to half a step for coarse codes.
+/// The standard deviation of the values, without those beyond [`CLIP`] standard deviations. The median of their sizes
+/// alone would be off by up to half a step for coarse codes.
 fn scale(d: &[f64]) -> f64 {
     let every = d.len().div_ceil(MEDIAN_OF).max(1);
     let sizes = d.iter().step_by(every).map(|d| libm::fabs(*d)).collect();

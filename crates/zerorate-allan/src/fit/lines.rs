@@ -1,4 +1,4 @@
-//! Finds spectral lines, which stand out of the bins beside them. Bins of broad lines are masked; the coefficients of
+//! Finds spectral lines, which stand out of the bins beside them. Bins of broad lines are masked. The coefficients of
 //! narrow lines are removed from their bins.
 
 use super::bins::{Bin, at_coefficients};
@@ -23,7 +23,7 @@ pub struct Line {
 const ALARM: f64 = 0.01;
 /// Lowest coefficient in which a line is sought. An excess below it is taken for slow noise.
 const FIRST: usize = 48;
-/// The factor by which a bin must exceed chance, because the base line is an estimate.
+/// Factor on the limit that a bin in a line must exceed. The factor allows for the error of the base line.
 const MARGIN: f64 = 1.15;
 /// Number of coefficients that are tested together for narrow lines, and the margin for them.
 const GROUP: usize = 4;
@@ -32,7 +32,7 @@ const NARROW_MARGIN: f64 = 1.1;
 const BEFORE: usize = 2;
 const AFTER: usize = 6;
 
-/// The mask of bins in a line, and the base line above which they stand out. The base line is computed twice; the
+/// The mask of bins in a line, and the base line above which they stand out. The base line is computed twice, the
 /// second time without the bins that stand out of the first.
 pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
     let first = above(bins, &base_line(bins, &vec![false; bins.len()]));
@@ -48,7 +48,7 @@ pub(super) struct Narrow {
     pub(super) run: (usize, usize),
     /// Variance and frequency of the line's sines in the model, a quarter of its power each.
     pub(super) sines: [(f64, f64); 4],
-    /// Whether the line was a sine that was removed from the samples: then it does not leak.
+    /// Whether the line was a sine that was removed from the samples. Such a line does not leak into other bins.
     pub(super) is_gone: bool,
 }
 

@@ -10,7 +10,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// The power of the masked bins above the model.
+/// The masked bins as spectral lines, with their power above the model.
 pub(super) struct MaskedBins {
     lines: Vec<Line>,
     /// Variance and frequency of the sines in the model, for each line.
@@ -48,13 +48,13 @@ pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec
 /// Factor on the largest leakage of a sine, which is computed without noise.
 const LEAK_MARGIN: f64 = 2.0;
 
-/// A line with all its coefficients in the spectrum.
+/// A spectral line, narrow or broad.
 pub(super) struct WholeLine {
     pub(super) line: Line,
     /// Variance and frequency of the line's sines in the model.
     pub(super) sines: Vec<(f64, f64)>,
     run: (usize, usize),
-    /// Whether the line is narrow, and may be a sine that is still in the samples.
+    /// Whether the line is narrow, and may be a sine that is still in the samples. Such a sine leaks into other bins.
     leaks: bool,
 }
 

@@ -10,9 +10,9 @@ use alloc::vec::Vec;
 
 /// Number of adjacent bins that are judged together.
 const TOGETHER: usize = 8;
-/// A steady excess in a band of fewer octaves is a resonance.
+/// A band of fewer octaves with a steady excess of power is a resonance.
 const NARROW: f64 = 2.0;
-/// A band that reaches this share of the upper end belongs to a filter.
+/// A narrow band with an excess that reaches this share of the upper end belongs to a filter.
 const TO_THE_END: f64 = 0.9;
 /// Codes are coarse if more than this share of the samples repeats the sample before.
 const REPEATED: f64 = 0.5;
@@ -53,14 +53,15 @@ impl OffCurve {
         libm::fabs(self.ratio - 1.0)
     }
 
-    /// The frequency band of an average, about an octave, Hz, and the ratio of powers.
+    /// The octave of frequencies that an average of `tau_s` mostly measures, Hz, and the measured over the fitted
+    /// power.
     fn band(self) -> (f64, f64, f64) {
         (0.25 / self.tau_s, 0.5 / self.tau_s, self.ratio * self.ratio)
     }
 }
 
 impl Misfit {
-    /// A misfit because motion changes the power of all frequencies.
+    /// The misfit of a moving sensor: motion changes the power of all frequencies.
     pub(super) fn of_motion(problem: &Problem, spread: f64) -> Self {
         let from_hz = problem.table.rows.first().map_or(0.0, |row| row.f_hz);
         Self { from_hz, to_hz: problem.table.top_hz, ratio: spread * spread, cause: Cause::Motion }
@@ -87,7 +88,7 @@ impl Misfit {
     }
 }
 
-/// The band in which the spectrum is farthest from the model, Hz, and the ratio of powers.
+/// The band in which the spectrum is farthest from the model, Hz, and the measured over the modelled power there.
 fn worst_band(problem: &Problem, found: &Optimum) -> (f64, f64, f64) {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let bins: Vec<(f64, f64, f64)> =
@@ -120,7 +121,7 @@ fn repeats(rate: &[f64]) -> bool {
     same > REPEATED * all
 }
 
-/// Whether averages of about `m` samples differ from one eighth of the record to the next.
+/// Whether the Allan variance of averages of about `m` samples differs between the eighths of the record.
 fn moves(curves: &Curves<'_>, model: &Model, m: f64) -> bool {
     let nearest = |a: &&u64, b: &&u64| {
         let off = |m_i: &u64| libm::fabs(libm::log(*m_i as f64 / m));

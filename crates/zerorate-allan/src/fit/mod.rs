@@ -2,9 +2,9 @@
 //!
 //! Every octave of an Allan variance mixes the whole spectrum: a line, a resonance or a low-pass bends six to ten
 //! octaves. In the spectrum the same effects are local, and the coefficients are independent. So the model is fitted
-//! to the spectrum; the Allan variance shows and checks it. The cosine transform sees no jump at the ends of the
-//! record. It diagonalises white noise and a random walk exactly. Densities are two-sided, unit²/Hz: white noise of
-//! coefficient N has N².
+//! to the spectrum. The Allan variance shows and checks the model. A cosine transform, unlike a Fourier transform, has
+//! no jump between the ends of the record. It diagonalises the covariance of white noise and of a random walk exactly.
+//! Densities are two-sided, unit²/Hz: white noise of coefficient N has N².
 //!
 //! `docs/noise-models.md` describes the terms, which of them cannot be told apart, and the measured errors.
 
@@ -82,7 +82,7 @@ pub struct FitOptions {
 }
 
 impl Default for FitOptions {
-    /// The unit of the input; glitches and steps are removed.
+    /// Keeps the unit of the input, and removes glitches and steps.
     fn default() -> Self {
         Self { scale: 1.0, cut_glitches: true, remove_steps: true, max_freq_hz: None }
     }
@@ -224,7 +224,7 @@ impl Fit {
     }
 
     /// The prediction of the model for a measured point; `None` if the statistic is not an Allan deviation. For the
-    /// overlapping deviation the model gives the band; for the others it follows from the point's degrees of freedom.
+    /// overlapping deviation the model gives the band. For the others, the point's degrees of freedom give the band.
     #[must_use]
     pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Prediction> {
         let (lo, hi) = match analysis.stat {
@@ -334,7 +334,7 @@ impl From<FftError> for FitError {
     }
 }
 
-/// Fits a noise model to a record sampled `rate_hz` times per second. The same record gives the same bits.
+/// Fits a noise model to a record sampled `rate_hz` times per second. The same record always gives the same bits.
 ///
 /// ```
 /// use zerorate_allan::{FitOptions, Input, fit};

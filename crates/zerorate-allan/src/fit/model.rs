@@ -18,7 +18,7 @@ const LAGS: usize = 256;
 const MOST_LAGS: usize = 16_384;
 /// Number of time constants after which the response of a low-pass has died away.
 const MEMORIES: f64 = 16.0;
-/// Up to this many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
+/// Up to averages of this many samples, the covariance of two estimates is summed lag by lag from the autocovariance.
 const LONGEST_EXACT: u64 = 64;
 /// For longer averages: the lags per averaging time, and the number of averaging times that they reach.
 const STEPS_PER_TAU: u64 = 8;
@@ -202,7 +202,7 @@ impl Model {
     }
 
     /// Degrees of freedom of an overlapping deviation of `n` terms. Gaps reduce them by the missing terms, and by the
-    /// noise of averages over fewer samples: the deviation allows for the power of that noise, but not for its
+    /// noise of averages over fewer samples: the expected deviation includes the power of that noise, but not its
     /// scatter.
     pub(super) fn measured_freedom(&self, m: u64, n: u64, samples: u64) -> f64 {
         let terms = (samples + 1).saturating_sub(2 * m).max(1);

@@ -30,7 +30,7 @@ const LEAST_MORE: f64 = 1.0;
 /// Least gain of a period in −2 ln L, beyond the price of its sines. Of 620 simulated records without a period, 2 gain
 /// more. Of 8 records with a ten-minute sawtooth, 7 do.
 const LEAST_GAIN: f64 = 10.0;
-/// Largest share of white noise at the period. Above it, a random walk plays no part.
+/// Largest share of white noise in the density at the period. Above it, white noise explains the power at the period.
 const MOST_WHITE: f64 = 0.5;
 /// A second search for the noise without a period starts at this share of K², where −2 ln L has another minimum.
 const LESS: f64 = 0.03;

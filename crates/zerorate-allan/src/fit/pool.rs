@@ -21,7 +21,8 @@ use core::fmt;
 /// A record with its own model.
 #[derive(Clone, Copy, Debug)]
 pub struct PoolRecord<'a> {
-    /// The rate, in the unit of the model; NaN is a missing sample. Glitches and steps that `fit` found are removed.
+    /// The rate, in the unit of the model; NaN is a missing sample. If `fit` removed glitches or steps, its cleaned
+    /// rate is used instead.
     pub rate: &'a [f64],
     /// Samples per second.
     pub rate_hz: f64,
@@ -148,12 +149,12 @@ const SAME_RATE: f64 = 0.01;
 /// The 0.1 % point of χ² with four degrees of freedom: B, K, and σ and T of a Gauss–Markov term.
 const SLOW_LIMIT: f64 = 18.5;
 
-/// Fits one model to several records. The same records in the same order give the same bits.
+/// Fits one model to several records. The same records in the same order always give the same bits.
 ///
-/// It leaves out records whose own model is rejected, and records whose N is off the median by more than
-/// [`MOST_ERROR`]. While three or more are left and the common model does not explain the slow noise of each, it also
-/// leaves out the record that is farthest from the median. The drift in a record's own model is removed from the
-/// record, as its lines and glitches were.
+/// The fit leaves out records whose own model is rejected, and records whose N is off the median by more than
+/// [`MOST_ERROR`]. While three or more are left and the common model does not explain the slow noise of each, the fit
+/// also leaves out the record that is farthest from the median. The drift in a record's own model is removed from the
+/// record, and so are its lines and glitches.
 ///
 /// # Errors
 /// Returns [`PoolError`] if fewer than two records are alike, or if their rates differ.

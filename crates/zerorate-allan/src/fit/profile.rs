@@ -36,8 +36,8 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// The profile of a squared coefficient. Its estimate may be below zero. The estimates of the others may not:
-    /// absent B and K could then compensate for a Gauss–Markov term.
+    /// The profile of a squared coefficient, whose estimate may be below zero. The estimates of the other coefficients
+    /// may not: a negative B² or K² could compensate for a Gauss–Markov term.
     pub(super) fn of_square(problem: &'a Problem, found: &Optimum, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),

@@ -16,7 +16,7 @@ const MOST_BESIDE: usize = 2;
 /// White noise beside a Gauss–Markov term of few samples must reach this share of the density in some bin.
 const LEAST_WHITE: f64 = 0.5;
 
-/// Fits white noise behind a low-pass, with slow noise added after it, and a Gauss–Markov term of few samples.
+/// Fits white noise behind a low-pass, with slow noise added after it. Also fits a Gauss–Markov term of few samples.
 pub(super) fn others(problem: &Problem) -> Vec<Optimum> {
     let joined = [low_pass(problem), corner(problem)].into_iter().flatten();
     let more =

@@ -10,7 +10,7 @@ use super::select::DESCENT;
 const DOUBLINGS: i32 = 8;
 /// (1.96 + 0.84)²: the expected gain in deviance at which zero is outside the 95 % interval in four of five records.
 const ENOUGH: f64 = 7.849;
-/// Least factor on the record length, for a coefficient that a record of this length would usually show.
+/// Least factor on the length of this record, which does not show the coefficient although it usually would.
 const LONGER: f64 = 1.5;
 
 /// The record length at which zero would be outside the 95 % interval in four of five cases, s.

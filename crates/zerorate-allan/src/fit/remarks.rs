@@ -18,9 +18,9 @@ pub(super) struct Raw {
 /// Halves of a record that differ by less than this share need no warning.
 const CHANGE: f64 = 0.05;
 
-/// Number of samples in which the fit recognises the filter of a sensor. With this number, it recognises the filter of
-/// each axis of the ADIS16405 in all of 100 simulated records. With 1000 samples these are 93 to 100 records, with 300
-/// samples 41 to 85.
+/// From this number of samples on, the fit recognises the filter of a sensor. It recognised the filter of each axis of
+/// the ADIS16405 in all of 100 simulated records of this length. With 1000 samples it did in 93 to 100 records, and
+/// with 300 samples in 41 to 85.
 const BAND_IS_SEEN: u64 = 2000;
 
 pub(super) fn remarks(

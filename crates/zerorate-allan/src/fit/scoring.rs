@@ -1,8 +1,8 @@
 //! The most likely parameters of a model: Fisher scoring with bounds.
 //!
-//! D = Σ ν (ln S/P + P/S − 1), −2 ln of the likelihood of powers P that are χ²_ν·S/ν. Its gradient is −Σ ν (P − S)/S²
-//! ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². S is linear in the squared coefficients, so a noise can be exactly zero
-//! and leave zero again.
+//! D = Σ ν (ln S/P + P/S − 1) is −2 ln of the likelihood, up to a constant, of powers P that are distributed as
+//! χ²_ν·S/ν. Its gradient is −Σ ν (P − S)/S² ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². S is linear in the squared
+//! coefficients, so a noise can be exactly zero and leave zero again.
 
 use super::density::{Drift, Table};
 use crate::linear::Square;
@@ -24,8 +24,8 @@ pub(super) struct ModelForm {
     /// Whether the model has quantisation of the angle.
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
-    /// A squared coefficient that may be negative. The unbiased estimate of a coefficient that is zero is negative
-    /// half of the time.
+    /// Index of a squared coefficient that may be negative. The unbiased estimate of a coefficient that is zero is
+    /// negative half of the time.
     pub(super) signed: Option<usize>,
 }
 
@@ -85,7 +85,7 @@ impl ModelForm {
 }
 
 /// Shortest correlation time of a Gauss–Markov term, in samples, except for [`Explanation::Short`]. The band shape
-/// describes shorter ones.
+/// describes shorter correlation times.
 pub(super) const SHORTEST: f64 = 20.0;
 const SHORTEST_OF_ALL: f64 = 2.0;
 /// A Gauss–Markov term longer than this share of the record is a random walk.
@@ -96,11 +96,11 @@ pub(super) const SHAPE_PRICE: f64 = 6.0;
 const STEEPEST: f64 = 6.0;
 /// The range of a pole. A slower low-pass is a Gauss–Markov term.
 pub(super) const POLES: (f64, f64) = (-0.95, 0.999);
-/// The range of a corner, ln sin²(θ/2), and of its damping. A sharper resonance would follow the first notch of a
-/// comb, and two poles far apart could bend a Gauss–Markov term into white noise.
+/// The range of a corner, ln sin²(θ/2), and of its damping. A sharper resonance would follow the first notch of a comb
+/// filter. Two poles far apart could make a Gauss–Markov term look like white noise.
 const CORNERS: (f64, f64) = (-25.0, 0.0);
 const DAMPINGS: (f64, f64) = (-1.0, 3.0);
-/// Least white noise, as a share of the median power, so that it never vanishes.
+/// Least white noise, as a share of the median power. It keeps N above zero.
 const LEAST_WHITE: f64 = 1e-6;
 /// The largest step of a cosine and of a ln T.
 const STRIDE: f64 = 1.0;
@@ -115,7 +115,7 @@ pub(super) struct Problem {
     pub(super) nu: Vec<f64>,
     /// Relative error of the model, ε.
     pub(super) error: f64,
-    /// The price of a cosine: what it must lower −2 ln L by.
+    /// The price of a cosine: the least decrease of −2 ln L for which a cosine is kept.
     pub(super) shape_price: f64,
     least_white: f64,
 }
@@ -308,7 +308,7 @@ impl Problem {
         bounded(&curvature, &gradient, &room)
     }
 
-    /// Curvature and (negative) gradient of D.
+    /// Expected curvature and negative gradient of D.
     fn normal(&self, form: &ModelForm, state: &State) -> (Square, Vec<f64>) {
         let n = form.len();
         let rows = self.table.rows.len();

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 
 /// The prices: a term must lower −2 ln L by this much. A Gauss–Markov term costs the 1 % point of χ² with two degrees
 /// of freedom, a ramp the 0.1 % point with one, a warm-up the 0.1 % point with two. docs/reference/allan.md states how
-/// often each is taken where it is absent.
+/// often each term is selected by mistake.
 const MARKOV_PRICE: f64 = 9.21;
 /// Added to the price of a Gauss–Markov term that leaves no identified flicker. A few Gauss–Markov terms look like
 /// flicker, and if both fit, flicker is preferred.
@@ -51,7 +51,7 @@ const SKEW: f64 = 2.0;
 const REJECTED_BY_CHANCE: f64 = 1e-4;
 /// Two choices of terms that differ by less in price cannot be told apart.
 pub(super) const CLOSE: f64 = 6.0;
-/// Both N are given if their squares differ by this factor or more.
+/// A second explanation is reported only if the N² of the two explanations differ by this factor or more.
 const OTHER_N: f64 = 1.5;
 /// A model with a correlation time within this factor of its bound is not selected.
 const AT_BOUND: f64 = 1.1;
@@ -70,7 +70,7 @@ pub(super) struct Selection {
 /// Another explanation: a Gauss–Markov term in place of a low-pass of the white noise, or the other way round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
-    /// The time constant of the Gauss–Markov term or low-pass.
+    /// The time constant of the Gauss–Markov term or low-pass, s.
     pub(super) tau_s: f64,
     /// N in this explanation.
     pub(super) n: f64,
@@ -95,8 +95,8 @@ impl Other {
 }
 
 impl Selection {
-    /// Whether the model explains the whole spectrum: it has no cosines, which could follow any filter over a part of
-    /// the spectrum, or it adds the slow noise after the filter and has a small error.
+    /// Whether the model explains the whole spectrum. It does if it has no cosines, which could follow any filter over
+    /// a part of the spectrum. It also does if it adds the slow noise after the filter and has a small error.
     pub(super) fn has_plain_form(&self) -> bool {
         let form = &self.found.form;
         match form.reading {
@@ -436,13 +436,13 @@ fn memory(found: &Optimum, index: usize) -> (f64, f64) {
     (2.0 * found.at[place] * tau_s, tau_s)
 }
 
-/// The bin in which the plateau of the white noise is expected: at a quarter of the upper end.
+/// Index of the bin in which the plateau of the white noise is expected: at a quarter of the upper end.
 pub(super) fn plateau(problem: &Problem) -> usize {
     let rows = &problem.table.rows;
     rows.partition_point(|row| row.f_hz < problem.table.top_hz / 4.0).min(rows.len().max(1) - 1)
 }
 
-/// The white noise, with its shape, in a bin.
+/// The density of the white noise, with its shape, in a bin.
 pub(super) fn white(local: &Local, found: &Optimum, row: usize) -> f64 {
     local.slopes[N2][row] * found.at[N2]
 }

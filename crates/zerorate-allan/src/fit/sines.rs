@@ -21,7 +21,7 @@ const PARTS: usize = 4096;
 const FINENESS: usize = 8;
 /// Number of golden-section steps after the first search.
 const SHRUNK: usize = 40;
-/// Least pivot with which the samples can tell a sine from a level.
+/// Least pivot at which the samples can tell a sine from a level.
 const LEAST_PIVOT: f64 = 1e-6;
 /// Number of samples after which the phase is computed anew.
 const EXACT_EVERY: usize = 4096;

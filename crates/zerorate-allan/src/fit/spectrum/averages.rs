@@ -50,7 +50,7 @@ pub(in crate::fit) fn centred(values: &[f64]) -> Vec<f64> {
 }
 
 /// Fills gaps with straight lines, level at the ends. A line goes through the means of as many values on each side as
-/// are missing. So it has about the slow power of the white noise or random walk that it replaces.
+/// are missing. So the line has about the slow power of the white noise or random walk that it replaces.
 pub(in crate::fit) fn fill_gaps(values: &mut [f64]) {
     let lines: Vec<(Range<usize>, Line)> = gaps(values).map(|gap| (gap.clone(), Line::across(values, &gap))).collect();
     for (gap, line) in lines {
