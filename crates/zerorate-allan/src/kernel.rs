@@ -126,9 +126,9 @@ impl Plain {
 pub struct Difference {
     /// Order d of the difference: 2 for Allan, 3 for Hadamard, 1 for the variance of first differences.
     pub order: u32,
-    /// A term at every sample (S = m) instead of at every τ (S = 1).
+    /// Whether a term starts at every sample (stride factor S = m) instead of at every τ (S = 1).
     pub overlapped: bool,
-    /// The phase is averaged over τ first (F = 1), as MDEV does, instead of sampled (F = m).
+    /// Whether the phase is averaged over τ first (filter factor F = 1), as in MDEV, instead of sampled (F = m).
     pub modified: bool,
 }
 

@@ -19,7 +19,7 @@ impl Lag1 {
         Self { ramp, ..Self::default() }
     }
 
-    /// Takes the next value.
+    /// Adds the next value.
     pub(crate) fn push(&mut self, value: f64) {
         let (mut value, mut ramp) = (value, self.ramp);
         for (sums, order) in self.orders.iter_mut().zip(0..) {
@@ -34,7 +34,7 @@ impl Lag1 {
         self.unbroken += 1;
     }
 
-    /// Takes `count` times the same value, in a time that does not depend on `count`.
+    /// Adds the same value `count` times, in a time that does not depend on `count`.
     pub(crate) fn push_level(&mut self, value: f64, count: u64) {
         let settled = count.min(ORDERS as u64 + 1);
         (0..settled).for_each(|_| self.push(value));
@@ -49,8 +49,8 @@ impl Lag1 {
         self.unbroken = 0;
     }
 
-    /// r1 of the differences of the given order: the mean of (z_i − z̄)(z_{i+1} − z̄), counted as n pairs, over the
-    /// sample variance of z. `None` for a constant series and for fewer than three values.
+    /// r1 of the differences of the given order: Σ (z_i − z̄)(z_{i+1} − z̄)/n over the sample variance of z. After a
+    /// cut, the sum is scaled to n − 1 pairs. `None` for a constant series and for fewer than three values.
     pub(crate) fn correlation(&self, order: usize) -> Option<f64> {
         let Sums { n, pairs, sum, of_pairs, squares, cross, .. } = self.orders[order];
         let (n, pairs) = (n as f64, pairs as f64);
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
     use alloc::vec::Vec;
 
-    /// The definition, with all values at hand.
+    /// The definition of r1.
     fn by_definition(z: &[f64]) -> f64 {
         let n = z.len() as f64;
         let mean = z.iter().sum::<f64>() / n;

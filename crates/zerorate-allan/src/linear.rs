@@ -91,7 +91,7 @@ impl Cholesky {
         white
     }
 
-    /// L⁻ᵀ·b
+    /// L⁻ᵀ·b, with the factor L.
     #[must_use]
     pub fn unwhiten(&self, mut b: Vec<f64>) -> Vec<f64> {
         for i in (0..b.len()).rev() {
@@ -101,14 +101,14 @@ impl Cholesky {
         b
     }
 
-    /// Matrix⁻¹·b
+    /// The solution x of L·Lᵀ·x = b.
     #[must_use]
     pub fn solve(&self, b: impl IntoIterator<Item = f64>) -> Vec<f64> {
         self.unwhiten(self.whiten(b))
     }
 }
 
-/// a·b
+/// The scalar product a·b.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()

@@ -43,7 +43,7 @@ impl fmt::Display for Misfit {
             Cause::Unknown => "look at the plot",
         };
         let [from_hz, to_hz] = [from_hz, to_hz].map(|hz| {
-            // three digits
+            // three significant digits
             let places = (2.0 - libm::floor(libm::log10(hz.max(1e-9)))).clamp(0.0, 9.0);
             format!("{hz:.*}", places as usize)
         });

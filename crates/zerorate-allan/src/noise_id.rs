@@ -21,7 +21,7 @@ const FOR_CERTAIN: u64 = 128;
 const ENOUGH: u64 = 1 << 16;
 /// Longest averaging length at which a block has enough points to represent its part of the record.
 const LONGEST_SPARSE: u64 = 64;
-/// A series with this δ or more is not stationary and is differenced once more.
+/// A series with this δ = r1/(1 + r1) or more is not stationary and is differenced once more.
 const NOT_STATIONARY: f64 = 0.25;
 const WHITE: i32 = 0;
 
@@ -34,8 +34,9 @@ const WHITE: i32 = 0;
 ///   identification using the lag 1 autocorrelation", EFTF 2004, and NIST SP 1065 section 5.5.3, its r1 with n − 1 in
 ///   the variance.) Above 65 536 averages of up to 64 samples, only evenly spaced blocks of the record are used.
 /// * Fewer, at least 8 (for ADEV and HDEV 10): B1, the ratio of the variance of the averages to their Allan variance.
-///   It is compared with the geometric means of its expected values for two neighbouring α (section 5.5.4). Where it
-///   says phase noise, R(n), the ratio of modified to plain Allan variance, tells white from flicker (section 5.5.5).
+///   B1 is compared with the geometric means of its expected values for two neighbouring α (section 5.5.4). If the
+///   answer is phase noise, R(n), the ratio of modified to plain Allan variance, tells white from flicker (section
+///   5.5.5).
 /// * Fewer still: the answer of the next shorter length, or of the longest length with 8 (10) averages if there is
 ///   none. TOTDEV then counts phase noise as white, because it has published degrees of freedom for frequency noise
 ///   only. A constant record counts as white.
@@ -380,7 +381,8 @@ mod tests {
         assert!(at_41.iter().filter(|found| found.cautious > 0).count() <= 4);
     }
 
-    /// A single long averaging time has no shorter one to follow, so the longest that can be identified stands in.
+    /// A long averaging time alone has no shorter one before it. It gets the answer for the longest time that can be
+    /// identified.
     #[test]
     fn a_lone_long_time_is_identified() {
         let walk = integral(&white(1_000));

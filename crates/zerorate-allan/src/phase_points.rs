@@ -39,7 +39,7 @@ pub(crate) fn ramp(input: &Input<'_>) -> f64 {
 }
 
 /// Passes the phase to `visit` in order. A missing sample of rate counts as the mean; a missing phase is interpolated.
-/// Only noise identification uses this; the deviations treat gaps as gaps.
+/// Only noise identification uses this. The deviations leave gaps out.
 pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
     match input {
         Input::Codes { codes, gaps } => {

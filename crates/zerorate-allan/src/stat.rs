@@ -80,8 +80,8 @@ statistics! {
         kernel: Kernel::Modified, divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
-    /// Time deviation τ / √3 times the modified Allan deviation, in units of the input times s (NIST SP 1065 equation
-    /// 15).
+    /// Time deviation: τ/√3 times the modified Allan deviation, in the unit of the input times s (NIST SP 1065
+    /// equation 15).
     Tdev {
         name: "tdev", title: "time deviation",
         kernel: Kernel::Modified, divisor: 2.0, factor: Factor::TauPerSqrt3, freedom: Freedom::Differences,

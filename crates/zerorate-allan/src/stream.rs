@@ -1,8 +1,8 @@
 use super::kernels::Deviation;
 use core::fmt;
 
-/// Allan deviation computed as samples arrive, for averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples. It needs no
-/// allocation: 48 bytes per octave, and 16 more.
+/// Allan deviation computed as samples arrive, for averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples. It allocates
+/// nothing and takes 48 bytes per octave, and 16 more.
 ///
 /// The averages cover samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record. So the streams
 /// of two adjacent pieces can be joined: [`Stream::merge`] gives exactly the stream of both. A stream from sample 0
@@ -87,7 +87,7 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
         Self { start: index, end: index, levels: [Level { first: 0, last: 0, blocks: 0, squares: 0 }; OCTAVES] }
     }
 
-    /// Takes the next sample. It updates two levels on average, `OCTAVES` at most.
+    /// Adds the next sample. This updates the sums of two octaves on average, and at most of all.
     pub fn push(&mut self, code: i32) {
         let mut index = self.end;
         self.end = self.end.wrapping_add(1);

@@ -1,8 +1,8 @@
 //! Every row of the Stable32 tables in the reference data: deviations, noise types, confidence limits.
 //!
-//! Stable32 is the program that the field compares with. Where its rule for the noise type is not the published one,
-//! this file has that rule, written again from the definition. Every row must follow the one rule or the other, and
-//! the test asserts how many follow which.
+//! Stable32 is the reference program of the field. Its rule for the noise type is not always the published one, so
+//! this file implements that rule again from its definition. Every row must follow the rule of Stable32. The test also
+//! asserts how many rows do not follow the published rule.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -118,8 +118,9 @@ fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> 
     true
 }
 
-/// Stable32's degrees of freedom for TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5). For
-/// OADEV it uses the newer ones, as we do for both. They differ for flicker phase, by a factor of about 2.
+/// Stable32's degrees of freedom for TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5).
+/// Stable32 uses the newer formulas for OADEV, and this crate uses them for both. For flicker phase noise the older
+/// and the newer formulas differ by a factor of about 2.
 fn stein_edf(alpha: i32, m: f64, n: f64) -> f64 {
     match alpha {
         2 => (n + 1.0) * (n - 2.0 * m) / (2.0 * (n - m)),

@@ -12,7 +12,7 @@ use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, TimeUnit, Unit,
 };
 
-/// What the user states about the axes, for logs that do not state it.
+/// The user's description of the axes, for logs that do not describe them.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
     /// The columns, by name or number. `None` takes those in `gyro` and `accel`, or else all columns that are axes.
@@ -250,8 +250,8 @@ fn is_temperature_name(name: &str) -> bool {
     !is_time && (name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature"))
 }
 
-/// Asks for the columns of a kind if the user states something about the kind, but no column name shows it. Asks also
-/// for the third axis if a sensor has only two.
+/// Asks for the columns of a kind if the user states something about the kind, but no column name shows an axis of it.
+/// Asks also for the third axis if a sensor has only two.
 fn ask_for_missing(
     path: &Path,
     axes: &[OfKind],
@@ -301,8 +301,9 @@ fn both(path: &Path, first: LogError, second: LogError) -> LogError {
     }
 }
 
-/// Leaves out blank axes, which nothing measured, unless all are blank. A ROS message has three axes of each kind,
-/// even from a sensor with fewer. In a table, a blank axis stays if others of its kind have values: it may be broken.
+/// Leaves out blank axes, which have no measured values, unless all axes are blank. A ROS message has three axes of
+/// each kind, even from a sensor with fewer. In a table, a blank axis may be broken, so it stays if others of its kind
+/// have values.
 fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Option<LogWarning> {
     let is_alive = |kind: Kind| axes.iter().any(|(of, column)| *of == kind && !column.is_blank());
     let dead: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !is_alive(*kind)).collect();
@@ -316,7 +317,8 @@ fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Opti
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
-/// Leaves out the columns beside the three axes of one sensor. Asks if the columns may be of several sensors.
+/// Removes the columns beside the three axes of one sensor, and returns their names. Asks if the columns may be of
+/// several sensors.
 ///
 /// # Errors
 /// Returns the question, with the columns of each sensor.
@@ -458,7 +460,7 @@ impl Kind {
     }
 }
 
-/// Checks that the axes are not increments by name, unless the user says so, and that their units are known.
+/// Checks that the axes are not named as increments, unless the user confirms that, and that their units are known.
 fn check(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let columns: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
     let asked = increments::ask(path, &columns, &options.log);

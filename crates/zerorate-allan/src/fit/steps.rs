@@ -1,4 +1,4 @@
-//! Steps: the level jumps and stays.
+//! Finds steps, at which the level of the rate jumps and stays.
 
 use super::bins::at_coefficients;
 use super::density::Table;

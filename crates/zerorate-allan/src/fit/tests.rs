@@ -108,7 +108,7 @@ fn white_noise_has_the_interval_of_a_variance() {
     assert!(codes(&fit).contains(&"not-identified"));
 }
 
-/// Files for filters hold the upper limit of an absent coefficient, so it must not be near zero.
+/// Noise files for filters contain the upper limit of an absent coefficient, so it must not be near zero.
 #[test]
 fn the_upper_limit_of_an_absent_coefficient_is_above_zero() {
     for seed in 90..102 {
@@ -233,7 +233,8 @@ fn steps_do_not_depend_on_the_unit() {
     assert_eq!([1e-12, 1.0, 1e12].map(steps), [(0, 0); 3]);
 }
 
-/// 40 % of the samples are lost one by one. Averages over the rest have more white noise, which made N 27 % too large.
+/// 40 % of the samples are lost one by one. Averages over the rest have more white noise, which once made N 27 % too
+/// large.
 #[test]
 fn lost_samples_do_not_change_n() {
     let mut rate = HOUR.noise(200_000, 8);

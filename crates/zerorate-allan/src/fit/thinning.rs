@@ -2,7 +2,7 @@
 //!
 //! The deviations allow for samples that are missing one by one, for any noise: the samples present represent the
 //! missing ones. That does not hold for bursts. If adjacent samples are correlated, an average over a few bursts of
-//! them is worse than the deviations assume.
+//! them scatters more than the deviations assume.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -38,8 +38,8 @@ impl Thinning {
         Self { factors: lengths.map(|m| factor(&is_there, m, covariance)).collect(), missing }
     }
 
-    /// The variance that gaps add to averages of `m` samples, as a share of that of the short noise. The deviations
-    /// subtract it.
+    /// The variance that gaps add to averages of `m` samples, as a share of the variance of the short noise. The
+    /// computation of deviations subtracts this variance.
     pub(super) fn added(&self, m: u64) -> f64 {
         let present = (1.0 - self.missing).max(COUNTS);
         if m > 1 { 1.0 / present - 1.0 } else { 0.0 }
@@ -103,8 +103,8 @@ fn variance(weights: &[f64], covariance: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// By hand: neighbours have the correlation ½, and averages of 8 samples with one run of 4 the variance
-    /// (4 + 2·3/2)/16 = 7/16. The corrections are exact for white noise.
+    /// By hand: neighbours have the correlation ½. So averages of 8 samples with one run of 4 present have the
+    /// variance (4 + 2·3/2)/16 = 7/16. The corrections are exact for white noise.
     #[test]
     fn bursts_of_correlated_samples_scatter_more() {
         let every_second: Vec<f64> = (0..10_000).map(|i| if i % 2 == 0 { 1.0 } else { f64::NAN }).collect();

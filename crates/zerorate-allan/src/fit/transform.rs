@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use realfft::num_complex::Complex64;
 use realfft::{FftError, RealFftPlanner};
 
-/// The largest even length up to `samples` without a prime factor above 7; it is less than 1 % shorter from 10⁴ on.
+/// The largest even length up to `samples` without a prime factor above 7, at most 1 % shorter from 10⁴ samples on.
 pub(super) fn smooth_length(samples: usize) -> usize {
     (2..=samples).rev().find(|n| n.is_multiple_of(2) && is_smooth(*n)).unwrap_or(0)
 }

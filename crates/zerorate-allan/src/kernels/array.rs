@@ -26,7 +26,7 @@ mod pages {
             let bytes = len * size_of::<T>();
             let pages = (bytes >= LARGE).then(|| MmapMut::map_anon(bytes)).and_then(Result::ok);
             let Some(pages) = pages else { return Self::Heap(vec![T::zeroed(); len]) };
-            // without large pages it works as well
+            // small pages work as well
             pages.advise(Advice::HugePage).ok();
             Self::Pages(pages)
         }

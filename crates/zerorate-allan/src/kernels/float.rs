@@ -70,7 +70,8 @@ pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squa
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-/// Exclusive ends of the classes of averages with one fixed-point step: fine for short ones, wide for long ones.
+/// Exclusive ends of the classes of averages, in samples. Short averages have a fine fixed-point step, long ones a
+/// coarse one.
 const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 
 /// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose small

@@ -41,7 +41,7 @@ struct Squares {
     sum: f64,
     /// Number of terms.
     n: u64,
-    /// A squared difference is the square of a difference of averages times this.
+    /// The differences that are squared are differences of averages times this factor.
     per: f64,
 }
 
@@ -53,15 +53,15 @@ struct Squares {
 /// changes the deviations (reversal with every m-th difference: only if the averages fill the record). A rate in f64
 /// is rounded in its running sum. The deviations of 393 216 samples then differ from those of the same codes by less
 /// than 1e-14 of their values for a random walk and 1e-13 for white noise. For white noise on a ramp or a parabola of
-/// more than 1000 times its size it is 3e-11. The number of threads (feature `std`) does not change a bit.
+/// more than 1000 times its size they differ by 3e-11. The number of threads (feature `std`) does not change a bit.
 ///
 /// With missing samples an average is the mean of the samples present. An average is used if at least half of its
 /// samples are present, and a difference is used if all its averages are. The inner mean of MDEV and TDEV is over the
 /// differences that are used, if these are at least half. Means of fewer samples scatter more. ADEV, OADEV and TOTDEV
 /// are corrected for this: σ² = ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩. Here s² is the variance of the c
 /// samples of an average, as for a sample without replacement. With 40 % lost one by one, the result is within 1 %
-/// instead of 25 to 40 % too large. These three do not use an average of one sample in place of two. The others are
-/// not corrected. A missing point of phase removes the differences that contain it.
+/// instead of 25 to 40 % too large. For m = 2, these three do not use an average of one sample. The other statistics
+/// are not corrected. A missing point of phase removes the differences that contain it.
 ///
 /// ```
 /// use zerorate_allan::{Input, Stat, deviations};

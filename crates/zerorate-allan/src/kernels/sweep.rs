@@ -13,13 +13,13 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Number of starts in a block. What one averaging time reads for a block fits into the first-level cache, and what
-/// all of them read into the second-level cache.
+/// Number of starts in a block. The data that one averaging time reads for a block fit into the first-level cache, and
+/// the data of all averaging times fit into the second-level cache.
 const BLOCK: usize = 2048;
 /// Starts that one thread takes at a time.
 const PIECE: usize = 64 * BLOCK;
-/// Averages of a multiple of this many samples are computed by columns: what they share does not stay in the
-/// second-level cache otherwise.
+/// Averages of a multiple of this many samples are computed by columns. Otherwise the data that these averages share
+/// would not stay in the second-level cache.
 const ROW: usize = 1 << 16;
 /// Bytes of each row that are taken at a time. The second-level cache holds them for nearly all rows of 10^8 samples.
 const COLUMN_BYTES: usize = 2048;
@@ -107,7 +107,7 @@ fn block_sum<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usi
     }
 }
 
-/// Handles every m-th point as a record with averages of one sample.
+/// The sum over differences that start at every m-th point. These points are a record with averages of one sample.
 fn strided<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize>) -> T::Sum {
     let first = starts.start.next_multiple_of(m);
     if first >= starts.end {
@@ -143,7 +143,7 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
 }
 
 /// Sum over the terms around the points `middles`. The caller passes points of which all or none are within m of the
-/// start. A cut makes this true for the end as well.
+/// start. The range is split so that this holds for the end as well.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
     let mut sum = T::Sum::default();

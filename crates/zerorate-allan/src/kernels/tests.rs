@@ -324,7 +324,7 @@ fn sums_are_exact_across_blocks_and_pieces() {
     assert_exact_of(&[Stat::Oadev], &noise(265_000, 24), &[65_536, 131_072]);
 }
 
-/// White noise in f64 against the same numbers as integers, which are exact.
+/// White noise in f64 has the deviations of the same numbers as integers, which are exact.
 #[test]
 fn floats_agree_with_exact_codes() {
     let codes = noise(300_000, 16);
@@ -343,7 +343,7 @@ fn all(input: &Input<'_>, m: &[u64]) -> Vec<f64> {
 }
 
 const EVERY_PATH: [u64; 5] = [1, 16, 1024, 1 << 16, 1 << 17];
-/// A record length that averages of each length in [`EVERY_PATH`] fill.
+/// A record length that is a multiple of each length in [`EVERY_PATH`].
 const WHOLE: usize = 3 << 17;
 
 #[test]
@@ -377,7 +377,7 @@ fn scale_offset_and_reversal_are_exact() {
     assert_eq!(found.iter().map(|dev| dev * 8.0).collect::<Vec<_>>(), found_eightfold);
 }
 
-/// Largest relative difference of f64 to the same numbers as integers, which are exact.
+/// Largest relative error of the deviations of f64. The deviations of the same numbers as integers are exact.
 fn error_of_floats(codes: &[i32]) -> f64 {
     let rate: Vec<f64> = codes.iter().map(|&code| f64::from(code) * 0.0625 + 1000.0).collect();
     let exact = all(&Input::Codes { codes, gaps: &[] }, &EVERY_PATH);

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// `rostopic echo -p` writes variances of an angular velocity; they are not axes, unless somebody asks for them.
+/// `rostopic echo -p` writes variances of an angular velocity. They are not axes, unless the user lists them.
 #[test]
 fn columns_beside_the_axes_are_left_out() {
     let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\
@@ -251,7 +251,7 @@ fn sensors_beside_each_other_have_their_own_times() {
                 found.columns.iter().map(|column| (column.rate_hz.round(), column.series.len())).collect();
             assert_eq!(rates, [[(100.0, 1200); 3], [(50.0, 600); 3]].concat(), "{gyro}");
         }
-        // a given rate is that of all columns
+        // a given rate applies to all columns
         let log = ColumnOptions { rate: Some(200.0), ..ColumnOptions::default() };
         let columns =
             zerorate_logs::read_all(Path::new("imu.csv"), text.into_bytes().into(), ColumnSelection::All, &log);

@@ -25,7 +25,7 @@ use realfft::FftError;
 #[derive(Clone, Debug)]
 pub(super) struct Spectrum {
     pub(super) bins: Vec<Bin>,
-    /// The first coefficients times √dt.
+    /// The first coefficients times √dt, with their signs.
     pub(super) low: Vec<f64>,
     /// The lines whose coefficients were removed from the bins.
     pub(super) narrow: Vec<Narrow>,
@@ -42,7 +42,8 @@ const LONGEST: usize = 1 << 20;
 /// The last level has this share of its values present, or fewer than `FEW` values.
 const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
-/// Segments are used from coefficients length/`USED_FROM` and `FIRST` on. Below, the jumps at their ends disturb them.
+/// Segments are used from coefficients length/`USED_FROM` and `FIRST` on. The jumps at the ends of the segments
+/// disturb lower ones.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
 /// Rounds of the search for sines: a strong one hides weak ones.
@@ -101,7 +102,7 @@ impl Spectrum {
         });
     }
 
-    /// The spectrum of a rate, in which sines were not removed.
+    /// The spectrum of a rate, without a search for sines.
     fn with_sines(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
         let is_complete = !rate.iter().any(|value| value.is_nan());
         if !is_complete || rate.len() > LONGEST {
@@ -204,7 +205,8 @@ impl Level<'_> {
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Number of values in a mean of the next level. Its band reaches well above the first frequency of the segments.
+    /// Number of values in a mean of the next level. Its band must reach well above the first frequency of the
+    /// segments here.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }

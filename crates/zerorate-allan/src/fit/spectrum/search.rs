@@ -53,8 +53,8 @@ fn loud(narrow: &[Narrow], bins: &[Bin], hz: f64) -> Vec<Line> {
     lines.filter(|line| line.rms * line.rms > LOUD * line.frequency_hz * density_at(line.frequency_hz)).collect()
 }
 
-/// The segments of levels are too short for slow lines. One transform of means shows slow lines; gaps are filled with
-/// straight lines.
+/// The slow lines of a rate, from one transform of means. The segments of levels are too short for them. Gaps are
+/// filled with straight lines.
 fn slow_lines(rate: &[f64], rate_hz: f64) -> Result<Vec<Line>, FftError> {
     let slot = rate.len().div_ceil(MOST_MEANS);
     let (mut means, _) = averages(rate, slot);

@@ -1,8 +1,9 @@
 //! The power of a level in segments, each under a taper.
 //!
-//! Segments overlap by half under a sine taper: the squares of two tapers add to 1, so no sample is lost. The leakage
-//! falls with the fourth power of the distance; without a taper it would fall with the square. If values are missing,
-//! mean products of the values present give the autocovariance of noise of any colour, and its transform the density.
+//! Segments overlap by half under a sine taper. The squares of two tapers add to 1, so no sample is lost. The leakage
+//! falls with the fourth power of the distance, and without a taper it would fall with the square. If values are
+//! missing, mean products of the values present give the autocovariance of noise of any colour. Its transform is the
+//! density.
 
 use crate::kernels::threads;
 use alloc::vec;
@@ -45,7 +46,8 @@ fn taper(length: usize) -> Vec<f64> {
     (0..length).map(|i| libm::sin(PI * (i as f64 + 0.5) / length as f64)).collect()
 }
 
-/// Index of the first value of each segment. One more segment ends with the level if much would be lost otherwise.
+/// Index of the first value of each segment. If more than a quarter of a segment would be left over, one more segment
+/// ends with the level.
 fn starts(values: usize, length: usize) -> impl Iterator<Item = usize> {
     let half = length / 2;
     let last = (values - length) / half * half;

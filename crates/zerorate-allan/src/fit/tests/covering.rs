@@ -51,7 +51,7 @@ fn the_bound_covers_deviations_above_the_model() {
     assert!(found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0 >= dev * dev * (1.0 - 1e-9));
 }
 
-/// N and K stay nearly the same if a sway, a drift or a warm-up many times as large as the noise is added.
+/// N and K stay nearly the same if an oscillation, a drift or a warm-up many times as large as the noise is added.
 #[test]
 fn the_bound_leaves_motion_and_drift_out() {
     let noise = HOUR.noise(360_000, 950);

@@ -13,8 +13,8 @@ fn lines(fit: &Fit) -> Vec<Line> {
     fit.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(*line) } else { None }).collect()
 }
 
-/// Below a few hundred coefficients a strong sine leaks over whole bins. These were masked and became a second line of
-/// the same power, and the model's curve was √2 too high.
+/// Below a few hundred coefficients a strong sine leaks over whole bins. These bins were once masked and became a
+/// second line of the same power, and the model's curve was √2 too high.
 #[test]
 fn the_power_of_a_sine_is_counted_once() {
     for (hz, rate_hz, n) in [
@@ -68,7 +68,7 @@ fn a_line_that_drowns_the_noise_is_removed_or_reported() {
 fn a_curve_off_the_model_is_reported() {
     let rate = with_sine(100_000, 100.0, 0.02, 0.5);
     let fit = of(&rate);
-    // it is off at averages up to 1/128 of the record, where a model has to hold
+    // the curve is off at averages up to 1/128 of the record, where a model has to hold
     assert!(lines(&fit).is_empty() && fit.is_rejected, "{} {:?}", fit.model_error, fit.misfit);
     let misfit = fit.misfit.unwrap();
     assert!(misfit.from_hz < 0.05 && misfit.cause == Cause::Resonance, "{} {misfit:?}", fit.model_error);
@@ -84,7 +84,7 @@ fn a_curve_off_the_model_is_reported() {
     }
 }
 
-/// A slow line leaks only into the slow noise beside it. B was 0 where the true B is 9 °/h.
+/// A slow line leaks only into the slow noise beside it. Such a line once gave B = 0 where the true B is 9 °/h.
 #[test]
 fn a_slow_line_that_hides_the_flicker_is_removed_or_reported() {
     let noise = HOUR.noise(360_000, 26);

@@ -28,7 +28,7 @@ fn a_pool_is_surer_than_its_records() {
 }
 
 /// Units whose N differs by 3 % are one type, and the interval of their mean allows for it. A unit with twice the
-/// noise or another slow noise is named.
+/// noise or with other slow noise is an outlier.
 #[test]
 fn a_pool_states_its_spread_and_names_the_outliers() {
     let unit = |part: f64, seed: u64| Truth { n: HOUR.n * part, ..HOUR }.noise(180_000, seed);
@@ -114,6 +114,6 @@ fn a_pool_has_no_drift_of_one_record() {
         pool.outliers,
         pool.fit.b
     );
-    // with the warm-up in it the pool had K = 1e-3
+    // when the warm-up was part of the common model, K was 1e-3
     assert!(pool.fit.k.value < 4e-4, "{:?}", pool.fit.k);
 }

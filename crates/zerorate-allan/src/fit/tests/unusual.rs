@@ -57,7 +57,7 @@ fn the_advice_is_never_a_record_as_short_as_this_one() {
     }
 }
 
-/// Air conditioning made K 2.4 times too large, and a sine 2.9 times, without a warning.
+/// The sawtooth of an air conditioning once made K 2.4 times too large, and a sine 2.9 times, without a warning.
 #[test]
 fn a_period_is_not_taken_for_a_random_walk() {
     let period_of = |rate: &[f64]| {
