@@ -50,7 +50,7 @@ pub(super) fn are_whole(column: &Column) -> bool {
     matches!(column.series, Series::Codes(_)) || numbers(column).iter().all(|number| number.fract() == 0.0)
 }
 
-/// The mean of three accelerometers counts as gravity if it differs from it by less than this share.
+/// The mean of three accelerometers counts as gravity if it differs from gravity by less than this share.
 const WITHIN: f64 = 0.05;
 
 /// The usual full scales of accelerometers, g.

@@ -19,7 +19,7 @@ pub struct Named<'a> {
     pub units: Vec<(String, f64)>,
 }
 
-/// Units of a coefficient for fits in °/s and in m/s², and its suffix to any other unit.
+/// Units of a coefficient for fits in °/s and in m/s², and the suffix that follows any other unit.
 pub struct Units {
     rate: &'static [(&'static str, f64)],
     acceleration: &'static [(&'static str, f64)],

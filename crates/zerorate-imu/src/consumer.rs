@@ -147,7 +147,7 @@ fn openvins(file: &mut Text, numbers: &Numbers) {
     file.line(OPENVINS_REST);
 }
 
-/// Standard gravity, m/s². VINS needs the local gravity.
+/// Standard gravity, m/s². The file asks the user to put in the local gravity.
 const G_NORM: &str = "9.80665";
 
 fn vins(file: &mut Text, numbers: &Numbers) {
@@ -228,7 +228,7 @@ impl Text {
         self.0.push('\n');
     }
 
-    /// Writes what the file is, how its numbers were chosen, and what supports them.
+    /// Writes the comments at the head of the file: reader, meaning and choice of the numbers, and warnings.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
         let NoiseFileOptions { log, combine, rule, inflate, names, warnings, .. } = &numbers.choice;

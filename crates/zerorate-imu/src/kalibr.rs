@@ -14,7 +14,7 @@ const COLUMNS: [(&str, Unit); 6] = [
 ];
 
 /// Gives the columns of Kalibr's format their units, if a log has each of them once, in any order, and its
-/// accelerometers measure gravity in m/s². Returns whether it did.
+/// accelerometers measure gravity in m/s². Returns whether the units were given.
 pub(super) fn give_units(columns: &mut [Column]) -> bool {
     let place = |(name, _): &(&str, Unit)| {
         let mut all = columns.iter().enumerate().filter(|(_, column)| column.name == *name);

@@ -61,8 +61,8 @@ impl Kind {
     }
 
     /// True if a column may be an axis by its name. Set points, biases, norms, motor speeds, and accelerations without
-    /// gravity (`FreeAccX` of Movella, `userAcceleration.x` of phones) are not axes. With `others`, the log has
-    /// columns that are surely axes, and columns of wheels and motors are not.
+    /// gravity (`FreeAccX` of Movella, `userAcceleration.x` of phones) are not axes. If `others` is true, the log has
+    /// columns that are surely axes, and columns of wheels and motors are not axes either.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
         let name = name.to_lowercase();

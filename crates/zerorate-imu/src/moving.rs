@@ -1,5 +1,5 @@
-//! Finds where a sensor moved in a record that has no valid noise model: there its samples spread far more than
-//! elsewhere.
+//! Finds the times of motion in a record without a valid noise model. During motion, the samples spread far more than
+//! at rest.
 
 /// Length of a window, s, and its least number of samples.
 const WINDOW_S: f64 = 10.0;

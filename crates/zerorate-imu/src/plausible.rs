@@ -73,7 +73,7 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         .collect()
 }
 
-/// A doubt if the steps between samples of all gyroscopes show more noise than a sensor at rest or in slow motion.
+/// A warning if the steps between samples of all gyroscopes show more noise than a sensor at rest or in slow motion.
 fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
     let gyros = axes.iter().filter(|axis| axis.quantity == Some(Quantity::AngularRate) && !axis.is_blank());
     let first = gyros.clone().next()?;
@@ -91,7 +91,7 @@ fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
         .then(|| format!("the noise of all gyroscopes is above {least:.2} °/s/√Hz{remedy}"))
 }
 
-/// A doubt about gravity below [`SUBTRACTED_M_S2`]. If gravity is 1 in the unit of the columns, the numbers are
+/// A warning about gravity below [`SUBTRACTED_M_S2`]. If gravity is 1 in the unit of the columns, the numbers are
 /// probably in g. Otherwise a filter may have subtracted gravity.
 fn small_gravity(axes: &[Column]) -> Option<String> {
     let m_s2 = acceleration(axes).filter(|m_s2| *m_s2 < SUBTRACTED_M_S2)?;

@@ -160,8 +160,8 @@ impl Ratio {
     }
 }
 
-/// A filter at rest for at least ten minutes. Every two minutes, a copy of it integrates the rate for 10, 60 and 300 s
-/// without a reference.
+/// Runs a filter on a record at rest. After the first ten minutes, a copy of the filter integrates the rate for 10, 60
+/// and 300 s without a reference, every two minutes.
 fn as_filter(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     const SPANS_S: [f64; 3] = [10.0, 60.0, 300.0];
     let steps = |time_s: f64| (time_s / STEP_S).round() as usize;

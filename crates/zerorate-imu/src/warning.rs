@@ -14,7 +14,7 @@ pub enum ImuWarning {
     Jumps(Vec<Moment>, Rest),
     /// Several axes have a glitch at once, at these moments.
     Knocks(Vec<Moment>),
-    /// The log has no column of a kind. The name is of the setting that chose the columns, if one did.
+    /// The log has no column of a kind. The name is that of the setting that chose the columns, if a setting did.
     KindAbsent(Kind, Option<SettingName>),
 }
 

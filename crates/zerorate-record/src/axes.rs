@@ -1,4 +1,4 @@
-//! Captures of parts with several axes and signed codes.
+//! Tests captures of parts with several axes and signed codes.
 
 use super::tests::{FORMATS, info, open, start};
 use super::*;

@@ -17,7 +17,7 @@ pub const HEAD: &str = "zerorate.check.head";
 const PREFIX: &[u8] = b"zerorate.capture.v2\n";
 const END_MARK: &[u8] = b"end\n";
 
-/// Number of hexadecimal digits of a check. It misses a random change with a probability of 2⁻⁶⁴.
+/// Number of hexadecimal digits of a check. A check misses a random change with a probability of 2⁻⁶⁴.
 const DIGITS: usize = 16;
 
 /// The statement at the end of a file.

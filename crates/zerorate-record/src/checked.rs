@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use zerorate_input::InputWarning;
 use zerorate_input::table::{BatchSource, END};
 
-/// Reads a table that claims to be a capture, and checks it.
+/// Reads a table that describes itself as a capture, and checks it.
 pub struct Checked {
     path: PathBuf,
     info: CaptureInfo,

@@ -43,7 +43,7 @@ fn outcome(path: &Path, truth: &[Row]) -> Outcome {
     }
 }
 
-/// A capture, to be damaged.
+/// A valid capture of which a test writes damaged copies.
 struct Victim {
     dir: TempDir,
     format: Format,

@@ -110,7 +110,7 @@ fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputErr
     })
 }
 
-/// Passes the rows of a capture to `take`, on the same thread, because a browser has no other.
+/// Passes the rows of a capture to `take`, on the same thread, because a browser has only one.
 #[cfg(target_family = "wasm")]
 fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputError> {
     while let Some((batch, rows)) = capture.next_rows()? {

@@ -1,4 +1,4 @@
-//! Every format keeps every sample; files that are torn, damaged or of another kind are reported.
+//! Every format keeps every sample. Files that are torn, damaged or of another kind are reported.
 
 use super::*;
 use adis16130::Width;

@@ -60,11 +60,11 @@ pub struct CoefficientReport {
     pub unit: String,
     /// True if the record shows this noise: zero is outside the interval. If not, only `hi` has a meaning.
     pub identified: bool,
-    /// The length of a record that would identify it, s.
+    /// The length of a record that would identify the coefficient, s. `None` if identified or unknown.
     pub needed_s: Option<f64>,
     /// The text to show if the coefficient is not identified; otherwise empty.
     pub remark: String,
-    /// The units that people use for it, the usual one first.
+    /// The units that people use for the coefficient, the usual one first.
     pub units: Vec<UnitReport>,
 }
 

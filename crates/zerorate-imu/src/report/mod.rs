@@ -223,8 +223,8 @@ impl PointReport {
     }
 }
 
-/// Least number of averages in the record for a named noise. The exponent is found to about 2/√averages and
-/// rounded to a whole number, which is right 19 times of 20 with 62 averages.
+/// Least number of averages in the record for a named noise. The exponent is found to about 2/√averages and rounded to
+/// a whole number. With 62 averages, this number is right in 19 of 20 records.
 const TELLING: f64 = 62.0;
 
 /// The usual name of the noise whose spectral density has the exponent α.

@@ -1,4 +1,4 @@
-//! Parquet files whose row groups were removed, repeated or moved, or that other software wrote.
+//! Tests Parquet files whose row groups were removed, repeated or moved, or that other software wrote.
 
 use super::*;
 use ::parquet::arrow::ArrowWriter;
