@@ -42,8 +42,7 @@ pub(crate) fn normal_quantile(p: f64) -> f64 {
     SQRT_2 * (2.0 * p - 1.0).inv_error()
 }
 
-/// The χ² quantile for the standard normal quantile `z`: Abramowitz & Stegun 26.2.49 with the cumulants of χ², up to
-/// the order ν^−3/2.
+/// The χ² quantile for the normal quantile `z`: Abramowitz & Stegun 26.2.49 with the cumulants of χ², to order ν^−3/2.
 fn cornish_fisher(z: f64, degrees: f64) -> f64 {
     let root = libm::sqrt(2.0 * degrees);
     let z2 = z * z;

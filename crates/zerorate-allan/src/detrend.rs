@@ -227,8 +227,8 @@ impl Parts {
         Ok(basis)
     }
 
-    /// Least-squares coefficients of (T − mean), from the first power on. The powers are scaled to ±1 before the
-    /// normal equations are solved.
+    /// Least-squares coefficients of (T − mean), from the first power on. The powers are scaled to ±1 for the
+    /// equations.
     fn polynomial(&self, order: usize, mean_c: f64) -> Option<Vec<f64>> {
         let span_c = self.temps.iter().map(|t| (t - mean_c).abs()).fold(0.0, f64::max);
         let column =
@@ -266,8 +266,8 @@ fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
     if total > 0.0 { (by_basis / total).min(1.0) } else { 0.0 }
 }
 
-/// Shares of a random walk that remain after its projection on `basis` is removed: of the Allan variance at 1, 2, 4 …
-/// parts, and of the variance.
+/// Shares of a random walk left after its projection is removed: of the Allan variance at 1, 2 … parts, and of the
+/// variance.
 fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     let (all, constant) = (walk(basis), walk(&basis[..1]));
     let octaves = (0..).map(|k| 1usize << k).take_while(|m| 2 * m <= basis[0].len());

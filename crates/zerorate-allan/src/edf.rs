@@ -5,7 +5,7 @@ use super::{Difference, Stat};
 
 /// Largest number of terms that are summed before tables take over (J_max in Greenhall & Riley 2003).
 const MOST_TERMS: f64 = 100.0;
-/// Largest filter factor in the sum for flicker phase noise. With a larger factor the differences would cancel
+/// Largest filter factor in the sum for flicker phase noise. Larger ones would make the differences cancel
 /// numerically.
 const LONGEST_FILTER: f64 = 1e6;
 

@@ -105,7 +105,6 @@ mod tests {
     use super::*;
     use alloc::vec::Vec;
 
-    /// The definition of r1.
     fn by_definition(z: &[f64]) -> f64 {
         let n = z.len() as f64;
         let mean = z.iter().sum::<f64>() / n;

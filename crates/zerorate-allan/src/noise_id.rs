@@ -35,8 +35,7 @@ const WHITE: i32 = 0;
 ///   the variance.) Above 65 536 averages of up to 64 samples, only evenly spaced blocks of the record are used.
 /// * Fewer, at least 8 (for ADEV and HDEV 10): B1, the ratio of the variance of the averages to their Allan variance.
 ///   B1 is compared with the geometric means of its expected values for two neighbouring α (section 5.5.4). If the
-///   answer is phase noise, R(n), the ratio of modified to plain Allan variance, tells white from flicker (section
-///   5.5.5).
+///   answer is phase noise, R(n), the ratio of modified to plain Allan variance, tells white from flicker (5.5.5).
 /// * Fewer still: the answer of the next shorter length, or of the longest length with 8 (10) averages if there is
 ///   none. TOTDEV then counts phase noise as white, because it has published degrees of freedom for frequency noise
 ///   only. A constant record counts as white.
@@ -381,8 +380,7 @@ mod tests {
         assert!(at_41.iter().filter(|found| found.cautious > 0).count() <= 4);
     }
 
-    /// A long averaging time alone has no shorter one before it. It gets the answer for the longest time that can be
-    /// identified.
+    /// A long averaging time alone has no shorter one before it. It gets the answer for the longest identifiable time.
     #[test]
     fn a_lone_long_time_is_identified() {
         let walk = integral(&white(1_000));

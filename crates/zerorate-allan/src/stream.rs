@@ -87,7 +87,7 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
         Self { start: index, end: index, levels: [Level { first: 0, last: 0, blocks: 0, squares: 0 }; OCTAVES] }
     }
 
-    /// Adds the next sample. This updates the sums of two octaves on average, and at most of all.
+    /// Adds the next sample. This updates the sums of two octaves on average, and of all octaves at most.
     pub fn push(&mut self, code: i32) {
         let mut index = self.end;
         self.end = self.end.wrapping_add(1);

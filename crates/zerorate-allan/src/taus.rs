@@ -80,8 +80,8 @@ impl core::error::Error for TausError {}
 /// Longest averaging length, in samples, of `stat` in a record of `phase_points` points (one more than rate samples);
 /// 0 if the record is too short.
 ///
-/// For N points it is (N − 1)/2 for ADEV and OADEV, (N − 1)/3 for HDEV and OHDEV, and N/3 for MDEV and TDEV. TOTDEV
-/// reflects the record, which adds no information beyond half of the record: (N − 1)/2.
+/// For N points, the longest is (N − 1)/2 for ADEV and OADEV, (N − 1)/3 for HDEV and OHDEV, and N/3 for MDEV and TDEV.
+/// For TOTDEV it is (N − 1)/2, because reflection adds no information beyond half of the record.
 #[must_use]
 pub fn longest(stat: Stat, phase_points: u64) -> u64 {
     stat.row().kernel.longest(phase_points)

@@ -39,8 +39,7 @@ pub enum AllanWarning {
     MemoryOrFilter { tau_s: f64, n: f64 },
     /// A drift and a random walk fit about as well.
     DriftOrWalk { has_drift: bool, worse: f64 },
-    /// A periodic disturbance explains the slow noise better than a random walk. `k` is K without the disturbance,
-    /// unit/√s.
+    /// A period explains the slow noise better than a random walk. `k` is K without the period, unit/√s.
     PeriodOrWalk { period_s: f64, k: f64 },
     /// One half of the record is noisier: `ratio` is the deviation of the first half divided by that of the second.
     Unsteady { tau_s: f64, ratio: f64 },

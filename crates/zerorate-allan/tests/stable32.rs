@@ -118,9 +118,9 @@ fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> 
     true
 }
 
-/// Stable32's degrees of freedom for TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5).
-/// Stable32 uses the newer formulas for OADEV, and this crate uses them for both. For flicker phase noise the older
-/// and the newer formulas differ by a factor of about 2.
+/// Stable32's degrees of freedom for TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5). For
+/// OADEV, Stable32 uses the newer formulas, as this crate does for both. For flicker phase noise, the older and the
+/// newer formulas differ by a factor of about 2.
 fn stein_edf(alpha: i32, m: f64, n: f64) -> f64 {
     match alpha {
         2 => (n + 1.0) * (n - 2.0 * m) / (2.0 * (n - m)),

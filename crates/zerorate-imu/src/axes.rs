@@ -301,9 +301,9 @@ fn both(path: &Path, first: LogError, second: LogError) -> LogError {
     }
 }
 
-/// Leaves out blank axes, which have no measured values, unless all axes are blank. A ROS message has three axes of
-/// each kind, even from a sensor with fewer. In a table, a blank axis may be broken, so it stays if others of its kind
-/// have values.
+/// Leaves out blank axes, which have no measured values, unless all are blank. A ROS message has three axes of each
+/// kind, even from a sensor with fewer. A blank axis of a table may be broken, and stays if others of its kind have
+/// values.
 fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Option<LogWarning> {
     let is_alive = |kind: Kind| axes.iter().any(|(of, column)| *of == kind && !column.is_blank());
     let dead: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !is_alive(*kind)).collect();
@@ -317,8 +317,7 @@ fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Opti
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
-/// Removes the columns beside the three axes of one sensor, and returns their names. Asks if the columns may be of
-/// several sensors.
+/// Removes the columns beside the three axes of one sensor, and returns their names. Asks if several sensors fit.
 ///
 /// # Errors
 /// Returns the question, with the columns of each sensor.

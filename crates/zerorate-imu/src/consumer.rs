@@ -72,7 +72,6 @@ impl Format {
         }
     }
 
-    /// The text of the file.
     pub(super) fn text(self, numbers: &Numbers) -> String {
         let mut file = Text::default();
         match self {

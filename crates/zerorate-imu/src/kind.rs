@@ -106,7 +106,7 @@ impl Kind {
             return Self::of(quantity);
         }
         let name = name.to_lowercase();
-        // `axRaw` is an axis as `ax` is
+        // `axRaw` names the same axis as `ax`
         let name = name.strip_suffix("raw").map_or(&*name, |bare| bare.trim_end_matches(['_', ' ', '.']));
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         let short = |letters: &str| {

@@ -115,7 +115,7 @@ pub struct Sensor {
 pub struct SourcedNumber {
     /// The number, in rad, m and s.
     pub value: f64,
-    /// The axis or axes that it comes from.
+    /// The source of the number, for the file: the axis or axes, and the rule.
     pub from: String,
 }
 
@@ -129,7 +129,7 @@ impl SourcedNumber {
 pub struct AxisNumbers {
     /// White noise N, rad/√s or m/s/√s.
     pub n: SourcedNumber,
-    /// N as it was fitted, for a reader whose model has no random walk K.
+    /// N as it was fitted, for programs whose noise model has no random walk K.
     pub fitted_n: SourcedNumber,
     /// Random walk K of the bias, rad/s/√s or m/s²/√s.
     pub k: SourcedNumber,

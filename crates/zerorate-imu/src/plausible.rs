@@ -1,4 +1,4 @@
-//! Detects values that no sensor has at rest. They indicate a wrong unit, a wrong scale, or mixed columns.
+//! Detects values that no sensor has at rest. Such values indicate a wrong unit, a wrong scale, or mixed columns.
 
 use crate::{codes, in_turn};
 use std::path::Path;

@@ -313,7 +313,7 @@ impl Record {
         ImuWarning::of_moving(moving, (start_s, end_s), first.names).into_iter().chain(jumps).collect()
     }
 
-    /// The value of the model at a point, if a model exists and describes this statistic.
+    /// The prediction of the model at a point, if a model exists and describes this statistic.
     pub fn expected(&self, point: &Point) -> Option<Prediction> {
         self.model()?.expected(&self.analysis, point)
     }

@@ -13,8 +13,7 @@ const AXES: &str = "zerorate.samples.v2 ";
 /// Length of the longest encoded row, bytes.
 const LONGEST: usize = 8 + 4 + 4 * MAX_AXES + 4 + 4 + 4 + 1;
 
-/// SHA-256 over the canonical encoding of rows. The hash is the same for a live device and for its capture in any
-/// format.
+/// SHA-256 over the canonical encoding of rows. A live device and its capture in any format have the same hash.
 #[derive(Clone, Debug)]
 pub struct SampleHash {
     digest: Sha256,

@@ -405,7 +405,6 @@ fn is_name(name: &str) -> bool {
     (1..=LONGEST_NAME).contains(&name.len()) && name.chars().all(good)
 }
 
-/// The column type for codes of this scale.
 fn code_type(scale: &Scale) -> DataType {
     if scale.signed { DataType::Int32 } else { DataType::UInt32 }
 }
@@ -433,7 +432,6 @@ pub(super) fn stated<'a>(path: &Path, metadata: &'a Metadata, key: &str) -> Resu
     metadata.get(key).ok_or_else(|| CaptureError::damaged(path, "metadata", format!("`{key}` is missing")))
 }
 
-/// The value of a key as a number.
 pub(super) fn number<T: FromStr>(path: &Path, metadata: &Metadata, key: &str) -> Result<T, CaptureError> {
     let text = stated(path, metadata, key)?;
     let wrong =

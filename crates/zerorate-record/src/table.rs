@@ -71,7 +71,7 @@ pub struct CheckedSink {
 enum Blocks {
     /// A block ends with each batch, which has at most `rows` rows.
     Batches { rows: usize },
-    /// A block ends after `rows` rows, of which `open` were written.
+    /// A block ends after `rows` rows, of which `open` have been written.
     Rows { rows: usize, open: usize },
 }
 

@@ -120,8 +120,7 @@ enum Means {
     B,
 }
 
-/// A key of the file, the quantity that it states, the exponent of the second in its unit (as [`Unit::halves`]), and
-/// the accepted units for the error message.
+/// A key, the quantity that it states, the exponent of its unit (as [`Unit::halves`]), and the units that errors name.
 struct FigureRow(&'static str, Figure, i32, &'static str);
 
 impl Gyroscope {

@@ -1,5 +1,4 @@
-//! The frequency up to which the model describes the noise. Above this upper end the model does not follow the
-//! sensor's filter.
+//! The frequency up to which the model describes the noise. Above it, the model does not follow the sensor's filter.
 //!
 //! N² is the density at frequency 0 of noise that a filter shapes above some frequency. Fitted to the lowest part of
 //! the spectrum, N is right but uncertain. A higher upper end makes N more certain, until a shape of few terms no
@@ -68,8 +67,8 @@ fn tops(table: &Table) -> Vec<f64> {
     tops.filter(|top_hz| 2.0 * top_hz * table.span_s > FEWEST_COEFFICIENTS).collect()
 }
 
-/// Fits up to each end, from the lowest on. Each fit starts from the result of the fit before. Returns the fair fit
-/// with the most certain N. If no fit is fair, returns the highest one with a small model error, or else the highest.
+/// Fits up to each end, from the lowest on, starting from the fit before. Returns the fair fit with the most certain
+/// N. If none is fair, returns the highest fit with a small model error, or else the highest.
 fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) -> Option<FitUpTo> {
     let mut looks: Vec<FitUpTo> = Vec::new();
     for &top_hz in tops {
@@ -104,8 +103,7 @@ fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Opti
     Some(FitUpTo { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
 }
 
-/// The upper ends in the longest chain of fair ends, Hz, each of which agrees with all lower ones. Of equally long
-/// chains, the one that starts lowest.
+/// The longest chain of fair ends, Hz, each of which agrees with all lower ones. Of equal chains, the lowest one.
 fn agreeing(looks: &[FitUpTo]) -> Vec<f64> {
     let from = |first: usize| {
         let mut chain: Vec<&FitUpTo> = Vec::new();

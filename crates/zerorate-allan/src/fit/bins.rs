@@ -6,8 +6,7 @@ use alloc::vec::Vec;
 const PER_OCTAVE: f64 = 12.0;
 pub(super) const LINEAR: usize = 160;
 
-/// Adjacent coefficients of the DCT-II. The mean of their c²·dt estimates the two-sided density at f = k/(2T), with
-/// index k and record length T.
+/// Adjacent coefficients of the DCT-II. The mean of c²·dt estimates the two-sided density at f = k/(2·record length).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bin {
     /// Index of the first coefficient.
@@ -38,8 +37,7 @@ impl Response {
 const LEAST_DENSITY: f64 = 1e-3;
 
 impl Bin {
-    /// Whether the bin has one coefficient. A drift is fitted to such bins only, because its sign shows in a
-    /// coefficient but not in a mean power.
+    /// Whether the bin has one coefficient. A drift is fitted to such bins only, because a mean power has no sign.
     pub(super) fn is_single(&self) -> bool {
         self.end - self.first == 1
     }

@@ -13,7 +13,6 @@ use alloc::vec::Vec;
 const FROM_S: f64 = 1.0;
 /// The default horizon is at most this share of the record.
 const HORIZON: f64 = 1.0 / 3.0;
-/// Number of steps of N² that are tried.
 const STEPS: u32 = 60;
 
 /// The way in which an estimator uses N and K.

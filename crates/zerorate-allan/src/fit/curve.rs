@@ -58,7 +58,6 @@ impl<'a> Curves<'a> {
         self.of_parts(0..BLOCKS)
     }
 
-    /// Number of samples in the record.
     pub(super) fn samples(&self) -> usize {
         self.rate.len()
     }

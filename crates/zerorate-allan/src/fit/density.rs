@@ -46,7 +46,7 @@ pub(super) struct BinRow {
 }
 
 impl Table {
-    /// A table whose shape ends at half the rate.
+    /// Computes the rows of `bins`. The band shape ends at half the sample rate.
     pub(super) fn new(bins: impl Iterator<Item = Bin>, low: &[f64], samples: usize, rate_hz: f64) -> Self {
         let span_s = samples as f64 / rate_hz;
         let rows = bins.map(|bin| BinRow::new(bin, span_s, rate_hz)).collect();

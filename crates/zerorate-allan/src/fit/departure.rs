@@ -1,5 +1,4 @@
-//! The distance u between the held and the best value of a parameter, which the statistic r* needs (Skovgaard,
-//! Bernoulli 2, 1996).
+//! The distance u of a held parameter from its best value, for the statistic r* (Skovgaard, Bernoulli 2, 1996).
 
 use super::scoring::Local;
 use crate::linear::Square;

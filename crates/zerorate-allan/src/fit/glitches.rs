@@ -49,8 +49,7 @@ const ABSURD: f64 = 1e9;
 /// Number of windows that are processed together.
 const PIECE: usize = 1 << 14;
 
-/// Indices of the samples that are glitches, or so near that averages include one, ascending. `None` if they are more
-/// than [`MOST`] of all samples.
+/// Indices of the samples that are glitches, or so near that averages include one. `None` if more than [`MOST`] are.
 ///
 /// The mean of w samples is compared with the means of the w samples before and after. This comparison is linear, so
 /// the rate of false alarms holds for correlated noise too. A comparison with the median of a window gave 270 times as

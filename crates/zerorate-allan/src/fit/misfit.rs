@@ -53,8 +53,7 @@ impl OffCurve {
         libm::fabs(self.ratio - 1.0)
     }
 
-    /// The octave of frequencies that an average of `tau_s` mostly measures, Hz, and the measured over the fitted
-    /// power.
+    /// The octave that an average of `tau_s` mostly measures, Hz, and the measured over the fitted power.
     fn band(self) -> (f64, f64, f64) {
         (0.25 / self.tau_s, 0.5 / self.tau_s, self.ratio * self.ratio)
     }

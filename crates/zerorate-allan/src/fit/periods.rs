@@ -22,7 +22,6 @@ pub(super) struct Period {
 /// The frequencies to try, in half periods over the record, and the steps per half period.
 const TRIED: Range<u32> = 4..48;
 const STEPS: u32 = 4;
-/// Largest number of harmonics.
 const HARMONICS: usize = 4;
 /// The price of a sine with its phase, in −2 ln L, and the least gain of more sines.
 const PRICE: f64 = 8.0;

@@ -21,8 +21,7 @@ use core::fmt;
 /// A record with its own model.
 #[derive(Clone, Copy, Debug)]
 pub struct PoolRecord<'a> {
-    /// The rate, in the unit of the model; NaN is a missing sample. If `fit` removed glitches or steps, its cleaned
-    /// rate is used instead.
+    /// The rate, in the unit of the model; NaN is a missing sample. Not used if `fit` contains a cleaned rate.
     pub rate: &'a [f64],
     /// Samples per second.
     pub rate_hz: f64,

@@ -29,7 +29,6 @@ pub(super) struct Profile<'a> {
     best: Optimum,
     local: Local,
     place: usize,
-    /// The bounds of the parameter.
     bounds: (f64, f64),
     /// The best fit with the parameter at zero, if the best value would be below zero.
     at_zero: Option<Optimum>,

@@ -74,7 +74,6 @@ pub(super) fn cut_glitches(rate: &mut Cow<'_, [f64]>, warnings: &mut Vec<AllanWa
     spectrum::averages::fill_gaps(rate);
     missing.into_iter().for_each(|i| rate[i] = f64::NAN);
     let ratio = libm::sqrt(before / power(rate).max(f64::MIN_POSITIVE));
-    // neighbouring samples are one glitch
     let firsts: Vec<usize> = found.chunk_by(|a, b| *b == a + 1).map(|glitch| glitch[0]).collect();
     warnings.push(AllanWarning::Glitches { glitches: firsts.len() as u64, samples: found.len() as u64, ratio });
     firsts

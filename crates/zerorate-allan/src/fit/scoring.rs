@@ -185,7 +185,7 @@ impl State {
 }
 
 impl Problem {
-    /// Descends from `start` in at most `steps` steps, while a step gains more than `least_gain`. `held` stays fixed.
+    /// Descends from `start` in at most `steps` steps, while a step gains more than `least_gain`. Keeps `held` fixed.
     pub(super) fn descend(
         &self,
         form: ModelForm,

@@ -341,7 +341,7 @@ fn with_refined_warm_up(problem: &Problem, coarse: Optimum, tau_s: f64) -> Optim
     best.0
 }
 
-/// Up to this many cosines, no pole and no other explanation of the spectrum is tried in their place.
+/// A pole or another explanation of the spectrum is tried only in place of more cosines than this.
 const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
@@ -500,7 +500,6 @@ pub(super) fn chi2(problem: &Problem, found: &Optimum) -> (f64, f64) {
     (sum, (f64::from(count) - found.form.shape() as f64 - 1.0).max(1.0))
 }
 
-/// The parameters without the shape.
 pub(super) fn without_shape(found: &Optimum) -> Vec<f64> {
     let mut at = found.at.clone();
     at.drain(SHAPE..SHAPE + found.form.shape());

@@ -233,8 +233,7 @@ fn steps_do_not_depend_on_the_unit() {
     assert_eq!([1e-12, 1.0, 1e12].map(steps), [(0, 0); 3]);
 }
 
-/// 40 % of the samples are lost one by one. Averages over the rest have more white noise, which once made N 27 % too
-/// large.
+/// 40 % of the samples are lost one by one. The averages then have more white noise, which once made N 27 % too large.
 #[test]
 fn lost_samples_do_not_change_n() {
     let mut rate = HOUR.noise(200_000, 8);
@@ -292,7 +291,7 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
 }
 
 /// A straight line between the two values beside a gap has up to 1.7 times the slow power of the white noise that it
-/// replaces. It was once taken for flicker.
+/// replaces. This power was once taken for flicker.
 #[test]
 fn white_noise_with_one_gap_is_what_the_bins_expect() {
     for gap in [0..5_000, 100_000..105_000, 170_000..176_000] {

@@ -70,8 +70,7 @@ pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squa
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-/// Exclusive ends of the classes of averages, in samples. Short averages have a fine fixed-point step, long ones a
-/// coarse one.
+/// Exclusive ends of the classes of averages, in samples. The fixed-point step is fine for short averages only.
 const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 
 /// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose small

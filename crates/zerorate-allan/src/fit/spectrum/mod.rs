@@ -42,13 +42,13 @@ const LONGEST: usize = 1 << 20;
 /// The last level has this share of its values present, or fewer than `FEW` values.
 const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
-/// Segments are used from coefficients length/`USED_FROM` and `FIRST` on. The jumps at the ends of the segments
-/// disturb lower ones.
+/// Segments give coefficients from length/`USED_FROM` and `FIRST` on. Jumps at their ends disturb lower coefficients.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
 /// Rounds of the search for sines: a strong one hides weak ones.
 const ROUNDS: usize = 3;
-/// Degrees of freedom of a sine, the least share left in its bin, and its coefficients on either side.
+/// The removal of a sine takes `OF_A_SINE` degrees of freedom of its bin, of which more than the share `LEAST_LEFT`
+/// must remain. The line of a sine has `BESIDE` coefficients on either side.
 const OF_A_SINE: f64 = 3.0;
 const LEAST_LEFT: f64 = 0.5;
 const BESIDE: usize = 4;
@@ -205,8 +205,8 @@ impl Level<'_> {
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Number of values in a mean of the next level. Its band must reach well above the first frequency of the
-    /// segments here.
+    /// Number of values in a mean of the next level. The band of such means reaches well above the first frequency
+    /// here.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }

@@ -1,9 +1,8 @@
 //! The power of a level in segments, each under a taper.
 //!
 //! Segments overlap by half under a sine taper. The squares of two tapers add to 1, so no sample is lost. The leakage
-//! falls with the fourth power of the distance, and without a taper it would fall with the square. If values are
-//! missing, mean products of the values present give the autocovariance of noise of any colour. Its transform is the
-//! density.
+//! falls with the fourth power of the distance instead of the square. If values are missing, mean products of the
+//! values present give the autocovariance of noise of any colour. Its transform is the density.
 
 use crate::kernels::threads;
 use alloc::vec;
@@ -31,7 +30,6 @@ pub(super) struct Power {
     pub(super) raw: Vec<f64>,
     /// The mean squares without the power that gaps add: unbiased for noise of any colour.
     pub(super) fair: Vec<f64>,
-    /// Number of segments.
     pub(super) count: f64,
 }
 
@@ -46,8 +44,7 @@ fn taper(length: usize) -> Vec<f64> {
     (0..length).map(|i| libm::sin(PI * (i as f64 + 0.5) / length as f64)).collect()
 }
 
-/// Index of the first value of each segment. If more than a quarter of a segment would be left over, one more segment
-/// ends with the level.
+/// The start of each segment. One more segment ends with the level if over a quarter of a segment would be left over.
 fn starts(values: usize, length: usize) -> impl Iterator<Item = usize> {
     let half = length / 2;
     let last = (values - length) / half * half;

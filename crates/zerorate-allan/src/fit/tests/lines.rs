@@ -44,8 +44,8 @@ fn the_power_of_a_sine_is_counted_once() {
     }
 }
 
-/// A sine of 200 times the noise would leak all over the spectrum. It is removed. If it lasts for half of the record
-/// only, it stays, and N is several times too large.
+/// A sine of 200 times the noise would leak all over the spectrum, so it is removed. A sine that lasts for only half
+/// of the record stays, makes N several times too large, and is reported.
 #[test]
 fn a_line_that_drowns_the_noise_is_removed_or_reported() {
     let said = |rate: &[f64]| {
@@ -63,7 +63,8 @@ fn a_line_that_drowns_the_noise_is_removed_or_reported() {
     assert!(n > 1.5 && leakage.unwrap().contains("the line at 5.00"), "{n}");
 }
 
-/// A sine this slow does not become a line, and the spectrum without its first coefficients does not show it.
+/// A sine of 0.02 Hz is too slow to become a line. The curve shows it, and the fitted part of the spectrum hardly
+/// does.
 #[test]
 fn a_curve_off_the_model_is_reported() {
     let rate = with_sine(100_000, 100.0, 0.02, 0.5);
