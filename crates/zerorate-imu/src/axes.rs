@@ -55,7 +55,7 @@ pub struct Axes {
 /// A column that is an axis, with its kind.
 type OfKind = (Kind, Column);
 
-/// Endings of the names of the first axis of each kind in a bag.
+/// Endings of the column names of the first axis of each kind in a ROS bag.
 const FIRST: [&str; 2] = [".angular_velocity.x", ".linear_acceleration.x"];
 
 impl Axes {

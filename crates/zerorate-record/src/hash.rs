@@ -77,7 +77,6 @@ fn low_bytes(code: i64) -> [u8; 4] {
     (code as u32).to_le_bytes()
 }
 
-/// Bytes in lower-case hexadecimal.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -427,7 +427,6 @@ fn scale(path: &Path, metadata: &Metadata, key: &str, zero_value: f64) -> Result
     Ok(scale)
 }
 
-/// The value of a key in the metadata.
 pub(super) fn stated<'a>(path: &Path, metadata: &'a Metadata, key: &str) -> Result<&'a String, CaptureError> {
     metadata.get(key).ok_or_else(|| CaptureError::damaged(path, "metadata", format!("`{key}` is missing")))
 }

@@ -21,7 +21,7 @@ pub(super) struct MaskedBins {
     pub(super) tail_at_zero: f64,
 }
 
-/// The tail of a resonance this near to half the rate, in octaves, cannot be told from N.
+/// The tail of a resonance this near to half the rate, in octaves, cannot be distinguished from white noise.
 const NEAR_THE_END: f64 = 2.0;
 /// Least number of half widths of a resonance that the mask is assumed to cover.
 const LEAST_REACH: f64 = 1.0;

@@ -87,7 +87,7 @@ impl<'a> Profile<'a> {
         (self.end(-step), self.end(step))
     }
 
-    /// The standard deviation according to the curvature.
+    /// The standard deviation of the parameter, from the curvature of D.
     fn step(&self) -> f64 {
         let curvature = self.problem.information(&self.best);
         let own = curvature.at(self.place, self.place).max(f64::MIN_POSITIVE);

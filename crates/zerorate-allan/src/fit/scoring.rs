@@ -104,7 +104,7 @@ const DAMPINGS: (f64, f64) = (-1.0, 3.0);
 const LEAST_WHITE: f64 = 1e-6;
 /// The largest step of a cosine and of a ln T.
 const STRIDE: f64 = 1.0;
-/// Largest number of halvings of a step that leads uphill.
+/// Largest number of halvings of a step that would raise the deviance.
 const HALVINGS: usize = 12;
 
 /// The data that all fits of a record share.

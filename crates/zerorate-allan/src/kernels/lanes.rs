@@ -51,7 +51,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// The height of x above the line. `first` + `i` is exact.
+    /// The height of x above the line. The sum `first` + `i` is an exact f64.
     #[inline(always)]
     fn level(self, first: f64, i: usize, x: f64) -> f64 {
         x - self.start - self.slope * (first + f64::from(i as u32))

@@ -28,7 +28,6 @@ const COLUMN_BYTES: usize = 2048;
 pub(super) trait Step {
     /// A value of the running sum.
     type Number: Number + Default + Send + Sync;
-    /// Sum of squares.
     type Sum: Copy + Default + Send;
 
     /// 2 · `end` − `number`.

@@ -15,11 +15,15 @@ pub struct Edits(Vec<Edit>);
 
 #[derive(Clone, Copy, Debug)]
 enum Edit {
+    /// Flips one bit.
     Flip { at: Place, bit: u8 },
+    /// Replaces one byte.
     Byte { at: Place, byte: u8 },
     /// Overwrites a number with an extreme one.
     Number { at: Place, number: u64, width: usize, big_endian: bool },
+    /// Truncates the file.
     Truncate { at: Place },
+    /// Removes some bytes.
     Remove { at: Place, length: u8 },
     /// Inserts a copy of some bytes at another place.
     Splice { from: Place, to: Place, length: u8 },

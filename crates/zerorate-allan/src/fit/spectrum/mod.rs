@@ -162,7 +162,6 @@ struct Part {
 }
 
 impl Part {
-    /// Transforms all values at once.
     fn transform(values: &[f64], rate_hz: f64, edges: Vec<Bin>) -> Result<Self, FftError> {
         let coefficients = cosine_transform(&centred(values))?;
         let power: Vec<f64> = coefficients.iter().map(|c| c * c / rate_hz).collect();
