@@ -57,7 +57,7 @@ pub struct Point {
 pub struct Unavailable {
     /// Requested averaging time, s.
     pub tau_s: f64,
-    /// The reason why it has no result.
+    /// The reason why this averaging time has no result.
     pub reason: Reason,
 }
 

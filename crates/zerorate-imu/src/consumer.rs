@@ -59,7 +59,7 @@ impl Format {
         }
     }
 
-    /// The names of the reader and of its file, for people.
+    /// The names of the program that reads the file and of the file, for messages.
     #[must_use]
     pub fn reader(self) -> &'static str {
         match self {

@@ -16,7 +16,7 @@ const NARROW: f64 = 2.0;
 const TO_THE_END: f64 = 0.9;
 /// Codes are coarse if more than this share of the samples repeats the sample before.
 const REPEATED: f64 = 0.5;
-/// The sensor moves if the powers of the eighths of a record have more than this relative standard deviation.
+/// The sensor moves if the powers of the eighths of a record have more than this relative deviation beyond chance.
 const MOVES: f64 = 0.3;
 /// Share of the records whose curve is rejected by chance.
 const OFF_BY_CHANCE: f64 = 1e-3;

@@ -1,4 +1,4 @@
-//! N and K that cover the noise.
+//! Tests N and K that cover the noise.
 
 use super::*;
 

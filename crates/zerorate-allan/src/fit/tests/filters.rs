@@ -1,4 +1,4 @@
-//! Noise behind filters, with gaps, and long records.
+//! Tests noise behind filters, records with gaps, and long records.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Reactions of several axes at the same moment.
+//! Tests the detection of motion that several axes show at the same moment.
 
 use super::*;
 

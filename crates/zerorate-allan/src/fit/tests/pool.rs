@@ -1,4 +1,4 @@
-//! One model of several records.
+//! Tests the common model of several records.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Noise that looks like a disturbance, and a disturbance that looks like noise.
+//! Tests noise that looks like a disturbance, and disturbances that look like noise.
 
 use super::*;
 use crate::Cause;
