@@ -6,13 +6,13 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A parsed address, without its kind: the text after the colon.
+/// The part of a device address after the colon, parsed. Each kind of device has its own implementation.
 pub(crate) trait Address: fmt::Debug + Send + Sync {
-    /// Opens the device. `name` is the address as the user wrote it. [`Source::initialise`] initialises the part
-    /// later. `stop` ends every long wait.
+    /// Opens the device. `name` is the whole address, as the user wrote it. The part is initialised later, by
+    /// [`Source::initialise`]. `stop` ends every long wait.
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>>;
 
-    /// The path of the recording; `None` for any other device.
+    /// The path of the recording, if the device replays one. `None` for any other device.
     fn file(&self) -> Option<&Path> {
         None
     }

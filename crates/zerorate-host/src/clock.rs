@@ -9,7 +9,7 @@ pub fn now() -> Option<Timestamp> {
     stamp(SystemTime::now())
 }
 
-/// The wall-clock time as text, to the second; empty if there is none.
+/// The wall-clock time as text, rounded to the second; empty outside of the years −9999 to 9999.
 pub(crate) fn text() -> String {
     now().map_or_else(String::new, to_second)
 }

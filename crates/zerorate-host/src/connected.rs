@@ -15,7 +15,7 @@ use std::time::Instant;
 use zerorate::SettingNames;
 use zerorate_record::Row;
 
-/// Number of reads that are timed.
+/// Number of register reads that are timed together.
 const TIMED_READS: u32 = 200;
 
 /// The connection between the part and this program.
@@ -43,7 +43,7 @@ pub trait Connection {
     /// Adds advice to an error that the connection caused.
     fn explain(&self, error: anyhow::Error) -> anyhow::Error;
 
-    /// Number of frames that arrived damaged.
+    /// Number of frames that arrived damaged from a bridge; 0 on a bus.
     fn damaged(&self) -> u64 {
         0
     }
@@ -54,7 +54,8 @@ pub trait Connection {
     }
 }
 
-/// A part and, once sampling, the thread that reads it. Dropping it ends the thread before the connection.
+/// A part and, once sampling, the thread that reads the part. Dropping this value ends the thread before the
+/// connection.
 pub struct ConnectedPart<C: Connection> {
     state: State<C>,
     connection: C,

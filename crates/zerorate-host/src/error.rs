@@ -35,7 +35,7 @@ pub enum Cause {
     Part,
     /// The recording cannot be read, or is damaged.
     File,
-    /// The samples must not become a measurement. The value is the code of the reason (docs/codes.md).
+    /// The samples must not be used for a measurement. The value is the code of the reason (docs/codes.md).
     Refused(&'static str),
     /// A stop was requested.
     Stopped,
@@ -52,7 +52,7 @@ impl DeviceError {
 }
 
 impl DeviceError {
-    /// A copy of the error, for another reader of the same device.
+    /// A copy of the error, because each reader of the device receives the error.
     pub(crate) fn again(&self) -> Self {
         Self { cause: self.cause, told: anyhow::anyhow!("{:#}", self.told) }
     }
@@ -123,7 +123,7 @@ impl UserError {
         Self::new(Cause::Request, words).into()
     }
 
-    /// An operating system's error about a file, with the cause derived from it.
+    /// An operating system's error, with the cause derived from the error's kind. `words` is the text for the user.
     pub fn of_system(error: &io::Error, words: impl Into<String>) -> Self {
         Self::new(of_system(error), words)
     }

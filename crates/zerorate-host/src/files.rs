@@ -27,11 +27,11 @@ pub fn open(path: &Path) -> Result<Input, InputError> {
     Ok(Input::from(file).with_holes(holes))
 }
 
-/// Largest number of data areas of a file that are searched for holes. The rest counts as one hole.
+/// Largest number of data areas of a file between which holes are searched. The rest of the file counts as one hole.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 const STRETCHES: usize = 1 << 16;
 
-/// Number of bytes in holes: they read as zeros and take no space on the disk.
+/// Number of bytes in the holes of a file. Holes read as zeros and take no space on the disk.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 fn holes(mut file: &File) -> std::io::Result<u64> {
     use rustix::fs::{SeekFrom, seek};
@@ -40,7 +40,7 @@ fn holes(mut file: &File) -> std::io::Result<u64> {
     for _ in 0..STRETCHES {
         let start = match seek(file, SeekFrom::Data(at)) {
             Ok(start) => start,
-            // no data follows
+            // no data after `at`
             Err(rustix::io::Errno::NXIO) => break,
             // a file system without support for holes
             Err(_) => return file.rewind().map(|()| 0),
@@ -58,8 +58,8 @@ fn holes(_: &File) -> std::io::Result<u64> {
     Ok(0)
 }
 
-/// Reads a small text file whole. A device, a pipe or a sparse file may be endless, so at most `most` bytes are
-/// read, plus one to detect a larger file.
+/// Reads a small text file completely. A device, a pipe or a sparse file may be endless, so at most `most` bytes are
+/// read, and one more to detect a larger file.
 ///
 /// # Errors
 /// Returns [`ErrorKind::FileTooLarge`] for a larger file, [`ErrorKind::InvalidData`] if it is not text, or the error
@@ -74,7 +74,7 @@ pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
     String::from_utf8(bytes).map_err(|_| std::io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
 }
 
-/// The name of a log that means standard input.
+/// The path that means standard input.
 pub const STDIN: &str = "-";
 
 /// Opens a log: a file, standard input (`-`), or the folder of a ROS 2 bag. Returns each file with its name.
@@ -249,7 +249,7 @@ mod tests {
         assert!(others.into_iter().all(|names| split(names).is_none()));
     }
 
-    /// A sparse file of 4 GiB counts only the few blocks that it takes.
+    /// A sparse file of 4 GiB with data in two places counts only its few blocks with data.
     #[test]
     fn holes_do_not_count_as_bytes_of_a_log() {
         let mut file = tempfile::NamedTempFile::new().expect("a file");

@@ -12,7 +12,7 @@ use rustix::io::Errno;
 use std::path::Path;
 use std::time::Duration;
 
-/// Size of the kernel's queue of edges: the most that it allows for one line.
+/// Size of the kernel's queue of edges: the largest size that the kernel allows for one line.
 const KERNEL_EDGES: u32 = 1024;
 /// Number of edges that are read at once.
 const EDGES_AT_ONCE: usize = 64;
@@ -45,7 +45,7 @@ impl GpioEdges {
         Ok(Self { request, name: format!("{} line {line}", chip.display()), buffer, first_ns: None, last_ns: 0 })
     }
 
-    /// Returns the newest edge in the kernel's queue. Its number counts all edges, also dropped ones.
+    /// Returns the newest edge in the kernel's queue. The number of the edge counts all edges, including dropped ones.
     fn newest(&mut self) -> Result<Option<Edge>> {
         let size = self.request.edge_event_u64_size();
         let mut newest = None;
@@ -144,7 +144,7 @@ fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error 
     anyhow::Error::new(error).context(UserError::new(cause, remedy))
 }
 
-/// The operating system's error number.
+/// The operating system's error number, if the error has one.
 pub fn errno(error: &gpiocdev::Error) -> Option<Errno> {
     match error {
         gpiocdev::Error::Os(errno) | gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => {

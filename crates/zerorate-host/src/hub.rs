@@ -1,9 +1,9 @@
 //! One thread reads a device and distributes the samples to all readers.
 //!
 //! A reader that needs every sample (for example one that records a capture) uses a [`LosslessReader`], for which the
-//! thread waits. If the reader is too slow, samples are lost before they reach the thread, and later samples count
-//! them. The thread never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and is
-//! told their number.
+//! thread waits. If the reader is too slow, samples are lost before they reach the thread, and later samples count the
+//! losses. The thread never waits for a [`Watcher`]. A watcher misses samples that do not fit into its queue, and
+//! receives the number of missed samples.
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
@@ -22,7 +22,8 @@ use zerorate_record::{CaptureWarning, Row};
 
 /// Largest number of samples in a batch: 0.7 s at the full rate.
 const BATCH: usize = 4096;
-/// Longest wall-clock time of a batch of a live device. It limits the delay of a watcher's samples.
+/// Longest wall-clock time that a batch covers, unless the speed is unlimited. It limits the delay of a watcher's
+/// samples.
 const LIVE_BATCH: Duration = Duration::from_millis(20);
 /// Number of batches that can wait for a lossless reader.
 const QUEUE: usize = 16;
@@ -55,15 +56,15 @@ pub struct Hub {
     thread: Option<JoinHandle<()>>,
 }
 
-/// A subscription to every sample. The thread waits for its reader.
+/// A subscription to every sample. The reading thread waits for this reader.
 #[derive(Debug)]
 pub struct LosslessReader(Receiver<BatchResult>);
 
-/// A subscription that may miss samples. The thread never waits for its reader.
+/// A subscription that may miss samples. The reading thread never waits for this watcher.
 #[derive(Debug)]
 pub struct Watcher(Receiver<WatchedBatch>);
 
-/// A batch for a watcher, with the number of samples that it missed before.
+/// A batch for a watcher, with the number of samples that the watcher missed before the batch.
 #[derive(Clone, Debug)]
 pub struct WatchedBatch {
     /// The samples.
@@ -82,7 +83,7 @@ type BatchResult = Result<Arc<Batch>, DeviceError>;
 pub enum Poll<T> {
     /// Samples came.
     Samples(T),
-    /// No sample came in that time.
+    /// No sample came before the timeout.
     Nothing,
     /// There are no more samples.
     End,
@@ -118,8 +119,8 @@ enum Request {
 }
 
 impl Hub {
-    /// Opens the device in a new thread. [`Source::initialise`] initialises the part later. A `stop` ends the samples
-    /// without an error, as the end of a recording does.
+    /// Opens the device in a new thread. The part is initialised later, by [`Source::initialise`]. If `stop` is
+    /// requested, the samples end without an error, as at the end of a recording.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -183,7 +184,7 @@ impl Hub {
         lock(&self.failure).as_ref().map(DeviceError::again)
     }
 
-    /// Runs `work` with the source, in its thread. Call it before [`Hub::read`].
+    /// Runs `work` with the source in the reading thread. Call it before [`Hub::read`].
     ///
     /// # Errors
     /// Returns the error of `work`, or an error if the device is already being read.
@@ -197,7 +198,7 @@ impl Hub {
         told.recv().map_err(|_| anyhow!("the device is being read already"))?
     }
 
-    /// Subscribes to every sample from now on. A reader that subscribes before [`Hub::read`] gets all of them.
+    /// Subscribes to every sample from now on. Subscribe before [`Hub::read`] to get all samples.
     #[must_use]
     pub fn everything(&self) -> LosslessReader {
         let (queue, batches) = sync_channel(QUEUE);
@@ -205,7 +206,8 @@ impl Hub {
         LosslessReader(batches)
     }
 
-    /// Subscribes to samples from now on. The queue holds this many batches; samples that do not fit are missed.
+    /// Subscribes to samples from now on. The watcher misses samples that do not fit into its queue of `queue`
+    /// batches.
     #[must_use]
     pub fn watch(&self, queue: usize) -> Watcher {
         let (queue, batches) = sync_channel(queue.max(1));
@@ -217,8 +219,8 @@ impl Hub {
         lock(&self.subscribers).push(subscriber);
     }
 
-    /// Starts reading samples. A batch ends at the first sample after each of `marks_ns`: times since the first
-    /// sample, ascending. The `truths` of that batch belong to that sample.
+    /// Starts reading samples. Each of `marks_ns` ends a batch at the first sample whose time since the first sample
+    /// is not less than the mark. The marks ascend. The `truths` of that batch belong to its last sample.
     ///
     /// # Errors
     /// Returns an error if the thread has ended.
@@ -298,8 +300,8 @@ impl BatchBuilder {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
     }
 
-    /// Fills a batch. Returns `None` if it is full, spans its longest duration, or reached a mark. Otherwise returns
-    /// how reading ended.
+    /// Fills a batch. Returns `None` if the batch is full, spans its longest duration, or reached a mark. Otherwise
+    /// returns how reading ended.
     fn fill(&mut self, batch: &mut Batch, source: &mut dyn Source, is_over: impl Fn() -> bool) -> Option<Result<()>> {
         let longest_ns = self.longest_ns().unwrap_or(u64::MAX);
         loop {
@@ -335,7 +337,7 @@ struct Worker {
 }
 
 impl Worker {
-    /// Serves the requests, reads until the end, and closes all subscriptions.
+    /// Serves the requests until one of them starts the reading, reads until the end, and closes all subscriptions.
     fn serve(self, source: &mut dyn Source, wanted: &Receiver<Request>) {
         while let Ok(request) = wanted.recv() {
             match request {
@@ -397,7 +399,7 @@ impl Worker {
     }
 }
 
-/// Waits until the queue has space and sends. Returns false if the reader or the hub is gone.
+/// Waits until the queue has space, and sends. Returns false if the reader or the hub is gone.
 fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &Stop) -> bool {
     let mut given = given;
     loop {
@@ -410,7 +412,7 @@ fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &St
     }
 }
 
-/// Sleep between attempts while a queue is full. A full queue of a live device holds 0.3 s of samples.
+/// Sleep between attempts while a queue is full. The queue of a live device holds 0.3 s of samples.
 const FULL_QUEUE: Duration = Duration::from_micros(200);
 
 impl Subscriber {

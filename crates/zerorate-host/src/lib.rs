@@ -1,7 +1,7 @@
 //! Reads gyroscopes that are connected to a computer. `--device` names one, and the [`Hub`] reads it for all readers.
 //!
-//! This crate has no argument parser, no output and no global state. All messages are values, and a [`Stop`] ends
-//! the work that received it.
+//! This crate has no argument parser, no output and no global state. Messages are returned as values. A [`Stop`] ends
+//! the work to which it was passed.
 
 #![deny(clippy::print_stderr, clippy::print_stdout, reason = "what there is to say comes as values")]
 

@@ -33,11 +33,11 @@ const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_0
 /// Number of times that the whole configuration must be read back correctly at each clock.
 const READ_BACKS: u32 = 20;
 
-/// Number of rates averaged without the self-test. The same number is averaged with it. They form 16 batches of 64
-/// rates, 11 ms each at the full rate.
+/// Number of rates that are averaged without the self-test, and again with it. They form 16 batches of 64 rates. A
+/// batch takes 11 ms at the full rate.
 const SELF_TEST_SAMPLES: u16 = 1024;
 
-/// Time without a sample that is an error, ns.
+/// Time without a sample that is an error, ns, unless sampling is slow ([`SILENT_PERIODS`]).
 const SILENCE_NS: u64 = 1_000_000_000;
 
 /// A silence of this many sample periods is an error if it is longer than [`SILENCE_NS`].
@@ -98,7 +98,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         P: OutputPin<Error: Debug + Send + Sync + 'static>,
     {
         let edges = RefCell::new(&mut self.edges);
-        // any edge setting works here, because RDY is observed as edges
+        // the setting of the edge has no effect here, because `Ready` derives the level of RDY from edges
         let config = self.config.with_rdy_edge(RdyEdge::Falling);
         let mut part = Adis16130::new(self.part.bus_mut(), Ready { edges: &edges, stop: &self.stop }, config);
         part.reset()?;
@@ -108,7 +108,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(tested)
     }
 
-    /// Reads a register this many times, to be timed.
+    /// Reads a register `times` times, so that the caller can time the reads.
     pub fn read_often(&mut self, times: u32) -> Result<()> {
         for _ in 0..times {
             self.part.adc_status()?;
@@ -116,7 +116,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(())
     }
 
-    /// Reads all registers. This uses up one edge, which gives no sample.
+    /// Reads all registers. The reads use up one edge, which gives no sample.
     pub fn registers(&mut self) -> Result<Registers> {
         Ok(Registers { config: self.config, values: self.part.read_all()?.to_vec() })
     }
@@ -140,7 +140,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         }
     }
 
-    /// Counts a failed read as a lost sample if the cause was temporary. Any other error is returned.
+    /// Counts a failed read as a lost sample if the cause was temporary, and returns any other error.
     #[cold]
     fn require_transient(&mut self, error: SampleError<S::Error>, now_ns: u64) -> Result<()> {
         if matches!(error, SampleError::Bus(_)) && self.is_alive(now_ns) {
@@ -168,10 +168,10 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         now_ns.saturating_sub(alive_ns) < self.silence_ns()
     }
 
-    /// Time without a sample that is an error, ns.
+    /// Time without a sample that is an error, ns, for the current sampling.
     pub fn silence_ns(&self) -> u64 {
         let edges = u64::from(self.sampling.divider.max(1)) * u64::from(self.sampling.divided.max(1));
-        // 1024 edges at 11.4 kHz take 0.09 s, so this is more than ten times the sample period
+        // 1024 edges at 11.4 kHz take 0.09 s, so this time is more than ten times the sample period
         let nominal_ns = SILENCE_NS * (1 + edges / 1024);
         let (rate, temp) = self.config.conversion_cycles();
         let period_ns = f64::from(rate + temp) * 1e9 / f64::from(self.mclk_hz);

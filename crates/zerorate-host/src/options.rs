@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use zerorate::Axis;
 
-/// Options of an address about the part itself, for any kind of connection.
+/// Options of a device address that concern the part itself, whatever the connection.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PartOptions {
     /// Configuration of the part, and the edge of its data-ready line.
@@ -58,7 +58,8 @@ impl PartOptions {
     }
 }
 
-/// The bandwidth that an option sets, Hz; `Some(None)` means the part's own. `None` if it is another option.
+/// The bandwidth that an option sets, Hz. `Some(None)` means the part's own bandwidth; `None` means that the option
+/// does not set the bandwidth.
 pub fn bandwidth(option: &str) -> Result<Option<Option<f64>>, String> {
     match option.split_once('=') {
         Some(("roa", "none")) => Ok(Some(None)),

@@ -65,11 +65,9 @@ pub(crate) trait Clock {
     /// Time since an arbitrary origin.
     fn now(&self) -> Duration;
 
-    /// Waits for this time.
     fn sleep(&self, time: Duration);
 }
 
-/// The clock of the computer.
 pub(crate) struct Monotonic(Instant);
 
 impl Clock for Monotonic {
@@ -82,7 +80,7 @@ impl Clock for Monotonic {
     }
 }
 
-/// Keeps the part's time from running ahead of the wall clock. It checks the clock every [`PACE`] of wall-clock time.
+/// Keeps the part's time from running ahead of the wall clock, which is checked every [`PACE`] of wall-clock time.
 pub(crate) struct WallClock<C = Monotonic> {
     clock: C,
     speed: Speed,
@@ -150,7 +148,7 @@ mod tests {
     use super::*;
     use std::cell::Cell;
 
-    /// A clock that only a sleep moves.
+    /// A simulated clock that advances only when `sleep` is called.
     #[derive(Default)]
     struct Slept(Cell<Duration>);
 
@@ -164,7 +162,7 @@ mod tests {
         }
     }
 
-    /// Ten seconds of samples, 1 ms apart, at quite different speeds one after the other.
+    /// Five runs of 10 s of samples, 1 ms apart, each at another speed.
     #[test]
     fn part_time_goes_as_fast_as_it_is_told() {
         let (clock, speed) = (Slept::default(), Speed::default());

@@ -10,14 +10,13 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Values may be this far from a whole code without a warning, in codes. Rounded decimals and units explain that
-/// much.
+/// Largest distance of a value from a whole code without a warning, in codes. Rounded decimals and units explain it.
 const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes and the temperature of a part.
 ///
 /// Integers without a unit are codes; values with a unit are rounded to codes. A row that lacks an axis is not a
-/// reading. The row after it counts it as lost.
+/// reading, and the next row counts it as lost.
 #[derive(Debug)]
 pub struct PartLog {
     info: CaptureInfo,
@@ -25,7 +24,7 @@ pub struct PartLog {
     /// The codes of each axis and of the temperature; NaN if a value is missing.
     axes: Vec<Vec<f64>>,
     temps: Vec<f64>,
-    /// The gaps: numbers of readings that were lost before a row.
+    /// The gaps: positions of rows, and the number of readings that were lost before each of these rows.
     gaps: std::iter::Peekable<std::vec::IntoIter<Gap>>,
     next_row: usize,
     edge_seq: u32,
@@ -34,12 +33,12 @@ pub struct PartLog {
 }
 
 impl PartLog {
-    /// Reads a log in any supported format, and checks all of it. `path` names it in messages. If neither a time
+    /// Reads a log in any supported format, and checks all of it. `path` names the log in messages. If neither a time
     /// column nor a rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read, it lacks an axis, the temperature, a unit or the time, or the
-    /// part cannot have measured its values.
+    /// Returns an error if the file cannot be read, if it lacks an axis, the temperature, a unit or the time, or if
+    /// the part cannot have measured its values.
     pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
@@ -153,7 +152,7 @@ fn stated(column: &str, spec: &ColumnSpec) -> Option<(Quantity, f64)> {
     Quantity::of_column(column).or_else(by_part)
 }
 
-/// The column's unit in °/s, if it is stated. Returns an error if the unit is not one of a rate.
+/// The column's unit in °/s; `None` if the unit is not stated. Returns an error if the unit is not a unit of rate.
 fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Result<Option<f64>> {
     match stated {
         Some((Quantity::AngularRate, dps)) => Ok(Some(dps)),

@@ -1,4 +1,4 @@
-//! Adapts the pins for the driver's self-test to a part whose RDY edges arrive as events.
+//! The pins that the driver needs for a self-test, for a part whose RDY edges arrive as events.
 
 use crate::Stop;
 use crate::edges::Edges;
@@ -7,7 +7,7 @@ use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin};
 use std::cell::RefCell;
 use std::fmt;
 
-/// Longest single wait for an edge, ns.
+/// Longest wait for an edge in one call of `is_low`, ns.
 const LOOK_NS: u64 = 1_000_000;
 
 pub struct PinError(String);

@@ -26,7 +26,7 @@ pub struct Reader {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Waits for the end of the thread, because it keeps the device open and nobody else can open it before.
+/// Waits for the end of the thread. The thread keeps the device open until then, so no other reader can open it.
 impl Drop for Reader {
     fn drop(&mut self) {
         self.samples = None;
@@ -75,7 +75,7 @@ impl Reader {
     }
 }
 
-/// The thread's end of the queue.
+/// The sending end of the queue, in the reading thread.
 struct Feeder {
     queue: SyncSender<Result<Sample>>,
     when_full: WhenFull,
@@ -94,7 +94,7 @@ impl Feeder {
                     }
                 }
                 Err(error) => {
-                    // blocking is fine here: nothing else will be read
+                    // this may block, because nothing else will be read
                     let _ = self.queue.send(Err(error));
                     return;
                 }
@@ -102,8 +102,8 @@ impl Feeder {
         }
     }
 
-    /// Sends a sample. Returns false if the receiver is gone. A full queue drops the sample, which the next one counts
-    /// as lost.
+    /// Sends a sample. Returns false if the receiver is gone. If the queue is full and need not wait, the sample is
+    /// dropped, and the next sample counts it as lost.
     fn offer(&mut self, mut sample: Sample) -> bool {
         sample.lost = sample.lost.saturating_add(self.owed);
         if self.when_full == WhenFull::Wait {
@@ -137,7 +137,7 @@ mod tests {
         let next = move || {
             seq += 1;
             match seq {
-                // ten samples into a queue of four; then one more when there is room again
+                // ten samples into a queue of four, then one more when the queue has room again
                 1..=10 => {}
                 11 => may_go_on.recv()?,
                 _ => return Err(anyhow!("unplugged")),

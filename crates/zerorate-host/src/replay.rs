@@ -43,7 +43,6 @@ impl Address for ReplayAddress {
     }
 }
 
-/// A recording that is read as a device.
 struct Replay {
     reader: RowReader,
     part: Part,

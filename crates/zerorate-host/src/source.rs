@@ -16,14 +16,15 @@ use zerorate_record::{CaptureInfo, Converter, Row};
 /// The requested sampling of a part. It does not apply to recordings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sampling {
-    /// Read the temperature with every N-th rate sample (F-55); `None` reads it with each.
+    /// Read the temperature with every N-th rate sample (F-55); `None` reads it with each sample.
     pub every_temp: Option<u16>,
-    /// Read on every N-th visible edge (F-56); `None` reads on each.
+    /// Read on every N-th edge that reaches the host (F-56); `None` reads on each.
     pub divider: Option<u16>,
 }
 
 impl Sampling {
-    /// The driver's configuration, with a counter in the RDY line that passes every `divided`-th edge.
+    /// The sampling as the driver's configuration. A counter in the RDY line passes every `divided`-th edge; 1 if
+    /// there is no counter.
     pub(crate) fn config(self, divided: u16) -> SamplerConfig {
         SamplerConfig::new()
             .with_every_temp(self.every_temp.unwrap_or(1))
@@ -56,8 +57,8 @@ pub trait Source {
     /// The facts that do not change while the device is read.
     fn facts(&self) -> DeviceInfo;
 
-    /// Resets the part, initialises it, and reads everything back. Returns the revision, or `None` if it is unknown,
-    /// as for a recording or a kernel driver.
+    /// Resets the part, initialises it, and reads the configuration back. Returns the revision; `None` if it is
+    /// unknown, as for a recording or a kernel driver.
     fn initialise(&mut self) -> Result<Option<u8>> {
         Ok(None)
     }
@@ -65,13 +66,13 @@ pub trait Source {
     /// Returns the next sample; `None` at the end of a recording.
     fn next(&mut self) -> Result<Option<Row>>;
 
-    /// Tests the bus, if there is one, and leaves the part configured. Call it before the first sample.
+    /// Tests the bus and leaves the part configured; `None` if there is no bus. Call it before the first sample.
     fn try_bus(&mut self) -> Result<Option<Bus>> {
         Ok(None)
     }
 
-    /// Reads the registers of the part, if it has registers and they are accessible. With several parts, those of
-    /// the first. Call it before the first sample.
+    /// Reads the registers of the part, or of the first of several parts; `None` if no registers are accessible. Call
+    /// it before the first sample.
     fn registers(&mut self) -> Result<Option<Registers>> {
         Ok(None)
     }
@@ -89,7 +90,7 @@ pub trait Source {
         Losses::default()
     }
 
-    /// The twin's true state for each axis, now; empty if the part is not a twin.
+    /// The true state of each axis of a simulated part at this time; empty for any other device.
     fn truths(&self) -> Vec<Truth> {
         Vec::new()
     }
@@ -152,14 +153,14 @@ impl DeviceInfo {
     }
 }
 
-/// The part of a device or a recording. If `known` is given, properties that `info` does not state come from there.
+/// The part of a device or a recording. Properties that `info` does not state come from `known`, if it is given.
 pub(crate) fn part_of(info: &CaptureInfo, known: Option<&Part>) -> Result<Part> {
     let Some(known) = known else { return Ok(info.part()) };
     info.part_from(known).map_err(|error| UserError::request(error.to_string()).into())
 }
 
-/// The sample rate at the nominal master clock: 2/(N + 1) readings per conversion pair, with a reading on every
-/// N-th edge (F-31, F-56).
+/// The sample rate at the nominal master clock, Hz: 2/(N + 1) readings per conversion pair, with a reading on every
+/// N-th edge (F-31, F-56). `None` if the conversion times are unknown.
 pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
     let set = info.converter?;
     let cycles = [set.rate_conversion, set.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
@@ -179,7 +180,7 @@ pub struct Registers {
 /// The results of testing an SPI bus.
 #[derive(Clone, Copy, Debug)]
 pub struct Bus {
-    /// The clock that the bus runs at for the requested one, Hz.
+    /// The actual SPI clock when the requested clock is set, Hz.
     pub sclk_hz: u32,
     /// The fastest tested clock at which the configuration reads back correctly, Hz; `None` if there is none.
     pub fastest_clean_hz: Option<u32>,

@@ -95,7 +95,7 @@ fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::
     let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
     let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone(), setup.names)?;
     let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
-    // the driver sends each command as one frame; if CS must rise between bytes, the bus splits it
+    // the driver sends each command as one frame; if CS must rise between bytes, `SpiBus` splits the frame
     let config = address.part.config.with_framing(Framing::Command);
     let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
     let wired = SpiConnection { address: address.clone(), clock, failed, notes: Notes::default() };
@@ -179,7 +179,7 @@ impl LastErrno {
     }
 }
 
-/// Adds the file that failed and advice, if the system gave a reason.
+/// Adds the name of the spidev file and advice to an error whose system error number is known.
 fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> anyhow::Error {
     let spi = address.spi.display();
     let of_line = error.chain().find_map(|source| source.downcast_ref()).and_then(errno);
@@ -227,7 +227,7 @@ impl SpiBus {
         Ok(Self { spi, clock, failed, split: address.part.config.framing() == Framing::PerByte })
     }
 
-    /// Sends the operations to the kernel as one message. CS is low throughout, or low for each byte if `split`.
+    /// Sends the operations to the kernel as one message. CS is low throughout, or only during each byte if `split`.
     fn message(&self, operations: &mut [Operation<'_, u8>]) -> io::Result<()> {
         let mut transfers = Vec::with_capacity(8);
         for operation in operations.iter_mut() {
@@ -332,7 +332,7 @@ fn why_no_spi(path: &Path, error: io::Error, names: SettingNames) -> anyhow::Err
     anyhow::Error::new(error).context(told)
 }
 
-/// The driver that is bound to the SPI device of `/dev/spidevB.C`, if there is one.
+/// The name of the kernel driver that is bound to the SPI device of `/dev/spidevB.C`, if there is one.
 fn holder(path: &Path) -> Option<String> {
     let number = path.file_name()?.to_str()?.strip_prefix("spidev")?;
     let driver = std::fs::read_link(format!("/sys/bus/spi/devices/spi{number}/driver")).ok()?;
@@ -355,7 +355,8 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
 mod tests {
     use super::*;
 
-    /// A pulled cable is noticed by the bus or by the data-ready line, depending on which waits just then.
+    /// A pulled cable fails either a transfer or the wait for an edge, depending on what the program does at that
+    /// moment.
     #[test]
     fn a_pulled_cable_is_recognised_on_the_bus_and_on_rdy() {
         let address = SpiAddress::read("/dev/spidev0.0?rdy=gpiochip0:3").unwrap();

@@ -111,7 +111,8 @@ fn each_kind_is_named_where_none_fits() {
     assert!(format!("{bandwidth:?}").contains("bandwidth_hz: Some(50.0)"), "{bandwidth:?}");
 }
 
-/// Each axis has its own random values. Given values hold for all axes, and the clock and the temperature are shared.
+/// Each axis has its own random values. Values given in the address hold for all axes, and all axes share the clock
+/// and the temperature.
 #[test]
 fn a_twin_may_have_several_axes() {
     for (wrong, hint) in [("axes=0", "1, 2 or 3"), ("axes=4", "1, 2 or 3"), ("axes=three", "1, 2 or 3")] {
@@ -135,7 +136,8 @@ fn a_twin_may_have_several_axes() {
     assert!(rows.windows(2).all(|pair| pair[0].t_ns < pair[1].t_ns && pair[1].lost == 0));
     for (axis, truth) in truths.iter().enumerate() {
         let sum: f64 = rows.iter().map(|row| row.codes()[axis] as f64 - 32_768.0).sum();
-        // 91.75 codes per °/s; the mean of 0.2 s of 0.0125 °/s/√Hz (F-02) is good to 0.02 °/s, and the part warms up
+        // 91.75 codes of 16 bits are 1 °/s. The mean of 0.2 s at 0.0125 °/s/√Hz (F-02) has a standard deviation of
+        // 0.02 °/s. The limit is wider because the part warms up.
         let off = sum / 1000.0 / 91.75 - truth.bias_dps(truth.sensor_c);
         assert!(off.abs() < 0.15, "axis {axis}: {off}");
     }

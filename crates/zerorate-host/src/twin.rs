@@ -37,7 +37,7 @@ impl TwinAddress {
                 axes = count.ok_or_else(|| format!("`axes={text}`: a twin has 1, 2 or 3 axes"))?;
                 continue;
             }
-            // these keys belong to the simulated unit, and set its real bandwidth
+            // these keys set the real bandwidth of the simulated unit
             let of_unit = ["roa=", "bandwidth_hz="].iter().any(|key| item.trim().starts_with(key));
             let changed = if of_unit { None } else { part.with(item.trim())? };
             match changed {
@@ -61,7 +61,7 @@ impl TwinAddress {
 }
 
 impl TwinAddress {
-    /// The nominal master clock for the driver, Hz, shared by all axes.
+    /// The master clock that the driver assumes for all axes, Hz.
     fn mclk_hz(&self) -> u32 {
         told_mclk_hz(self.units[0].mclk_hz)
     }
@@ -97,7 +97,7 @@ impl Address for TwinAddress {
         let sampling = setup.sampling.config(self.part.divided);
         let known = setup.part.as_ref().filter(|_| axes == 1);
         let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz(), known)?;
-        // recordings of a twin depend on its address only, so they state neither time nor computer
+        // a recording of a twin states neither time nor computer, so that it depends on the address only
         let info = CaptureInfo { created: String::new(), notes: Notes::default(), ..facts.info };
         let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
@@ -124,7 +124,8 @@ fn several(axes: usize, width: Width) -> Part {
     Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
 }
 
-/// Several twins on one clock, as the axes of one part. Temperature and other common values are those of the first.
+/// Several twins on one clock, as the axes of one part. Temperature and other common values are those of the first
+/// twin.
 struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
@@ -145,7 +146,7 @@ impl Source for Twins {
         Ok(revision)
     }
 
-    /// Reads the next row. If one twin lost samples, the samples of the others without a row count as lost too.
+    /// Reads the next row. If one twin lost samples, the other twins' samples of the same time count as lost too.
     fn next(&mut self) -> Result<Option<Row>> {
         if let (Some(follower), Some((first, others))) = (&mut self.follower, self.units.split_first()) {
             follower.before_sample(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
@@ -184,7 +185,6 @@ impl Source for Twins {
     }
 }
 
-/// A single twin that is read through the driver.
 struct TwinPart {
     facts: DeviceInfo,
     live: Live<TwinSpi, TwinEdges>,
@@ -244,7 +244,8 @@ fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     is_beyond.then_some(SourceWarning::BeyondLimits { ambient_c: unit.ambient_c, part, low_c, high_c })
 }
 
-/// The master clock for the driver: the nominal one (F-31), or the unit's own clock if it differs by 5 % or more.
+/// The master clock that the driver assumes, Hz: the nominal clock (F-31), or the unit's own clock if it differs by 5
+/// % or more.
 fn told_mclk_hz(mclk_hz: f64) -> u32 {
     let nominal_hz = f64::from(MCLK_HZ);
     if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }

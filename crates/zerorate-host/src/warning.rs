@@ -5,12 +5,12 @@ use zerorate_allan::rows;
 use zerorate_logs::LogWarning;
 use zerorate_record::CaptureWarning;
 
-/// A warning about a device. Its samples are valid.
+/// A warning about a device. The samples are valid nevertheless.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum SourceWarning {
-    /// About a recording that is read as a device.
+    /// A warning about a recording that is read as a device.
     Log(LogWarning),
     /// The reading thread has no real-time priority.
     NoRealtimePriority,

@@ -24,7 +24,6 @@ pub enum Port {
     Tcp(String),
 }
 
-/// An open connection.
 pub enum Wire {
     Serial(SerialPort),
     Tcp(TcpStream),
@@ -46,13 +45,13 @@ impl Wire {
         #[cfg(unix)]
         claim(&serial)?;
         serial.set_write_timeout(PATIENCE)?;
-        // USB bridges wait for DTR, which not all systems set; an error means that the port has no DTR line, so it is
-        // not USB
+        // USB bridges wait for DTR, which not all systems set. An error means that the port has no DTR line, so it is
+        // not a USB port.
         let _ = serial.set_dtr(true);
         Ok(Self::Serial(serial))
     }
 
-    /// Waits for bytes, for `patience` at most, and reads up to 4096 of those that have arrived.
+    /// Waits for bytes, for `patience` at most, and reads up to 4096 bytes that have arrived.
     pub fn read(&mut self, patience: Duration, into: &mut VecDeque<u8>) -> io::Result<()> {
         let mut bytes = [0; 4096];
         let read = match self {
@@ -97,7 +96,7 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Locks the port against other programs, and ignores its modem lines, which a bridge with three wires does not have.
+/// Locks the port against other programs, and ignores its modem lines, which a bridge with three wires lacks.
 #[cfg(unix)]
 fn claim(serial: &SerialPort) -> io::Result<()> {
     use rustix::fs::{FlockOperation, flock};

@@ -39,7 +39,7 @@ const WATCHERS: usize = 20;
 /// Number of batches that can wait for a watcher.
 const QUEUE: usize = 8;
 
-/// Number of samples that a watcher got, and number that it was told it missed.
+/// Number of samples that a watcher received, and number of samples that it was told it had missed.
 fn watched(watcher: &Watcher) -> (u64, u64) {
     let (mut got, mut missed) = (0, 0);
     while let Some(watched) = watcher.next() {
@@ -62,7 +62,7 @@ fn resident_bytes() -> u64 {
     0
 }
 
-/// Two parts at their full rate for 10 s of wall-clock time, each with 20 watchers, one of which never reads.
+/// Two parts are read at their full rate for 10 s of wall-clock time. Each has 20 watchers, one of which never reads.
 #[test]
 fn two_parts_are_recorded_whole_whoever_watches() {
     let stop = Stop::default();
@@ -91,7 +91,7 @@ fn two_parts_are_recorded_whole_whoever_watches() {
                     let (got, missed) = watcher.join().expect("a watcher");
                     assert!(got + missed <= samples + 4096 && got > 0, "{got} and {missed} of {samples}");
                 }
-                // the batches that fit into the queue of a watcher that never read
+                // the idle watcher only has the batches that fit into its queue
                 let (got, _) = watched(&idle);
                 assert!(got < samples / 20, "{got} of {samples} waited for who never read");
             });
@@ -233,7 +233,7 @@ fn the_registers_of_the_twin_can_be_read_before_its_samples() {
     }
 }
 
-/// A chamber changes the ambient temperature at each mark. With these seeds, a sample comes 20 µs before a mark.
+/// A chamber changes the ambient temperature at each mark. With these seeds, one sample comes 20 µs before a mark.
 #[test]
 fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
     const SECOND_NS: u64 = 1_000_000_000;

@@ -1,4 +1,4 @@
-//! The address of a bridge, with the settings of its part.
+//! Addresses of bridges, with the settings of the part behind the bridge.
 
 use super::open;
 use crate::Stop;

@@ -6,7 +6,7 @@ use embedded_hal::spi::ErrorKind;
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// The reason why a request has no answer.
+/// The error of a request to the bridge.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
     #[error("the connection to the bridge ended")]
@@ -75,7 +75,7 @@ impl Link {
         self.client.damaged = 0;
     }
 
-    /// The reason why the connection ended, if it did.
+    /// The reason why the connection ended; `None` while the connection is open.
     pub fn why_gone(&self) -> Option<String> {
         self.gone.clone()
     }

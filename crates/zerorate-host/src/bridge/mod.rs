@@ -36,7 +36,7 @@ fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crat
     Ok(ConnectedPart::new(BridgePart { address: address.clone(), link }, live, facts))
 }
 
-/// The part behind a bridge. Sampling stops when it is dropped.
+/// The part behind a bridge. Dropping this value stops the sampling.
 struct BridgePart {
     address: BridgeAddress,
     link: SharedLink,
@@ -100,7 +100,7 @@ impl Connection for BridgePart {
 
 impl Drop for BridgePart {
     fn drop(&mut self) {
-        // a failure does not matter: the bridge is gone then
+        // a failure does not matter, since it means that the bridge is gone
         let _ = self.link.request(Command::Stop, |_| Some(()));
     }
 }
@@ -130,8 +130,8 @@ fn greet(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Res
     Ok(())
 }
 
-/// Tells the bridge that a counter divides the RDY signal, if there is one. Otherwise sends nothing, since old
-/// firmware does not know the command.
+/// Tells the bridge that a counter divides the RDY signal. Sends nothing if there is no counter, because old firmware
+/// does not know the command.
 fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Result<()> {
     let edges = address.part.divided;
     if edges == 1 {
@@ -156,7 +156,7 @@ struct Stream {
 }
 
 impl Stream {
-    /// Returns the next sample. Waits no longer than the part may be silent, even if other messages arrive.
+    /// Returns the next sample. Waits for [`Live::silence_ns`] at most, even if other messages arrive.
     fn next(&mut self) -> Result<Sample> {
         let asked = Instant::now();
         let deadline = asked + Duration::from_nanos(self.live.silence_ns());
@@ -201,7 +201,7 @@ impl SharedLink {
         self.lock().damaged()
     }
 
-    /// Names the bridge as the cause if it is gone or silent.
+    /// If the bridge is gone or silent, adds this to the error as its cause. Returns other errors unchanged.
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().why_gone() {
@@ -233,7 +233,7 @@ impl SpiDevice for Transfers {
                     bytes.copy_from_slice(&received);
                 }
                 Operation::Write(bytes) => drop(self.exchange(bytes)?),
-                // the driver uses neither
+                // the driver uses neither of these operations
                 Operation::Read(_) | Operation::Transfer(..) => return Err(RequestError::Unsupported.into()),
                 Operation::DelayNs(ns) => std::thread::sleep(Duration::from_nanos((*ns).into())),
             }

@@ -3,12 +3,12 @@
 use anyhow::{Result, ensure};
 use std::time::Duration;
 
-/// The waiting time after which the progress is checked.
+/// The time that the host waits for samples before it checks the progress of the bridge's clock.
 const WINDOW: Duration = Duration::from_secs(2);
-/// The largest allowed ratio of host time to bridge time. An emulated bridge is slow, but not that slow.
+/// The largest allowed ratio of host time to bridge time. A bridge in an emulator is slow, but faster than this.
 const SLOWEST: u32 = 64;
 
-/// Compares the samples' own time with the time that the host spent waiting for them.
+/// Compares the timestamps of the samples with the time that the host spent waiting for the samples.
 #[derive(Debug, Default)]
 pub struct Progress {
     /// Time of the first sample in the current check, ns.
@@ -18,7 +18,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Adds a sample with its time, and the time that the host waited for it. Other time of the host does not count.
+    /// Adds a sample with the timestamp `t_ns`, for which the host waited for `waited`. Returns an error if the
+    /// bridge's clock does not advance. Time that the host spends on other work does not count.
     pub fn require(&mut self, t_ns: u64, waited: Duration) -> Result<()> {
         let since_ns = *self.since_ns.get_or_insert(t_ns);
         self.waited += waited;
@@ -46,7 +47,8 @@ mod tests {
 
     const PAIR: Duration = Duration::from_nanos(175_667);
 
-    /// Number of samples, `step_ns` apart in the bridge's time, until the clock is found to stand still.
+    /// Adds samples whose timestamps are `step_ns` apart. Returns the index of the sample at which the clock counts as
+    /// stopped; `None` if that does not happen.
     fn found_after(step_ns: u64, waited: Duration) -> Option<u32> {
         let mut progress = Progress::default();
         (0..100_000).find(|&k| {

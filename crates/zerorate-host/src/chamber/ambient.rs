@@ -10,7 +10,7 @@ use std::time::Duration;
 /// [`ProfileWriter`] adds segments in order, and the part reads no sample beyond the last segment. So a measurement
 /// in a simulated chamber is reproducible, whatever the timing of the threads.
 ///
-/// The first sample comes before the first segment; the part pauses before the second sample.
+/// The part reads its first sample without any segment, and pauses before its second sample.
 #[derive(Clone, Debug, Default)]
 pub struct AmbientProfile(Arc<SharedSegments>);
 
@@ -34,7 +34,7 @@ struct Segment {
     until_ns: u64,
 }
 
-/// Adds segments to the profile. When it is dropped, the part continues at the last temperature.
+/// Adds segments to the profile. When the writer is dropped, the part continues at the last temperature.
 #[derive(Debug)]
 pub struct ProfileWriter(AmbientProfile);
 
@@ -61,7 +61,7 @@ impl AmbientProfile {
         }
     }
 
-    /// Makes the writer of this profile.
+    /// Returns a writer that adds segments to this profile.
     #[must_use]
     pub fn writer(&self) -> ProfileWriter {
         ProfileWriter(self.clone())
@@ -97,9 +97,9 @@ impl ProfileFollower {
         Self { profile, stop: stop.clone(), until_ns: 0, last_ns: None }
     }
 
-    /// Call this before each sample. Waits for the next segment if the last sample is beyond the last segment.
-    /// `first` gives the clock that all units share. The time of the last sample decides, not the clock, because the
-    /// writer of the profile sees only samples.
+    /// Call this before each sample. Waits for the next segment if the last sample is beyond the last segment. `first`
+    /// gives the clock that all units share. The time of the last sample decides, not the clock, because the writer of
+    /// the profile sees only samples.
     #[inline]
     pub fn before_sample<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
         if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {

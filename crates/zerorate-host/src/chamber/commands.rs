@@ -18,7 +18,7 @@ pub struct ChamberCommands {
 
 /// The placeholder for the temperature in the command that sets it.
 const PLACEHOLDER: &str = "{temp_c}";
-/// Plausible readings of a chamber, °C.
+/// Plausible readings of a chamber, °C. A reading outside of this range is an error.
 const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
 /// First wait before a failed command is repeated. The wait doubles each time.
 const FIRST_WAIT: Duration = Duration::from_millis(100);
@@ -28,8 +28,8 @@ const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
 const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {
-    /// A chamber with two commands. `set` contains `{temp_c}` in place of the temperature. `read` prints the air
-    /// temperature, °C. A command that fails is repeated for the time `retry`.
+    /// A chamber that two commands control. `set` contains `{temp_c}` in place of the temperature. `read` prints the
+    /// air temperature, °C. A command that fails is repeated until the time `retry` is over.
     ///
     /// # Errors
     /// Returns an error if a command is empty, or if `set` does not contain `{temp_c}`.
@@ -69,7 +69,7 @@ pub(super) struct CommandedChamber {
     /// The stop of the user, and the stop of this chamber alone ([`Chamber::halt`]). Either one ends every wait,
     /// except in [`Chamber::end`].
     stops: [Stop; 2],
-    /// True if a set command was run. Even if it failed, the chamber may have followed it.
+    /// True if a set command was run. The chamber may have followed the command even if the command failed.
     is_touched: bool,
     air_c: Option<f64>,
 }
@@ -254,7 +254,7 @@ mod tests {
         assert!(chamber.end(25.0).and_then(|end| end.failed).is_some_and(|why| why.contains("it did not end")));
     }
 
-    /// The stop comes while a command hangs, then while a failed command waits for its next try.
+    /// The stop is requested while a command hangs, or while a failed command waits for its next try.
     #[test]
     fn a_stop_ends_every_wait_but_the_last_one() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -16,7 +16,7 @@ use crate::{Result, Stop};
 use commands::CommandedChamber;
 use std::str::FromStr;
 
-/// A temperature chamber. Call `start` once before everything else, and `end` once after it.
+/// A temperature chamber. Call `start` once before all other methods, and `end` once after them.
 pub trait Chamber: Send {
     /// Checks that the chamber responds. It does not change the temperature.
     ///
@@ -47,8 +47,8 @@ pub trait Chamber: Send {
         Stop::default()
     }
 
-    /// Sets the safe temperature, °C, however the measurement ended. `None` if no temperature was ever set. Takes
-    /// about ten seconds at most.
+    /// Sets the safe temperature, °C, whether or not the measurement succeeded. `None` if no temperature was ever set.
+    /// Takes about ten seconds at most.
     fn end(&mut self, safe_c: f64) -> Option<SafeEnd>;
 }
 
@@ -61,7 +61,7 @@ pub struct SafeEnd {
     pub air_c: Option<f64>,
 }
 
-/// The kind of a chamber, from its option.
+/// The kind of a chamber, as the user names it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ChamberSpec {
     /// A person sets the chamber by hand.
@@ -85,8 +85,8 @@ impl FromStr for ChamberSpec {
 }
 
 impl ChamberSpec {
-    /// Makes the chamber; no command is run yet. `None` if set by hand. Once `stop` is requested, only
-    /// [`Chamber::end`] still waits.
+    /// Makes the chamber without running a command. `None` if a person sets the chamber. Once `stop` is requested,
+    /// only [`Chamber::end`] still waits.
     #[must_use]
     pub fn chamber(&self, stop: &Stop) -> Option<Box<dyn Chamber>> {
         match self {

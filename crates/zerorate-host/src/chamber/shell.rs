@@ -12,7 +12,8 @@ const KEPT: usize = 4096;
 const SHOWN: usize = 200;
 /// Longest time between two checks of the time limit.
 const SLICE: Duration = Duration::from_millis(20);
-/// How long the pipes are read after the command ended. A process that it left behind may keep them open.
+/// How long the pipes are read after the command ended. A process that the command left behind may keep the pipes
+/// open.
 const AFTERMATH: Duration = Duration::from_secs(1);
 
 #[derive(Debug, thiserror::Error)]
@@ -92,7 +93,7 @@ enum Chunk {
     Stderr(Vec<u8>),
 }
 
-/// Reads both pipes, each in a thread that ends with its pipe or with the receiver.
+/// Reads stdout and stderr, each in its own thread. A thread ends when its pipe or the receiver is closed.
 fn chunks_of(child: &mut Child) -> io::Result<Receiver<Chunk>> {
     let (sender, chunks) = mpsc::sync_channel(16);
     if let Some(pipe) = child.stdout.take() {

@@ -102,7 +102,8 @@ impl SimulatedChamber {
     }
 }
 
-/// The damping ratio ζ of an oscillator whose step response overshoots by this share; 1 (critical) for 0.
+/// The damping ratio ζ of an oscillator whose step response overshoots by the share `overshoot` of the step. Without
+/// an overshoot, ζ is 1 (critical damping).
 fn damping(overshoot: f64) -> f64 {
     if overshoot <= 0.0 {
         return 1.0;

@@ -12,8 +12,9 @@ const PERIOD: Duration = Duration::from_secs(5);
 /// Period of the checks that the thread still runs.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// A chamber in its own thread, which sets and reads it every 5 s. [`Chamber::read_c`] returns each reading once. A
-/// failure of the chamber is returned by a later call of [`Chamber::set`] or [`Chamber::read_c`].
+/// A chamber in its own thread. Every 5 s, the thread sets a changed set point and reads the chamber.
+/// [`Chamber::read_c`] returns each reading once. A failure of the chamber is returned by a later call of
+/// [`Chamber::set`] or [`Chamber::read_c`].
 pub struct ChamberThread {
     shared: Arc<SharedState>,
     halt: Stop,
@@ -135,7 +136,7 @@ impl Chamber for ChamberThread {
 mod tests {
     use super::*;
 
-    /// A chamber whose `set` waits until it is halted, or panics.
+    /// A chamber whose `set` waits until the chamber is halted, or panics if `breaks` is true.
     struct Waiting {
         halt: Stop,
         breaks: bool,

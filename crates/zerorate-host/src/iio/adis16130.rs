@@ -17,12 +17,12 @@ const TEMP: &str = "in_temp0";
 /// Relative tolerance of a scale. The kernel prints nine decimals, so the rate's scale has only three digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
-/// The part, read by polling.
+/// An ADIS16130 that is read by polling the kernel's driver.
 pub struct Adis16130 {
     address: IioAddress,
     facts: DeviceInfo,
     sampling: Sampling,
-    /// Added to a raw reading to give a 24-bit code.
+    /// Number to add to a raw rate to get a 24-bit code.
     rate_shift: i64,
     temp_shift: i64,
     polls: Polls,
@@ -50,7 +50,7 @@ impl Adis16130 {
         Ok(Self { address: address.clone(), facts, sampling, rate_shift, temp_shift, polls: Polls::new(hz), taken: 0 })
     }
 
-    /// Waits for the next poll and reads.
+    /// Waits until the next poll is due, and reads a sample.
     fn poll(&mut self) -> Result<Sample> {
         let Poll { slot, lost, t_ns } = self.polls.wait();
         let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    /// A folder as the driver of Linux 6.12 shows it.
+    /// A folder with the attributes that the driver of Linux 6.12 provides.
     fn folder(rate_scale: &str) -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("a folder");
         for (name, text) in [

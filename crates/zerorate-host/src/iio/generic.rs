@@ -21,10 +21,10 @@ use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// Number of scans that the kernel queues.
 const BUFFERED: u32 = 4096;
-/// Silence is an error if it lasts this long, and also [`SILENT_PERIODS`] sample periods.
+/// Time without a scan that is an error, if it is also longer than [`SILENT_PERIODS`] sample periods.
 const SILENCE: Duration = Duration::from_secs(1);
 const SILENT_PERIODS: f64 = 20.0;
-/// Silence for this time is an error if the driver does not state its sample rate.
+/// Time without a scan that is an error if the driver does not state its sample rate.
 const UNKNOWN_SILENCE: Duration = Duration::from_secs(10);
 /// Longest delay until a stop is noticed.
 const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
@@ -46,12 +46,11 @@ pub fn open(
     }
 }
 
-/// The device file in `/dev`, which has the same name as the sysfs folder.
+/// The device file in `/dev` has the same name as the sysfs folder.
 fn dev_file(folder: &Path) -> PathBuf {
     Path::new("/dev").join(folder.file_name().unwrap_or_default())
 }
 
-/// The attributes of a device.
 struct Device {
     folder: PathBuf,
     rates: Vec<Channel>,
@@ -156,7 +155,8 @@ impl Source for PolledChannels {
 struct BufferedScans {
     device: Device,
     scans: File,
-    /// The byte offset and layout of each rate, of the temperature, and of the timestamp in a scan.
+    /// The byte offset and layout of each rate in a scan. `temp` and `time` are those of the temperature and of the
+    /// timestamp.
     rates: Vec<(usize, Element)>,
     temp: Option<(usize, Element)>,
     time: (usize, Element),
@@ -171,7 +171,8 @@ struct BufferedScans {
 impl BufferedScans {
     fn open(device: Device, file: &Path, stop: &Stop) -> Result<Self> {
         let folder = device.folder.clone();
-        // the device is opened before its attributes are set: the kernel lets one program open it, and refuses others
+        // Open the device before setting its attributes. The kernel then refuses to open the device for another
+        // program.
         let scans = File::open(file).map_err(|error| why_not_open(file, error))?;
         let time = Element::read(&folder, "in_timestamp")?;
         let time = time.context("its driver stamps no scan with its time; poll it with ?hz=N")?;

@@ -1,7 +1,7 @@
 //! Gyroscopes that are read through drivers of the Linux kernel (Industrial I/O).
 //!
-//! [`generic`] reads any of them with the scales that its driver states: through the driver's buffer, with timestamps,
-//! or else by polling. [`adis16130`] polls the ADIS16130, whose codes are known and whose driver has no buffer.
+//! [`generic`] reads any gyroscope with the scales that its driver states. It reads through the driver's buffer, with
+//! timestamps, or else polls. [`adis16130`] polls the ADIS16130, whose codes are known and whose driver has no buffer.
 
 mod adis16130;
 mod channel;
@@ -24,7 +24,7 @@ use zerorate::Setting;
 pub struct IioAddress {
     /// The device's folder in sysfs.
     pub folder: PathBuf,
-    /// Polls per second; `None` reads through the buffer, if there is one.
+    /// Polls per second. If `None`, the device is read through its buffer if it has one, and is else polled.
     pub hz: Option<u32>,
     /// −3 dB bandwidth of the rate, Hz, if it differs from the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
@@ -80,7 +80,6 @@ impl Address for IioAddress {
     }
 }
 
-/// Times polls at a regular rate.
 struct Polls {
     period: Duration,
     started: Instant,
@@ -88,7 +87,6 @@ struct Polls {
     next: u32,
 }
 
-/// A poll that is due.
 struct Poll {
     slot: u32,
     /// Number of polls that were skipped because they were overdue.

@@ -10,7 +10,7 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Largest length of a line, bytes.
+/// Largest length of a request line, bytes.
 const LONGEST_LINE: usize = 1024;
 /// Time limit for the rest of a line whose start has arrived, and for a value.
 const LONGEST_LINE_TIME: Duration = Duration::from_secs(10);
@@ -57,7 +57,7 @@ pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io:
     Ok(())
 }
 
-/// A client's open buffer. It watches the hub and is told the number of missed samples.
+/// A client's open buffer. It watches the hub and counts the samples that it missed.
 struct Buffer<'a> {
     watcher: Watcher,
     device: &'a Device,
@@ -68,7 +68,6 @@ struct Buffer<'a> {
     sent: usize,
 }
 
-/// The result of waiting for samples.
 enum WaitEnd {
     Samples,
     Nothing,
@@ -100,7 +99,7 @@ impl<'a> Buffer<'a> {
         Ok(())
     }
 
-    /// Waits until there are samples to send.
+    /// Waits until there are samples to send, for `patience` at most. `None` is without limit.
     fn wait(&mut self, patience: Option<Duration>, stop: &Stop) -> WaitEnd {
         let begun = Instant::now();
         while self.sent == self.bytes.len() {
@@ -174,7 +173,7 @@ impl<'a> Peer<'a> {
         }
     }
 
-    /// Reads this many bytes.
+    /// Reads a value of `bytes` bytes.
     fn value(&mut self, bytes: usize) -> io::Result<Vec<u8>> {
         let (mut value, since) = (Vec::with_capacity(bytes), Instant::now());
         while value.len() < bytes {

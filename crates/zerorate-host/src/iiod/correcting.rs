@@ -1,4 +1,4 @@
-//! Corrects rows after checking their readings.
+//! Checks the readings of rows, then corrects the rates.
 
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
@@ -13,14 +13,14 @@ pub struct Correcting {
 }
 
 impl Correcting {
-    /// Makes the correction of a part with these axes. It has received no row yet.
+    /// Starts the correction of a part with these axes, before its first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Corrector<Vec<Correction>>) -> Self {
         let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
         Self { layout: layout.clone(), axes, corrector }
     }
 
-    /// Adds a row. Returns the corrected rates of the row two before it, °/s; a rate is `None` if its reading is not
-    /// valid, or before the first temperature.
+    /// Adds a row. Returns the corrected rates, °/s, of the row that was added two rows earlier. A rate is `None` if
+    /// its reading is not valid, or before the first temperature.
     pub fn push(&mut self, row: &Row) -> Option<[Option<f64>; MAX_AXES]> {
         let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
         for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {
@@ -36,7 +36,7 @@ impl Correcting {
         Some(corrected_dps)
     }
 
-    /// Sets the last known temperature, °C, when starting in the middle of a recording.
+    /// Sets the last known temperature, °C, so that a correction can begin in the middle of a recording.
     pub fn begin_at(&mut self, temp_c: Option<f64>) {
         self.corrector.read(temp_c);
     }

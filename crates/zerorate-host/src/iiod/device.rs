@@ -22,7 +22,7 @@ pub const BUFFER_ATTRIBUTES: [&str; 1] = ["samples_lost"];
 /// The only attribute that can be written, if writing is allowed.
 const WRITABLE: &str = "calibbias";
 
-/// Largest bias that a client may write, rad/s. No part has a larger one.
+/// Largest bias that a client may write, rad/s. No gyroscope has a larger bias.
 const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
 
 /// The device as clients see it.
@@ -62,7 +62,7 @@ struct Live {
 }
 
 impl Device {
-    /// The device that a hub reads. With a calibration it also has channels of corrected rates.
+    /// Describes the device that a hub reads. With a calibration, the device also has channels of corrected rates.
     ///
     /// # Errors
     /// Returns [`OtherPart`] if the calibration belongs to another part.
@@ -102,12 +102,12 @@ impl Device {
         })
     }
 
-    /// Returns the same device, but clients may write its writable attributes.
+    /// Allows clients to write `calibbias`.
     pub fn writable(self) -> Self {
         Self { may_be_written: true, ..self }
     }
 
-    /// True if a client's name or id of a device means this one.
+    /// True if `name` is the id or the name of this device.
     pub fn is_called(&self, name: &str) -> bool {
         name == ID || name == self.name
     }
@@ -148,7 +148,6 @@ impl Device {
         self.live().is_gone = true;
     }
 
-    /// True if the samples have ended.
     pub fn is_gone(&self) -> bool {
         self.live().is_gone
     }
@@ -171,7 +170,7 @@ impl Device {
         }
     }
 
-    /// The attributes of a place, in their order in the XML description.
+    /// The attributes of a place, in the order of the XML description.
     pub fn attributes(&self, place: Place<'_>) -> &'static [&'static str] {
         match place {
             Place::Device => &ATTRIBUTES,

@@ -33,7 +33,7 @@ pub const PORT: u16 = 30431;
 const MOST_CONNECTIONS: usize = 64;
 /// Interval between two checks for new connections.
 const POLL: Duration = Duration::from_millis(20);
-/// How long the first client waits for a first sample, because clients read all attributes at once.
+/// How long the first client waits for a first sample. Clients read all attributes at once, and most need a sample.
 const FIRST_SAMPLE: Duration = Duration::from_secs(2);
 
 /// A libiio server for the device that a hub reads.
@@ -61,8 +61,8 @@ impl<'a> Server<'a> {
     /// The caller must start the reading of the hub.
     ///
     /// # Errors
-    /// Returns an error if the listener cannot accept connections. It then requests `stop`, so that it returns at
-    /// once and not after the last client has left.
+    /// Returns an error if the listener cannot accept connections. The server then requests `stop` itself, so that
+    /// this method returns at once and not after the last client has left.
     pub fn serve(&self, listener: &TcpListener, stop: &Stop) -> io::Result<()> {
         listener.set_nonblocking(true)?;
         let (device, connections) = (&self.device, AtomicUsize::new(0));

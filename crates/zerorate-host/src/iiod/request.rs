@@ -8,7 +8,7 @@ use std::time::Duration;
 pub struct Errno(pub i32);
 
 impl Errno {
-    /// There is nothing of this name.
+    /// There is no attribute, channel or trigger of this name.
     pub const NOT_FOUND: Self = Self(2);
     /// No buffer is open, so none can be closed.
     pub const NOT_OPENED: Self = Self(6);
@@ -32,7 +32,6 @@ impl Errno {
     pub const TIMED_OUT: Self = Self(110);
 }
 
-/// A request of a client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Request<'a> {
     Nothing,
@@ -131,11 +130,12 @@ impl<'a> Request<'a> {
     }
 }
 
-/// A keyword, in upper case or in lower case.
+/// A keyword in upper case.
 struct Keyword(String);
 
 impl Keyword {
-    /// Normalises the case. A word in mixed case does not match any keyword.
+    /// Converts a word in lower case to upper case. A word in mixed case stays as it is, and does not match any
+    /// keyword.
     fn of(word: &str) -> Self {
         let is_small = word.bytes().all(|byte| byte.is_ascii_lowercase());
         Self(if is_small { word.to_ascii_uppercase() } else { word.to_owned() })
@@ -176,7 +176,7 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// Parses a channel mask: eight hexadecimal digits for 32 channels, more than there are here.
+    /// Parses a channel mask: eight hexadecimal digits for 32 channels. No device has more channels.
     fn mask(&mut self) -> Result<u32, Errno> {
         let word = self.next()?;
         let is_mask = word.len() == 8 && word.bytes().all(|byte| byte.is_ascii_hexdigit());

@@ -1,4 +1,5 @@
-//! Converts rows of the hub to samples of a buffer: checked, corrected if possible, and with a count of losses.
+//! Converts rows of the hub to samples of a buffer, which are checked, corrected if possible, and carry a count of
+//! losses.
 
 use super::correcting::Correcting;
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
@@ -17,7 +18,8 @@ pub struct Scan {
     pub lost: u64,
 }
 
-/// Converts rows to scans, in order. Corrected ones come two rows later, because the checks need two more rows.
+/// Converts rows to scans, in order. Scans with corrected rates come two rows later, because the checks need two more
+/// rows.
 #[derive(Clone, Debug)]
 pub struct Scanner {
     correcting: Option<Correcting>,
@@ -33,7 +35,7 @@ impl Scanner {
         Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }
     }
 
-    /// Continues from the current state of another scanner: takes over its last temperature.
+    /// Takes over the last temperature of another scanner.
     pub fn with_temp_of(mut self, other: &Self) -> Self {
         self.temp_code = other.temp_code;
         if let (Some(own), Some(others)) = (&mut self.correcting, &other.correcting) {
@@ -47,7 +49,8 @@ impl Scanner {
         self.correcting.as_ref()?.correction_dps(axis)
     }
 
-    /// Adds a row; `missed` rows were missed before it. `trims_dps` is added to each corrected rate.
+    /// Adds a row, before which `missed` rows were missed. Each corrected rate is shifted by its value in `trims_dps`,
+    /// °/s. Returns the next scan, if one is complete.
     pub fn push(&mut self, row: &Row, missed: u64, trims_dps: &[f64; MAX_AXES]) -> Option<Scan> {
         self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
         self.waiting.push_back((*row, self.lost));
@@ -94,12 +97,11 @@ impl Packing {
         self.size = at + channel.bytes;
     }
 
-    /// Size of a sample in bytes.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// Appends a sample.
+    /// Appends a sample to `out`.
     pub fn pack(&self, layout: &Layout, scan: &Scan, out: &mut Vec<u8>) {
         let start = out.len();
         out.resize(start + self.size, 0);

@@ -1,4 +1,4 @@
-//! The protocol of one connection, without a socket: it handles a line and returns the action to take.
+//! The protocol of one connection, without a socket. A [`Session`] handles a line and returns the action to take.
 
 use super::device::Device;
 use super::request::{Errno, Place, Request};
@@ -16,7 +16,6 @@ const MOST_SAMPLES: usize = 1 << 24;
 /// Default of the longest wait for samples. A client of libiio 0.24 hangs up after twice this time.
 const PATIENCE: Duration = Duration::from_millis(2500);
 
-/// The state of a connection.
 pub struct Session<'a> {
     device: &'a Device,
     buffer: Option<Open>,
@@ -26,7 +25,6 @@ pub struct Session<'a> {
     writing: Option<(OwnedPlace, String)>,
 }
 
-/// An open buffer.
 #[derive(Clone, Debug)]
 pub struct Open {
     /// The layout of the samples.
@@ -150,7 +148,8 @@ impl<'a> Session<'a> {
         all
     }
 
-    /// Prepares to write. The client sends the value in any case, so it is read in any case.
+    /// Prepares to write. The client sends the value even if the write is refused, so the value must be read in any
+    /// case.
     fn write(&mut self, device: &str, place: Place<'_>, attribute: &str, bytes: usize) -> Step {
         if bytes > LONGEST_VALUE {
             return Step::HangUp(refusal(Errno::TOO_LARGE));
@@ -216,8 +215,8 @@ impl OwnedPlace {
     }
 }
 
-/// True if the line is an HTTP request: a web page can make a browser send one, with requests of the page in the
-/// lines after it.
+/// True if the line is an HTTP request. A web page can make a browser send one to this port, with requests to this
+/// server in the lines after it.
 fn is_http(line: &[u8]) -> bool {
     line.windows(7).any(|word| word == b" HTTP/1")
 }

@@ -12,9 +12,9 @@ pub struct Table(Vec<Channel>);
 pub struct Channel {
     /// The id in libiio, which begins with the type of the channel: `anglvel_z`.
     pub id: String,
-    /// A second name of the channel, if the id does not tell what it holds.
+    /// A second name of the channel, if the id does not say what the channel holds.
     pub name: Option<&'static str>,
-    /// What the values of the channel mean.
+    /// The quantity that the channel holds.
     pub quantity: Quantity,
     /// The layout in the buffer: `le:u24/32>>0`.
     pub format: String,
@@ -24,7 +24,7 @@ pub struct Channel {
     pub attributes: &'static [&'static str],
 }
 
-/// What the values of a channel mean.
+/// The quantity that a channel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The code of an axis, as measured.
@@ -70,7 +70,6 @@ impl Table {
         Self(all)
     }
 
-    /// All channels.
     pub fn channels(&self) -> &[Channel] {
         &self.0
     }

@@ -48,7 +48,7 @@ fn reply(session: &mut Session<'_>, line: &str) -> String {
     }
 }
 
-/// The value in a reply, whose length is checked.
+/// Returns the value in a reply, after checking the stated length.
 fn value(session: &mut Session<'_>, line: &str) -> String {
     let reply = reply(session, line);
     let (length, value) = reply.split_once('\n').expect("a length");
@@ -98,7 +98,7 @@ fn samples_that_the_server_missed_are_not_lost() {
     assert!((hz / (21.0 / 0.020) - 1.0).abs() < 1e-12, "{hz}");
 }
 
-/// Only some samples have a temperature. A buffer that is opened between two of them has corrected rates at once,
+/// Only some samples have a temperature. A buffer that is opened between two such samples has corrected rates at once,
 /// because it begins with the last known temperature.
 #[test]
 fn a_buffer_begins_with_the_temperature_that_is_known() {
@@ -236,7 +236,7 @@ fn a_name_cannot_break_the_description() {
     assert!(!xml.contains('\n'), "one line");
 }
 
-/// The answer to any line is a number, a value with its length, or the end.
+/// The answer to any line is a number, a value with its length, or the end of the connection.
 #[test]
 fn nonsense_is_answered() {
     let device = calibrated().writable();

@@ -1,6 +1,6 @@
 //! Independent clients: the programs and bindings of libiio. If they are not installed, the tests print this and pass,
-//! unless `ZERORATE_IIO_CLIENTS` is set. `cargo xtask iiod` installs them and sets it. It also installs pyadi-iio in a
-//! Python environment, and sets `ZERORATE_ADI_PYTHON` to the path of its Python.
+//! unless `ZERORATE_IIO_CLIENTS` is set. `cargo xtask iiod` installs them and sets this variable. It also installs
+//! pyadi-iio in a Python environment, and sets `ZERORATE_ADI_PYTHON` to the path of its Python.
 
 use super::served::{Raw, TestServer};
 use std::io::ErrorKind;
@@ -68,7 +68,7 @@ fn iio_info_shows_every_attribute() {
     assert_eq!(number(&info, "attr  0: raw value: ").fract(), 0.0);
     assert!((number(&info, "attr  1: scale value: ") / (1f64.to_radians() / 23_488.0) - 1.0).abs() < 1e-9, "{info}");
     assert_eq!(number(&info, "attr  2: offset value: "), -8_388_608.0);
-    // the rate of F-31 at a clock that is good to 1 % (M-06)
+    // the sample rate of F-31, Hz, with a tolerance for a clock that is off by 1 % (M-06)
     assert!((5_600.0..5_800.0).contains(&number(&info, "sampling_frequency value: ")), "{info}");
 }
 
@@ -93,7 +93,7 @@ fn iio_attr_writes_where_that_is_allowed() {
     let served = TestServer::writable();
     let write = client("iio_attr", &served, &["-c", "iio:device0", "anglvel_z", "calibbias", "0.01"]);
     let Some(written) = run(write).map(text) else { return };
-    // the client reads back the bias it wrote, which follows the temperature meanwhile
+    // the client reads back the bias that it wrote; the bias has followed the temperature in the meantime
     let bias: f64 = written.trim().parse().expect("a number");
     assert!((bias - 0.01).abs() < 1e-3, "{bias}");
     assert!(Raw::connect(&served).value("READ iio:device0 calibration").ends_with(" shifted"));

@@ -38,7 +38,7 @@ fn a_sleeping_client_learns_its_losses_and_slows_nobody() {
     sleeper.open(ALL);
     let first = sleeper.samples(SAMPLE);
     awake.open(ALL);
-    // more samples than can wait for a client
+    // more samples than the server queues for a client
     while served.recorded() < 1_500_000 {
         awake.samples(1000 * SAMPLE);
     }
@@ -121,7 +121,7 @@ fn a_server_ends_while_clients_are_there() {
 /// The part is unplugged after 120 s. The client gets the samples before that, then an error.
 #[test]
 fn a_lost_device_is_reported() {
-    // the twin does not wait for a client, but even a slow client connects within the first 100 s of simulated time
+    // the twin does not wait for a client, but even a slow client connects before 100 s of simulated time have passed
     let served = TestServer::of("twin:seed=9,fault=unplug,fault_at_s=120");
     let mut client = Raw::connect(&served);
     client.open(ALL);
@@ -135,7 +135,7 @@ fn a_lost_device_is_reported() {
     assert_eq!(Raw::connect(&served).number("OPEN iio:device0 256 00000001"), -19);
 }
 
-/// Nothing reads the hub, so no sample comes.
+/// The hub does not read the device, so no sample comes.
 #[test]
 fn waiting_for_samples_times_out() {
     let spec = "twin:seed=8".parse().expect("a device");

@@ -1,4 +1,4 @@
-//! A server over a twin, a second reader that records every sample of it, and a small client.
+//! A server for a twin, a second reader that records every sample of the twin, and a small client.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -10,13 +10,13 @@ use zerorate::Calibration;
 use zerorate_host::iiod::Server;
 use zerorate_host::{DeviceSpec, Hub, Pace, Setup, Stop};
 
-/// PBC, BTC and T3 of the calibration that is served.
+/// PBC, °/s, BTC, °/s/°C, and T3, °C, of the calibration that is served.
 pub const CORRECTION: [f64; 3] = [-0.25, -0.04, 25.0];
 
 /// Shortest time between batches of 4096 samples. It bounds the memory of a test, which records all samples.
 const BATCH_TIME: Duration = Duration::from_millis(8);
 
-/// A row of the hub: time, code, code of the temperature, lost.
+/// A row of the hub: time, ns, code of the rate, code of the temperature, and number of lost samples.
 type Row = (u64, i64, Option<i64>, u32);
 
 pub struct TestServer {
@@ -86,7 +86,7 @@ impl TestServer {
         self.count.load(Ordering::Relaxed)
     }
 
-    /// Checks that pairs of code and time are rows of the hub, in order.
+    /// Checks that 16-byte pairs of code and time are rows of the hub, in order.
     pub fn check_pairs(&self, bytes: &[u8]) {
         self.wait_for(field(bytes.rchunks(16).next().expect("a pair"), 8));
         let rows = self.rows.lock().expect("no panic");
@@ -134,7 +134,7 @@ impl TestServer {
     }
 }
 
-/// Checks the corrected rate against one that is computed here by F-40, F-41 and F-50.
+/// Checks the corrected rate, in units of 1e-9 rad/s, against a rate that is computed here by F-40, F-41 and F-50.
 fn check_corrected(code: i64, temp_code: Option<i64>, corrected: i64, at: usize) {
     let temp_c = (temp_code.expect("a temperature") - 8_388_608) as f64 / 14_093.0 + 25.0;
     let [pbc, btc, t3] = CORRECTION;
@@ -143,7 +143,7 @@ fn check_corrected(code: i64, temp_code: Option<i64>, corrected: i64, at: usize)
     assert!((corrected as f64 - expected).abs() <= 0.51, "row {at}: {corrected}, not {expected}");
 }
 
-/// Decodes the eight bytes from `at`.
+/// Decodes the eight bytes from `at`, little endian.
 fn field(sample: &[u8], at: usize) -> u64 {
     let bytes: [u8; 8] = sample[at..at + 8].try_into().expect("eight bytes");
     u64::from_le_bytes(bytes)
@@ -159,7 +159,6 @@ impl Drop for TestServer {
     }
 }
 
-/// A client that sends lines and reads answers.
 pub struct Raw {
     pub stream: TcpStream,
     reader: BufReader<TcpStream>,
@@ -211,7 +210,7 @@ impl Raw {
         assert_eq!(self.number(&format!("OPEN iio:device0 256 {mask}")), 0);
     }
 
-    /// Reads this many bytes.
+    /// Reads exactly `bytes` bytes.
     pub fn take(&mut self, bytes: usize) -> Vec<u8> {
         let mut taken = vec![0; bytes];
         self.reader.read_exact(&mut taken).expect("bytes");

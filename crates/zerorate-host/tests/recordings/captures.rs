@@ -1,4 +1,4 @@
-//! A capture that is read as a log: codes with their scale, losses as gaps, and its temperature.
+//! Captures are read as logs: codes with their scale, losses as gaps, and the temperature.
 
 use adis16130::Width;
 use arrow_ipc::reader::StreamReader;
@@ -58,7 +58,8 @@ fn several_columns_in_one_pass_are_each_by_itself() {
     }
 }
 
-/// One pass gives the same columns as two. A temperature that is itself the requested column is not returned twice.
+/// Reading rate and temperature together gives the same columns as reading them separately. A temperature that is
+/// itself the requested column is not returned twice.
 #[test]
 fn the_temperature_of_a_capture_comes_with_its_rate() {
     for format in FORMATS {
@@ -88,7 +89,8 @@ fn a_capture_as_a_table_in_memory_keeps_its_scale_and_its_rate() {
     assert!(read(ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() }).is_err(), "not as codes");
 }
 
-/// Other software rewrites a capture as an Arrow file. The batches lose their checks; the description stays.
+/// Other software has rewritten a capture as an Arrow file. The batches have lost their checks, but the description
+/// remains.
 #[test]
 fn a_capture_as_an_arrow_file_keeps_its_scale_and_its_rate() {
     let content = capture(Format::Arrows);

@@ -1,4 +1,4 @@
-//! A log of a gyroscope with three axes is read as rows of a capture, with a part file and no code for that part.
+//! A part file suffices to read a log of a gyroscope with three axes as rows of a capture.
 
 mod captures;
 mod damaged;
