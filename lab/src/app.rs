@@ -24,7 +24,7 @@ impl ProgramArgs {
     }
 }
 
-/// The path of the given program, or of one that is built now.
+/// The absolute path of the given program, or of a program that is built now.
 pub fn given_or_built(given: Option<&Path>) -> Result<PathBuf> {
     Ok(std::path::absolute(given.map_or_else(program, |given| Ok(given.to_owned()))?)?)
 }

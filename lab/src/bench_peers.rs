@@ -75,7 +75,8 @@ pub fn parse(text: &str) -> Result<Vec<Line>> {
     text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
 }
 
-/// Prints the time of each run, and how many times as fast as the fastest other program it is for the same work.
+/// Prints the time of each run, and its speed as a multiple of the speed of the fastest other program for the same
+/// work.
 fn print_times(lines: &[Line]) {
     let copy = lines.iter().find(|line| line.work == "copy").and_then(|line| line.seconds).unwrap_or(f64::NAN);
     println!("{:22} {:22} {:>10} {:>12} {:>16}", "work", "who", "seconds", "numpy copies", "times as fast as");
@@ -87,7 +88,7 @@ fn print_times(lines: &[Line]) {
     }
 }
 
-/// The goals: how many times as fast as allantools each kind of work must be, on two threads.
+/// Goals for each kind of work: the speed on two threads as a multiple of the speed of allantools.
 const GOALS: [(&str, f64); 5] =
     [("oadev", 45.0), ("oadev, fine", 60.0), ("mdev", 40.0), ("ohdev", 40.0), ("totdev", 40.0)];
 
@@ -106,7 +107,8 @@ fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 
-/// The fastest other program for the same work. Work on codes is compared with work on rates.
+/// The name and the time, s, of the fastest other program for the same work. Work on codes is compared with work on
+/// rates.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
     let is_ours = |line: &Line| line.who.starts_with("zerorate");
@@ -115,7 +117,8 @@ fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     times.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// Prints the largest relative difference from allantools for each kind of work: fast but wrong does not count.
+/// Prints the largest relative difference from allantools for each kind of work, because a fast wrong result does not
+/// count.
 fn print_agreement(lines: &[Line]) {
     for theirs in lines.iter().filter(|line| line.who == "allantools") {
         for ours in lines.iter().filter(|line| line.who.starts_with("zerorate, 2") && line.work == theirs.work) {
@@ -151,7 +154,7 @@ fn time_program() -> Result<()> {
     Ok(std::fs::remove_file(CAPTURE)?)
 }
 
-/// The files, each with its goal: how many times as fast as a Python program with polars or NumPy and allantools.
+/// The files, each with its goal: the speed as a multiple of a Python program with polars or NumPy and allantools.
 const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.parquet", 15.0), ("one.npy", 15.0)];
 
 /// Times the whole program from a log of noise to the table, and a comparable Python program. The best of three

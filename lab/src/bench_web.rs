@@ -1,5 +1,5 @@
-//! `cargo xtask bench-web`: compares the speed of the core as WebAssembly with a native program on one thread. It
-//! also measures how soon the page shows something, and how much it loads.
+//! `cargo xtask bench-web`: compares the speed of the core as WebAssembly with a native program on one thread. It also
+//! measures how soon the page shows something, and how many bytes the page loads.
 
 use crate::bench_peers::{self, Line};
 use crate::venv::{done, printed};
@@ -11,11 +11,11 @@ use std::process::Command;
 const DATA: &str = "target/bench-web.f64";
 /// Number of samples: an hour at 5.7 kSPS.
 const SAMPLES: &str = "20500000";
-/// Largest ratio of WebAssembly's time to the native time.
+/// Goal: largest ratio of WebAssembly's time to the native time.
 const MOST_TIMES: f64 = 1.6;
-/// Largest time until something is drawn, s.
+/// Goal: longest time until the page draws something, s.
 const MOST_S: f64 = 1.0;
-/// Largest size loaded before anything is drawn, and largest size of the readers of logs, KB.
+/// Goals: largest size that the page loads before it draws anything, and largest size of the readers of logs, KB.
 const MOST_KB: [f64; 2] = [150.0, 800.0];
 
 /// The results that the browser printed.

@@ -32,7 +32,6 @@ pub struct CoverageArgs {
     threads: usize,
 }
 
-/// Runs all parts, or the requested one.
 pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
     if args.disturbed_units {
         println!("| what happens | inside | warned | refused | wrong and silent | the worst of these |");
@@ -118,8 +117,8 @@ fn default_unit(seed: u64) -> anyhow::Result<Option<DefaultUnit>> {
     Ok(Some(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps }))
 }
 
-/// The mean rate in the last 150 s of F-51's duration minus the mean rate in the first 10 s after switching on: raw
-/// and corrected, °/s.
+/// The change of the mean rate during a second warm-up, raw and corrected, °/s: from the first 10 s after switching on
+/// to the last 150 s of the duration of F-51.
 fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)> {
     let start_ns = rig.initialise()?;
     let (mut first, mut last) = (Mean::default(), Mean::default());

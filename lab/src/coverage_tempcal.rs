@@ -33,7 +33,8 @@ const TERMS_DPS: [f64; 4] = [1.0, 0.4, 0.08, 0.03];
 const HARD_DPS: f64 = 0.02;
 const N: f64 = 0.003 / std::f64::consts::SQRT_2;
 const K: f64 = 1e-4;
-/// Gauss–Markov processes that together approximate flicker: standard deviation, °/s, and correlation times, s.
+/// Gauss–Markov processes that together approximate flicker: standard deviation of each, °/s, and correlation times,
+/// s.
 const FLICKER_DPS: f64 = 0.0006;
 const FLICKER_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 const LSB_PER_DPS: f64 = 131.0;
@@ -42,15 +43,15 @@ const LSB_PER_DPS: f64 = 131.0;
 struct Kind {
     name: &'static str,
     is_hard: bool,
-    /// Largest lag, s. Each log draws its lag from 0 to this value, or has this value.
+    /// Lag of the bias behind the temperature, s. With `draws_lag`, each log has a random lag from 0 to this value.
     lag_s: f64,
     draws_lag: bool,
-    /// Largest half width of the backlash, °C. Each log draws a value from 0 to this one.
+    /// Largest half width of the backlash, °C. Each log has a random half width from 0 to this value.
     play_c: f64,
     cools: bool,
-    /// Longest time from switch-on to the start of the log, s. Each log draws a time from 0 to this one.
+    /// Longest time from switch-on to the start of the log, s. Each log has a random time from 0 to this value.
     begins_s: f64,
-    /// Noise of a reading of the thermometer, and its step, °C.
+    /// Noise of a reading of the thermometer, and step of its readings (`step_c`), °C.
     noise_c: f64,
     step_c: f64,
     /// Standard deviation, °C, and correlation time, s, of a draught that the thermometer feels.
@@ -108,7 +109,8 @@ struct AxisErrors {
     quintic: f64,
     curve: f64,
     ratios: Vec<f64>,
-    /// The ratios to the uncertainty of a sensor that was on before the log began, if it is stated.
+    /// The errors as multiples of the uncertainty that holds for a sensor that was on before the log began; empty if
+    /// none is stated.
     ratios_on: Vec<f64>,
     elapsed_s: f64,
 }
@@ -154,7 +156,8 @@ fn inside<'a>(ratios: impl Iterator<Item = &'a f64> + Clone) -> f64 {
     ratios.clone().filter(|ratio| ratio.abs() < 1.96).count() as f64 / ratios.count() as f64
 }
 
-/// A log: measured temperatures, rates of each axis, and the coefficients of the true bias.
+/// A log: measured temperatures, rates of each axis, and the coefficients of the true bias, °/s, in powers of (T − 25
+/// °C)/20 °C.
 struct Log {
     temps_c: Vec<f64>,
     rates_dps: [Vec<f64>; AXES],

@@ -1,5 +1,5 @@
-//! `cargo xtask iiod`: reads the libiio server with clients of other projects. (`bench-serve` runs several of them
-//! while the program records.)
+//! `cargo xtask iiod`: reads from the libiio server with clients of other projects. (`bench-serve` runs several
+//! clients while the program records.)
 
 use crate::app;
 use crate::tools::{Tool, available, module_available};

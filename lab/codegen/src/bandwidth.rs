@@ -1,5 +1,5 @@
-//! Plots the part's bandwidth from the numbers in `docs/facts.md`. The drawings of its pins and holes are made by
-//! hand; a test compares them with the facts.
+//! Plots the bandwidth of the ADIS16130 from the numbers in `docs/facts.md`. Its pins and holes are drawn by hand. A
+//! test compares these drawings with the facts.
 
 use anyhow::{Context, Result};
 
@@ -13,14 +13,13 @@ fn rows<'a>(facts: &'a str, id: &'a str) -> impl Iterator<Item = Vec<&'a str>> {
     facts.lines().filter(|line| line.starts_with("| ")).map(cells).filter(move |cells| cells.first() == Some(&id))
 }
 
-/// The numbers in a text.
 fn numbers(text: &str) -> Vec<f64> {
     text.split(|c: char| !c.is_ascii_digit() && c != '.')
         .filter_map(|word| word.trim_matches('.').parse().ok())
         .collect()
 }
 
-/// The numbers in the value of fact `id`, from that row whose description contains `word`.
+/// The numbers in the value of the fact `id`, from that row of the fact whose description contains `word`.
 fn value(facts: &str, id: &str, word: &str) -> Result<Vec<f64>> {
     let row = rows(facts, id).find(|cells| cells.get(1).is_some_and(|words| words.contains(word)));
     let row = row.with_context(|| format!("{id} says nothing of {word}"))?;
@@ -82,7 +81,6 @@ impl Plot {
     }
 }
 
-/// Draws the plot as SVG.
 pub fn draw(facts: &str) -> Result<String> {
     let first =
         |id, word| -> Result<f64> { value(facts, id, word)?.first().copied().context("a fact without a number") };
@@ -126,7 +124,7 @@ pub fn draw(facts: &str) -> Result<String> {
     Ok(svg(720, 388, "Bandwidth of the rate, and where the resonance folds to", &body))
 }
 
-/// The frequency at which a tone appears after aliasing, with samples at `rate_hz`.
+/// The frequency, Hz, at which a tone of `hz` appears after aliasing, with samples at `rate_hz`.
 pub fn fold(hz: f64, rate_hz: f64) -> f64 {
     (hz - (hz / rate_hz).round() * rate_hz).abs()
 }

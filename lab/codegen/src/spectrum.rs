@@ -1,4 +1,4 @@
-//! Plots spectra of the twin at rest. Three ways of sampling show the effects of bandwidth, capacitor and divider.
+//! Plots spectra of the twin at rest. Four ways of sampling show the effects of bandwidth, capacitor and divider.
 
 use crate::bandwidth::fold;
 use adis16130::blocking::Adis16130;
@@ -13,15 +13,15 @@ use zerorate_view::plot::{Spectrum, Tone, spectra};
 /// The unit starts at room temperature, so that only its noise varies. Its clock is nominal, so that the resonance
 /// aliases to the frequency that the facts state (F-07).
 const UNIT: &str = "seed=4,warmup_c=0";
-/// Length of the segments of Welch's estimate at the full rate, in samples: a resolution of 0.35 Hz.
+/// Number of samples of a record at the full rate. Welch's estimate divides them into segments of a quarter of this
+/// length, so that the spectrum begins at 0.35 Hz.
 const SAMPLES: usize = 1 << 17;
-/// Length of the segments, in samples, for a record at less than a twentieth of the full rate. The full length would
-/// take minutes.
+/// Number of samples of a record at less than a twentieth of the full rate. The full number would take minutes.
 const SAMPLES_DIVIDED: usize = 1 << 14;
 /// Time without an edge after which the part counts as failed, ns.
 const NO_EDGE_NS: u64 = 100_000_000;
-/// Number of multiples of the sampling rate, on either side of zero, whose aliased noise is added. The poles suppress
-/// the noise at higher frequencies.
+/// Number of multiples of the sampling rate, on either side of zero, around which aliased noise is added. The poles
+/// suppress the noise at higher frequencies.
 const IMAGES: i32 = 64;
 
 /// One way of sampling the part.
@@ -30,11 +30,10 @@ struct Setup {
     roa: Roa,
     divider: u16,
     samples: usize,
-    /// The bandwidth to mark, Hz (F-03, F-04).
+    /// The bandwidth to mark in the plot, Hz (F-03, F-04).
     bandwidth_hz: Option<f64>,
 }
 
-/// Draws the plot as SVG.
 pub fn draw() -> Result<String> {
     let (open, filtered) = (Axis::ADIS16130.bandwidth_hz, Some(Axis::ADIS16130_ROA_10NF_HZ));
     let ways = [

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// The folders of arrow-testing with Arrow streams and files.
 const OF_ARROW: [&str; 2] = ["data/arrow-ipc-stream", "data/arrow-ipc-file"];
-/// The folders of parquet-testing.
+/// The folders of parquet-testing with Parquet files.
 const OF_PARQUET: [&str; 3] = ["data", "bad_data", "shredded_variant"];
 
 pub fn arrow(program: &Path, folder: &Path) -> Result<Option<Tally>> {
@@ -38,7 +38,7 @@ fn run(
     Ok(Some(Reader::new(program)?.compare(&files, &theirs, folder)))
 }
 
-/// All files below a folder, in order.
+/// Adds all files below a folder to `files`, in the order of their names.
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     let mut entries = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<_>>>()?;
     entries.sort();

@@ -1,13 +1,13 @@
 //! HTTP requests that a server and a proxy in front of it may parse differently (request smuggling).
 //!
-//! The obfuscations of `Transfer-Encoding` and `Content-Length` have the names of PortSwigger's
-//! http-request-smuggler (`DesyncBox.java`, for HTTP/1.1). The rest follows RFC 9112 and the categories of
-//! narfindustries' http-garden and nodejs' llhttp. All were written anew.
+//! The obfuscations of `Transfer-Encoding` and `Content-Length` have the names of PortSwigger's http-request-smuggler
+//! (`DesyncBox.java`, for HTTP/1.1). The rest follows RFC 9112 and the categories of narfindustries' http-garden and
+//! nodejs' llhttp. All cases were written anew for this project.
 
 /// The expected answers to a request with [`SMUGGLED`] after or inside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expectation {
-    /// No answer or one refusal. The connection is closed.
+    /// No answer or one refusal, after which the connection is closed.
     Refused,
     /// One answer, and none to the smuggled request.
     Once,
@@ -16,7 +16,6 @@ pub enum Expectation {
 }
 use Expectation::{Both, Once, Refused};
 
-/// A request and the expected answers.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub name: String,
@@ -55,8 +54,8 @@ fn case(name: &str, expected: Expectation, bytes: &[&[u8]]) -> Case {
     Case { name: name.to_owned(), bytes: bytes.concat(), expected }
 }
 
-/// Both lengths in one request. In CL.TE the content length includes the smuggled request, and the chunks end before
-/// it. In TE.CL it is the other way round.
+/// Two requests with both lengths. In CL.TE the content length includes the smuggled request, and the chunks end
+/// before it. In TE.CL the chunks include the smuggled request, and the content length ends before it.
 fn both_lengths(name: &str, line: &[u8], expected: Expectation) -> [Case; 2] {
     let ended = [b"0\r\n\r\n", SMUGGLED].concat();
     let size = format!("{:x}\r\n", SMUGGLED.len());
@@ -70,7 +69,7 @@ fn both_lengths(name: &str, line: &[u8], expected: Expectation) -> [Case; 2] {
 
 fn transfer_encodings() -> Vec<Case> {
     let both = TRANSFER_ENCODINGS.iter().flat_map(|(name, line, expected)| both_lengths(name, line, *expected));
-    // these lines are other headers, so that only the content length counts
+    // these lines are headers without an effect, so that only the content length counts
     let other = OTHER_HEADERS.iter().map(|(name, line)| {
         let [of_length, _] = both_lengths(name, line, Once);
         of_length
@@ -81,7 +80,7 @@ fn transfer_encodings() -> Vec<Case> {
 /// Bytes that some parsers treat as white space or ignore.
 const SPECIAL: [u8; 14] = [0, 1, 4, 8, 9, 11, 12, 13, 28, 31, 32, 127, 160, 255];
 
-/// Requests with each of these bytes around the header's name and value.
+/// Requests with each of the [`SPECIAL`] bytes around the header's name and value.
 fn special_bytes() -> Vec<Case> {
     let places = SPECIAL.iter().flat_map(|byte| {
         let in_value = if matches!(byte, b' ' | b'\t') { Once } else { Refused };

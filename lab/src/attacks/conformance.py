@@ -91,7 +91,7 @@ def framed(kind, body, padding=b""):
 
 
 def chunked(records, features, padding):
-    """The records of the data section: in a chunk, followed by its index."""
+    """The schemas, channels and messages as a chunk, followed by its indexes if `features` contains `mx`."""
     inside = [(kind, f) for kind, f in records if kind in ("Schema", "Channel", "Message")]
     body, offsets, times = b"", {}, []
     for kind, fields in inside:

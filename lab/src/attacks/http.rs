@@ -1,4 +1,4 @@
-//! Sends each case on its own connection, and checks all answers until the server closes it.
+//! Sends each case on its own connection, and checks all answers until the server closes the connection.
 
 use super::cases::{self, Case, Expectation};
 use super::tally::{Outcome, Tally};
@@ -16,7 +16,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Number of simultaneous connections, well below the limit of the server.
 const TOGETHER: usize = 32;
 
-/// Sends all cases. After them the server must still answer.
+/// Sends all cases, then checks that the server still answers.
 pub fn run(program: &Path) -> Result<Tally> {
     let server = Server::start(program, &["--device", "twin:seed=3"])?;
     let waiting = Mutex::new(cases::all().into_iter());
@@ -35,7 +35,6 @@ pub fn run(program: &Path) -> Result<Tally> {
     Ok(tally)
 }
 
-/// Checks the answers to a case.
 fn judge(case: &Case, address: &str) -> Outcome {
     let answers = exchange(address, &case.bytes).and_then(|bytes| answers(&bytes));
     let answers = match answers {
@@ -71,7 +70,7 @@ fn exchange(address: &str, bytes: &[u8]) -> Result<Vec<u8>> {
     }
 }
 
-/// Parses answers: the status and the body of each.
+/// Parses HTTP answers. Returns the status and the body of each.
 fn answers(mut bytes: &[u8]) -> Result<Vec<(u16, Vec<u8>)>> {
     let mut answers = Vec::new();
     while !bytes.is_empty() {

@@ -15,7 +15,7 @@ const TOOLS: [Tool; 2] = [
 const ADDRESS: &str = "127.0.0.1:30431";
 const URI: &str = "ip:127.0.0.1";
 const DEVICE: &str = "iio:device0";
-/// Duration of the stress test, s. Then it is interrupted and prints its counts.
+/// Duration of the stress test, s. At its end the test is interrupted and prints its counts.
 const STRESS: &str = "10";
 /// A number of threads that exceeds the server's limit on connections.
 const CROWD: &str = "200";
@@ -31,7 +31,7 @@ pub fn run(program: &Path) -> Result<Option<Tally>> {
     }
     let server = Server::start_with(&mut Command::new(program), ADDRESS, &["--device", "twin:seed=4"])?;
     let mut tally = Tally::default();
-    // files are counted after a first client, because the server then has opened all files that it keeps open
+    // count the files after a first client, because the server has then opened all files that it keeps open
     tally.note("iio_genxml", described_again()?);
     let before = server.descriptors()?;
     tally.note("iio_stresstest, 4 threads", stress("4", true)?);
@@ -54,15 +54,15 @@ const REFUSED: [(&str, &[&str]); 5] = [
     ("iio_attr", &["-u", URI, "-c", DEVICE, "anglvel_z", "raw", "1"]),
 ];
 
-/// Runs a libiio program with a time limit, after which it is interrupted, and killed if that does not help.
+/// Runs a libiio program. After `seconds` it is interrupted, and 10 s later it is killed if it still runs.
 fn tool(seconds: &str, name: &str, arguments: &[&str]) -> Result<Output> {
     let mut command = Command::new("timeout");
     command.args(["--signal=INT", "--kill-after=10", seconds, name]).args(arguments).stdin(Stdio::null());
     command.output().context("timeout")
 }
 
-/// Opens and closes contexts and buffers for a while. If `alone`, all must get samples without an error. With too
-/// many threads, most are refused, and the server must merely survive.
+/// Opens and closes contexts and buffers for [`STRESS`] seconds. If `alone`, all threads must get samples without an
+/// error. Otherwise there are too many threads, of which most are refused, and the server must only survive.
 fn stress(threads: &str, alone: bool) -> Result<Outcome> {
     let output = tool(STRESS, "iio_stresstest", &["-u", URI, "-b", "256", "-t", threads, "-T", "5", DEVICE])?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
@@ -100,7 +100,7 @@ fn refused(name: &str, arguments: &[&str]) -> Result<Outcome> {
     })
 }
 
-/// Lets libiio write its description of the device, and make a context from it again.
+/// Lets libiio write its description of the device, and create a new context from that description.
 fn described_again() -> Result<Outcome> {
     let output = tool("60", "iio_genxml", &["-u", URI])?;
     let text = String::from_utf8_lossy(&output.stdout);

@@ -1,4 +1,4 @@
-//! Has the program read MCAP's conformance files, and checks that it finds all their topics.
+//! Has the program read MCAP's conformance files, and checks that the program finds all their topics.
 
 use super::reader::{self, Reader};
 use super::tally::{Outcome, Tally};
@@ -48,8 +48,8 @@ fn topics(described: &Value) -> Result<Vec<String>> {
     of("Message").map(channel).collect()
 }
 
-/// No topic is an IMU, so the program must refuse the file. The records were read if its error names all topics with
-/// their types.
+/// No topic is an IMU, so the program must refuse the file. If its error names all topics with their types, it has
+/// read the records.
 fn judge(why: String, topics: &[String]) -> Outcome {
     let is_read = if topics.is_empty() {
         why.contains("it has no messages")

@@ -1,5 +1,5 @@
-//! `cargo xtask attacks`: runs attack suites and test files of other projects against the program. They are not
-//! copied into this repository: they are installed, or read from checkouts.
+//! `cargo xtask attacks`: runs attack suites and test files of other projects against the program. The suites and
+//! files are not copied into this repository, but installed or read from checkouts.
 
 mod apache;
 mod cases;
@@ -32,7 +32,7 @@ pub struct AttacksArgs {
     list: bool,
 }
 
-/// Whose cases.
+/// The project or standard that the cases come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Part {
     /// Requests that two servers may read in two ways; of PortSwigger's http-request-smuggler and RFC 9112

@@ -1,4 +1,4 @@
-//! Reads files with the program and with the project that they come from, and compares the numbers.
+//! Reads files with our library, with the program and with PyArrow, and compares the numbers.
 
 use super::tally::{Outcome, Tally};
 use crate::app::target_folder;
@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const REQUIREMENTS: &str = "lab/attacks-requirements.txt";
-/// Limits of one reading: time in s, and memory in bytes. A file of some megabytes needs far less on a slow machine.
+/// Limits of reading one file: time in s, and memory in bytes. Even on a slow machine, a file of some megabytes needs
+/// far less.
 const SECONDS: &str = "60";
 const MEMORY: &str = "--as=4294967296";
-/// The exit code of `timeout` when it ended the command.
+/// The exit code of `timeout` when the time limit is over.
 const TIMED_OUT: i32 = 124;
 /// Allowed relative difference. A decimal of more than 53 bits is rounded when it is parsed and again when it is
 /// printed: a few units in the last place.
@@ -24,17 +25,17 @@ const ROUNDING: f64 = 1e-15;
 pub enum Reading {
     /// The numeric columns, each with its name.
     Columns(Vec<(String, Vec<Option<f64>>)>),
-    /// The reason why it cannot be read.
+    /// The reason why the file cannot be read.
     Refused(String),
 }
 
-/// A Python environment with the readers of the projects. If it cannot be made, prints that and returns `None`.
+/// A Python environment with PyArrow. If it cannot be made, prints that and returns `None`.
 pub fn python() -> Option<PathBuf> {
     let python = venv::python("attacks", Path::new(REQUIREMENTS));
     python.inspect_err(|why| println!("SKIPPED: readers of the projects, in Python: {why:#}")).ok()
 }
 
-/// The results of PyArrow for each file of this format.
+/// The results of PyArrow for each file. `form` is `arrow` or `parquet`.
 pub fn theirs(python: &Path, form: &str, files: &[PathBuf]) -> Result<Vec<Reading>> {
     let mut said = Vec::new();
     while said.len() < files.len() {
@@ -80,7 +81,7 @@ impl Reader {
         Ok(if code == 0 { String::new() } else { stderr })
     }
 
-    /// Compares our results with theirs, and counts the outcomes.
+    /// Compares our results with PyArrow's (`theirs`), and counts the outcomes.
     pub fn compare(&self, files: &[PathBuf], theirs: &[Reading], folder: &Path) -> Tally {
         let mut tally = Tally::default();
         for (file, theirs) in files.iter().zip(theirs) {
@@ -119,7 +120,7 @@ fn judge(name: &str, ours: Reading, theirs: &Reading) -> Outcome {
     }
 }
 
-/// True if the other project's reader has this column as well. Missing numbers at the start and the end are ignored.
+/// True if PyArrow has read the same column. Missing numbers at the start and the end are ignored.
 fn is_one_of(ours: &(String, Vec<Option<f64>>), theirs: &[(String, Vec<Option<f64>>)]) -> bool {
     let is_same = |a: &Option<f64>, b: &Option<f64>| match (a, b) {
         (Some(a), Some(b)) => (a - b).abs() <= ROUNDING * b.abs(),

@@ -1,9 +1,8 @@
 //! Counts the outcomes of a suite's cases.
 
-/// What the program did with a case.
 #[derive(Debug)]
 pub enum Outcome {
-    /// Read or answered correctly.
+    /// The program read the file, or answered the request, correctly.
     Right,
     Refused(String),
     /// Anything else: a crash, a hang, other numbers, or an answer to a request that needs none.

@@ -11,14 +11,15 @@ use std::thread;
 
 /// The only Python version that the suite supports.
 const PYTHON: &str = "python2.7";
-/// The setting that selects this version if several are installed with pyenv.
+/// The environment variable that selects Python 2.7 if pyenv has installed several versions.
 const PYENV: (&str, &str) = ("PYENV_VERSION", "2.7");
 const SUITE: &str = "autobahntestsuite==25.10.1";
 /// The groups of cases that run in parallel, each of about the same duration.
 const PARTS: [&str; 4] = ["1.*,2.*,3.*,4.*", "5.*,7.*,10.*", "6.*", "9.*"];
-/// Left out: thousands of round trips, which the server slows down on purpose (docs/serve.md).
+/// Groups of cases that are left out: they need thousands of round trips, which the server slows down on purpose
+/// (docs/serve.md).
 const LEFT_OUT: &str = "9.7.*,9.8.*";
-/// The least number of cases that must run. None tests compression, which the server does not offer.
+/// The least number of cases that must run. The tests of compression, which the server does not offer, do not count.
 const LEAST: usize = 280;
 
 /// The result of a case, as `suite.py` prints it.
@@ -90,12 +91,13 @@ fn judge(found: &CaseResult) -> Outcome {
     }
 }
 
-/// The close code with which the server refuses a valid message of this case; `None` if it accepts it.
+/// The close code with which the server refuses a valid message of this case; `None` if the server accepts the
+/// message.
 fn refusal(case: &str) -> Option<u16> {
     let is_binary = ["1.2.", "9.2.", "9.4.", "9.6."].iter().any(|group| case.starts_with(group));
     let is_large = matches!(case, "9.1.4" | "9.1.5" | "9.1.6") || case.starts_with("9.3.");
     match (is_binary, is_large) {
-        // messages of 4 MiB and more are refused for their size first
+        // messages of 4 MiB and more are first refused for their size
         (true, _) if matches!(case, "9.2.4" | "9.2.5" | "9.2.6") || case.starts_with("9.4.") => Some(1009),
         (true, _) => Some(1003),
         (false, true) => Some(1009),

@@ -60,7 +60,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let recorded = CaptureSummary::of(&program, &capture)?;
     print(&seen, &recorded, wall_s, peak_mb);
     recorded.check(&program, DEVICE, folder.path())?;
-    // the nominal rate (F-31); the limit allows for a master clock that is off by 1 % (M-06)
+    // the nominal rate (F-31), within 3 %: the master clock may be off by 1 % (M-06)
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!((recorded.rows as f64 / expected - 1.0).abs() < 0.03, "{} samples do not match the time", recorded.rows);
     check_clients(&seen.clients, &program, &capture)
@@ -74,7 +74,7 @@ fn has_iio(args: &BenchServeArgs) -> Result<bool> {
 
 /// The measured values of all watchers.
 struct Watchers {
-    /// Processor time as a share of one core.
+    /// Processor time of the server as a share of one core.
     share: f64,
     wall_s: f64,
     pages: Vec<Frames>,

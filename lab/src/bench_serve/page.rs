@@ -1,4 +1,4 @@
-//! A minimal page: it receives frames and checks them against docs/formats/page.md.
+//! A minimal client in place of a web page. It receives frames and checks them against docs/formats/page.md.
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -7,31 +7,30 @@ use std::net::TcpStream;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// Timeout, longer than any frame takes on a busy machine.
+/// Read timeout, longer than any frame takes on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Numbers in a bin of one axis: smallest and largest of rate, corrected rate and temperature.
+/// Number of values in a bin of one axis: the smallest and the largest rate, corrected rate and temperature.
 const COLUMNS: u64 = 6;
 
-/// First byte of a binary frame, with FIN.
+/// First byte of a WebSocket message with a binary frame, including the FIN bit (RFC 6455).
 const FRAME: u8 = 0x82;
-/// First byte of a request or an answer, with FIN.
+/// First byte of a request or an answer as text, including the FIN bit.
 const TEXT: u8 = 0x81;
-/// First byte of a ping, with FIN. A connected page answers it.
+/// First byte of a ping, including the FIN bit. A connected page must answer a ping.
 const PING: u8 = 0x89;
 /// The answer to a ping: an empty pong with FIN, masked like every message of a page.
 const PONG: [u8; 6] = [0x8a, 0x80, 0, 0, 0, 0];
 
-/// The frames that one page received.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Frames {
     pub count: u64,
     pub bytes: u64,
-    /// How often the page was too slow and received a new snapshot.
+    /// Number of snapshots: the first frame, and one whenever the page was too slow.
     pub snapshots: u64,
 }
 
-/// Receives frames until `is_over` returns true, but at least two. Stores in `shown_ms` up to which time of the part
-/// they show data, ms.
+/// Receives frames until `is_over` returns true, but at least two. Stores in `shown_ms` the latest time of the part
+/// that a frame shows, ms.
 pub fn watch(address: &str, is_over: &dyn Fn() -> bool, shown_ms: &AtomicU64) -> Result<Frames> {
     let mut stream = BufReader::new(connect(address)?);
     let (mut frames, mut last) = (Frames::default(), None);

@@ -61,7 +61,7 @@ pub fn rows(program: &Path, capture: &Path) -> Result<Vec<(u64, u32)>> {
     lines.map(|line| row(line).with_context(|| format!("no row: {line}"))).collect()
 }
 
-/// A running `iio_readdev`, started as a user would.
+/// A running `iio_readdev`, with the arguments that a user would give.
 pub struct Client {
     child: Child,
     bytes: JoinHandle<std::io::Result<Vec<u8>>>,

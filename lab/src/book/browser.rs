@@ -1,5 +1,5 @@
-//! Opens pages of the book in Chromium from files. The book's scripts must run under its content security policy,
-//! and a script inside a page must not.
+//! Opens pages of the book in Chromium from files. The book's scripts must run under its content security policy, and
+//! an inline script must not run.
 
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result, ensure};

@@ -2,8 +2,8 @@
 //!
 //! Commands must be in fenced blocks, never indented. Every `sh` block whose first word is `zerorate` is run line by
 //! line, from the first chapter to the last, in one folder. A line must exit with 0, or as its comment says: `#
-//! refused (exit 3)`. A block that needs a part, the reader's files or hours is marked `sh,untried`, which the book
-//! shows.
+//! refused (exit 3)`. A block is marked `sh,untried`, which the book shows, if it needs a part, the reader's files or
+//! hours.
 //!
 //! A `text` or `yaml` block after such commands shows what they print or write. Each of its lines must occur in the
 //! output, in the same order; `…` stands for lines that the chapter omits.
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-/// Time limit of a command, s. No command takes that long on a busy machine.
+/// Time limit of a command, s. No command takes that long, even on a busy machine.
 const LONGEST_S: &str = "300";
 
 /// Largest number of lines of output in an error.
@@ -75,7 +75,7 @@ fn try_chapter(steps: &[Step], program: &Path, folder: &Path) -> Result<usize> {
 fn output(command: &str, exit: i32, program: &Path, folder: &Path) -> Result<String> {
     let path = std::env::var("PATH").unwrap_or_default();
     let beside = program.parent().context("a program in a folder")?;
-    // a command that waits for input must not wait forever
+    // a time limit, because a command may wait for input
     let mut shell = Command::new("timeout");
     shell.args([LONGEST_S, "sh", "-c", command]).current_dir(folder);
     let output = shell.env("PATH", format!("{}:{path}", beside.display())).output()?;
@@ -116,7 +116,7 @@ fn steps(text: &str) -> Vec<Step> {
     steps
 }
 
-/// Finds one of our commands in an indented block.
+/// Finds a `zerorate` command in an indented block.
 fn indented(text: &str) -> Option<&str> {
     let outside = text.split("```").step_by(2);
     outside.flat_map(str::lines).find(|line| line.starts_with("    zerorate "))

@@ -26,9 +26,9 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts the bridge with this unit of the twin.
+    /// Starts the bridge with the unit `seed` of the twin.
     pub fn start(image: &Path, seed: u64, line: Line) -> Result<Self> {
-        // the port was free a moment ago, and nothing else here opens one
+        // the port was free a moment ago, and no other code of this task opens a port
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
         let serial = match line {
             // without nodelay, every byte of an answer would wait for the acknowledgement of the previous one

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
 
-/// Number of samples of each capture. In as many samples, controller and host must send the same bytes.
+/// Number of samples of each capture, and number of samples that controller and host must send as the same bytes.
 const SAMPLES: u32 = 5_000;
 /// Options of a calibration that takes half a minute of the part's time.
 const PLAN: [&str; 10] =
@@ -39,7 +39,6 @@ struct Findings {
     calibration_in_process: Value,
 }
 
-/// Runs everything and stops at the first error.
 pub fn run(args: &ProgramArgs) -> Result<()> {
     if !available(&[QEMU], "the bridge in the emulator")? {
         return Ok(());

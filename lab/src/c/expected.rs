@@ -1,4 +1,4 @@
-//! Uses the Rust crates to compute the output that `bindings/c/tests/agree.c` must print: driver, corrections,
+//! Uses the Rust crates to compute the output that `bindings/c/tests/agree.c` must print about driver, corrections,
 //! tracker, self-test, and the procedure on fixed memory.
 
 use adis16130::blocking::Adis16130;
@@ -37,7 +37,7 @@ const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\niniti
     -12\n\
     initialise 0\nbeyond the scale -24\n";
 const FAULTS: &str = "diagnose 0\nzeros -21\nones -20\ndip -22\nagain 0\ncut -12\n";
-/// The expected results of failing self-tests. Once the pin was set, the last call must set it low, unless that call
+/// The expected results of failing self-tests. After the pin was set, the last call must set it low, unless that call
 /// is refused.
 const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function -13\n\
     low refused -14\ncalls 1 level 0 n 7\nhigh refused -14\ncalls 3 level 0 n 7\n\
@@ -59,7 +59,8 @@ pub fn text(seed: u64) -> Result<String> {
     Ok(text)
 }
 
-/// The expected output about a stream, with the status numbers repeated. Unwritten values keep their initial 7.
+/// The expected output about a stream, with the status numbers typed again. Output variables that are not written keep
+/// their initial value 7.
 fn stream(text: &mut String) -> Result<()> {
     let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
     let mut corrector = Corrector::new(CorrectorConfig { corrections: [CORRECTION], validity });
@@ -183,7 +184,7 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
     f64_line(text, "curved f64", CURVED.apply(0.33, 33.5))?;
     CURVED.fill_table(0.02, 2.0, &mut rows)?;
     let table = CodeTable::new(&rows, 0.02, CURVED.t3_c, &Axis::ADIS16130.temp);
-    // 27 °C, one degree above its T3
+    // 27 °C, one degree above T3 of the correction
     let row = table.look_up_udps(8_416_794).context("beyond the table")?;
     writeln!(text, "no curve 77\ncurved table 0\ncurved row 0 {row}")?;
     let ready = rig.gyro.wait_ready(&mut rig.twin.delay(), WaitBound::from_us(1000));
@@ -198,7 +199,7 @@ fn self_test(text: &mut String, keys: &str) -> Result<()> {
     let Rig { twin, mut gyro, .. } = Rig::new(keys, 6_000_000)?;
     let seen = gyro.self_test(&mut twin.self_test_pin(), &mut twin.delay(), SelfTestPlan::new(500));
     let seen = seen.map_err(|error| anyhow!("{error}"))?;
-    // 20 °/s at the element; the sensitivity varies by 3 % (M-07)
+    // the twin's self-test is 20 °/s at the sensing element, and the sensitivity varies by 3 % (M-07)
     ensure!((seen.shift_dps - 20.0).abs() < 4.0, "{seen:?}");
     text.push_str("initialise 0\nplan 0\n100000 20000 6000\nself-test 0\n");
     writeln!(text, "shift_dps {:08x}\nu_dps {:08x}", seen.shift_dps.to_bits(), seen.u_dps.to_bits())?;
@@ -275,7 +276,7 @@ fn f64_line(text: &mut String, name: &str, value: f64) -> Result<()> {
     Ok(writeln!(text, "{name} {:016x}", value.to_bits())?)
 }
 
-/// The status number of a refusal in the C interface, repeated here.
+/// The status number of a refusal in the C interface, typed again.
 fn number(refusal: &Refusal) -> i32 {
     match refusal {
         Refusal::Moving { .. } => -50,

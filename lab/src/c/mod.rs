@@ -1,5 +1,5 @@
-//! `cargo xtask c`: checks the C interface. It checks what the library links, and compares C with Rust on the host
-//! and on an emulated Cortex-M4F.
+//! `cargo xtask c`: checks what the C library links, and compares the results of C with those of Rust on the host and
+//! on an emulated Cortex-M4F.
 
 mod expected;
 
@@ -31,7 +31,6 @@ pub struct CArgs {
     seed: u64,
 }
 
-/// Checks the library first, then the programs that link it.
 pub fn run(args: &CArgs) -> Result<()> {
     targets::add_missing([M0, M4F].into_iter())?;
     for target in [None, Some(M0), Some(M4F)] {
@@ -144,7 +143,7 @@ fn compiler(name: &str) -> Command {
     gcc
 }
 
-/// Compares line by line, so that the error shows the first difference.
+/// Compares the outputs line by line, so that the error shows the first difference.
 fn same(expected: &str, got: &str, place: &str) -> Result<()> {
     for (index, (expected, got)) in expected.lines().zip(got.lines()).enumerate() {
         ensure!(expected == got, "line {} {place}: C says `{got}`, Rust `{expected}`", index + 1);

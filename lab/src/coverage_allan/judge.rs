@@ -1,4 +1,4 @@
-//! Scores of one coefficient over many simulated records. Shares are in %.
+//! Scores of one fitted coefficient over many simulated records. Shares are in %.
 
 use super::scenario::{Bounds, Scenario};
 use zerorate_allan::Coefficient;
@@ -46,7 +46,7 @@ pub fn scatter(share: f64, records: usize) -> f64 {
     CHANCE * (share * (100.0 - share) / records.max(1) as f64).sqrt()
 }
 
-/// Allowed factor of the rms error over this many records.
+/// Factor by which chance may enlarge the rms error of this many records.
 fn rms_scatter(records: usize) -> f64 {
     1.0 + CHANCE / (2.0 * records.max(1) as f64).sqrt()
 }

@@ -35,12 +35,11 @@ pub struct CoverageAllanArgs {
     only: String,
 }
 
-/// The results for one record.
 struct Run {
     curve: Vec<Deviation>,
-    /// The fitted N, B and K.
+    /// The fitted N, B and K, with ° and s as units.
     fitted: [Coefficient; 3],
-    /// The fitted σ and T of each Gauss–Markov term.
+    /// The fitted σ, °/s, and T, s, of each Gauss–Markov term.
     markovs: Vec<(Estimate, Estimate)>,
     has_drift: bool,
     steps: usize,
@@ -49,7 +48,8 @@ struct Run {
     fit_s: f64,
 }
 
-/// Warnings that a coefficient may be wrong. Warnings about something that was found and removed are not among them.
+/// Codes of the warnings that a coefficient may be wrong. Warnings about something that was found and removed are not
+/// among them.
 const TELLING: [&str; 9] = [
     "many-glitches",
     "many-steps",
@@ -65,7 +65,7 @@ const TELLING: [&str; 9] = [
 const WRONG: f64 = 3.0;
 
 impl Run {
-    /// True if a coefficient is identified but wrong, and no warning tells so.
+    /// True if a coefficient is identified but wrong, and no warning says that it may be wrong.
     fn is_silently_wrong(&self, truth: &[f64; 3]) -> bool {
         let is_wrong = |(c, truth): (&Coefficient, &f64)| {
             let half = if *truth > c.value { c.hi - c.value } else { c.value - c.lo };

@@ -5,7 +5,7 @@ use std::f64::consts::{LN_2, PI};
 /// Ratio of the Allan deviation's floor to B: √(2 ln 2/π).
 const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
 
-/// A record to simulate, with its true coefficients in ° and s.
+/// A record to simulate, with its true noise coefficients N, B, K and Q, with ° and s as units.
 #[derive(Clone, Copy)]
 pub struct Scenario {
     pub name: &'static str,
@@ -14,7 +14,7 @@ pub struct Scenario {
     pub b: f64,
     pub k: f64,
     pub q: f64,
-    /// The filter of the sensor. All noise except quantisation passes through it.
+    /// The filter of the sensor. All noise except the quantisation noise passes through it.
     pub filter: Filter,
     /// σ, °/s, and T, s, of a Gauss–Markov process.
     pub gauss_markov: Option<(f64, f64)>,
@@ -46,7 +46,7 @@ pub enum Disturbance {
     Outliers(f64),
     /// Size of a step, °/s, at a random time.
     Step(f64),
-    /// Share of the samples that are missing, one by one.
+    /// Share of the samples that are missing, each independently of the others.
     Loss(f64),
     /// Longest burst of missing samples, s, and number of bursts.
     Bursts(f64, u32),
@@ -65,15 +65,16 @@ pub struct Bounds {
     pub rms: [f64; 3],
     /// Smallest share of records in which N and B are identified, %.
     pub identified: [f64; 2],
-    /// Smallest share of records in which an existing Gauss–Markov term is found, and largest share in which one is
-    /// found that does not exist, %.
+    /// Smallest share of records in which an existing Gauss–Markov term is found, and, as `false_terms`, largest share
+    /// in which such a term is found but does not exist, %.
     pub found: f64,
     pub false_terms: f64,
     /// Smallest and largest share of records in which a step is found, %.
     pub steps: (f64, f64),
 }
 
-/// Bounds of scenarios without their own. The deviation that chance allows for the number of records is added.
+/// Bounds of scenarios without their own bounds. The checks add the deviation that chance allows for the number of
+/// records.
 const OTHER: Bounds = Bounds {
     coverage: (93.0, 97.0),
     rms: [f64::INFINITY; 3],
@@ -82,7 +83,7 @@ const OTHER: Bounds = Bounds {
     false_terms: 2.0,
     steps: (0.0, 2.0),
 };
-/// Bounds of scenarios in which the fit widens the intervals and warns of it, so that more than 97 % may cover the
+/// Bounds of scenarios in which the fit widens the intervals with a warning, so that more than 97 % may cover the
 /// truth.
 const WIDENED: Bounds = Bounds { coverage: (93.0, 100.0), ..OTHER };
 /// Bounds of scenarios in which flicker or random walk may be mistaken for something else, if there is a warning.
@@ -92,7 +93,7 @@ const fn floor(deg_per_h: f64) -> f64 {
     deg_per_h / 3600.0 / FLOOR_PER_B
 }
 
-/// The record of one hour for which the project's goals are stated.
+/// A record of one hour, for which the project's goals are stated.
 const HOUR: Scenario = Scenario {
     name: "hour",
     length_s: 3600.0,
@@ -136,8 +137,8 @@ fn terms() -> Vec<Scenario> {
     ]
 }
 
-/// The hour behind filters. The fitted shape has one cosine more than the data require, so that N is less certain
-/// than it could be.
+/// The hour with filters. The fitted shape has one cosine more than the data require, which makes N less certain than
+/// necessary.
 fn filtered() -> Vec<Scenario> {
     let behind = |name, filter| Scenario { name, filter, bounds: WIDENED, ..HOUR };
     vec![
@@ -194,8 +195,8 @@ impl Scenario {
             + memory
     }
 
-    /// The N, B and K that a measurement finds. N includes the white noise of rounding to codes, and the tail of a
-    /// resonance.
+    /// The N, B and K that a measurement finds, with ° and s as units. N includes the white noise of rounding to
+    /// codes, and the tail of a resonance.
     pub fn truth(&self, rate_hz: f64) -> [f64; 3] {
         if let Disturbance::Resonance(frequency_hz, half_width_hz, part) = self.disturbance {
             let (r, angle) = ((-2.0 * PI * half_width_hz / rate_hz).exp(), 2.0 * PI * frequency_hz / rate_hz);

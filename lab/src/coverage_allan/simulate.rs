@@ -11,12 +11,12 @@ use zerorate::noise::FLICKER_CUTOFF_HZ;
 
 /// Sampling rate of every record, Hz.
 pub const RATE_HZ: f64 = 100.0;
-/// Sampling rate at which slow flicker is synthesised, Hz. It is then interpolated. Fast flicker has the record's
+/// Sampling rate at which slow flicker is synthesised before it is interpolated, Hz. Fast flicker has the record's
 /// rate.
 const SLOW_RATE_HZ: f64 = 10.0;
 /// Frequency that separates slow and fast flicker, Hz.
 const SPLIT_HZ: f64 = 0.5;
-/// Number of points of each synthesis. The slow one repeats after 52 429 s.
+/// Number of points of each synthesis. The slow flicker repeats after 52 429 s.
 pub const SYNTHESIS: usize = 1 << 19;
 /// Number of samples that are simulated before the record, so that a filter has settled.
 const LEAD: usize = 3000;
@@ -168,8 +168,8 @@ fn add_flicker(rate: &mut [f64], b: f64, fft: &Arc<dyn Fft<f64>>, rng: &mut Smal
     for (i, rate) in rate.iter_mut().enumerate() {
         let at = i as f64 * SLOW_RATE_HZ / RATE_HZ;
         let (whole, part) = (at as usize, at.fract());
-        // Fast flicker repeats in a long record, which is harmless: its correlations are far shorter than a
-        // repetition.
+        // Fast flicker repeats in a long record, which is harmless: its correlations are far shorter than the period
+        // of repetition.
         *rate += slow[whole] * (1.0 - part) + slow[whole + 1] * part + fast[i % SYNTHESIS];
     }
 }

@@ -58,7 +58,6 @@ fn name(kind: &Kind) -> String {
     format!("zerorate-c-{VERSION}-{}", kind.target)
 }
 
-/// Builds the library for all targets and packs the archives.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(KINDS.iter().map(|kind| kind.target))?;
     for kind in &KINDS {

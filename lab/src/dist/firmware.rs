@@ -61,7 +61,6 @@ fn name(board: &Board, form: &Form) -> String {
     format!("zerorate-bridge-{VERSION}-{}.{}", board.name, form.ending())
 }
 
-/// Builds the firmware for all boards.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(BOARDS.iter().map(|board| board.target))?;
     for board in &BOARDS {
@@ -86,7 +85,7 @@ fn build(board: &Board) -> Result<PathBuf> {
     Ok(Path::new(TARGET_DIR).join(board.target).join("release").join(board.bin))
 }
 
-/// Checks the format of the files. They are not tested on a board.
+/// Checks the format of the files. The firmware is not run on a board.
 pub fn check(folder: &Folder) -> Result<()> {
     for board in &BOARDS {
         for form in board.forms {

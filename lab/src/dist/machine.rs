@@ -15,7 +15,7 @@ pub struct Machine {
     pub debian: &'static str,
     /// Debian's cross compiler, with the C library that is linked statically.
     pub compiler: Tool,
-    /// The emulator that runs its programs here; `None` for this kind of computer.
+    /// The emulator that runs programs for this kind of computer here; `None` if they run without one.
     pub emulator: Option<&'static str>,
 }
 

@@ -1,5 +1,5 @@
-//! `cargo xtask dist`: builds all distributed files on Debian 12 on x86-64, in `target/dist/`, and tests them on the
-//! systems that they are for.
+//! `cargo xtask dist`: builds all distributed files on Debian 12 on x86-64, in `target/dist/`, and tests them on their
+//! target systems.
 
 mod c_library;
 mod deb;
@@ -55,11 +55,10 @@ const PARTS: [Part; 7] = [
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The address of the repository; empty until a release states it in `Cargo.toml`.
 const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
-/// The build folder. It is not the developer's, because distributed files are built with other flags.
+/// The build folder. It is separate from the developer's, because distributed files are built with other flags.
 const TARGET_DIR: &str = "target/cross";
 const SUMS: &str = "SHA256SUMS";
 
-/// Builds or tests the chosen parts.
 pub fn run(args: &DistArgs) -> Result<()> {
     let folder = Folder::new()?;
     for part in &PARTS {
@@ -72,7 +71,7 @@ pub fn run(args: &DistArgs) -> Result<()> {
     if args.check { folder.check_sums() } else { folder.write_sums() }
 }
 
-/// Writes the authors and licences of the software in the modules of the page, also of software that is not a crate.
+/// Writes the authors and licences of the software in the modules of the page, including software that is not a crate.
 pub fn write_licences_of_page(out: &Path) -> Result<()> {
     let page =
         product::PRODUCTS.iter().find(|product| product.name == "zerorate-page").context("no page is handed out")?;

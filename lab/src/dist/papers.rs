@@ -1,4 +1,4 @@
-//! The documents for every distributed copy: licences of all linked software, and a bill of materials.
+//! The documents that accompany every distributed copy: licences of all linked software, and a bill of materials.
 
 use super::product::{Component, PRODUCTS, Product};
 use super::{Folder, python, sbom};
@@ -38,7 +38,7 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// A page with a table of the components, then each licence text once, with the components that it applies to.
+/// A page with a table of the components, followed by each licence text with the components that it applies to.
 pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
     let mut page = format!(
         "# Software of others in {}\n\nMade by `cargo xtask dist papers`. {RUST_LIBRARY} has what Rust's own \

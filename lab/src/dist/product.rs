@@ -76,9 +76,9 @@ pub struct Component {
     pub sha256: Option<String>,
     /// A package URL, <https://github.com/package-url/purl-spec>.
     pub purl: String,
-    /// Names of its dependencies among the linked crates.
+    /// Name and version of each dependency among the linked crates.
     pub needs: Vec<String>,
-    /// The texts of its licences; empty if it has none.
+    /// The licence texts in the component; empty if it has none.
     pub texts: Vec<String>,
 }
 
@@ -236,7 +236,7 @@ fn beside(package: &Package) -> Result<Option<Component>> {
             let version = header.split("#define SQLITE_VERSION").nth(1).and_then(|rest| rest.split('"').nth(1));
             Some(other("sqlite", version.context("SQLite names its version")?, "blessing", Vec::new()))
         }
-        // draws the texts in plots, with the font that is embedded in the program
+        // resvg draws the texts in plots, with the font that is embedded in the program
         "resvg" => {
             let licence = fs::canonicalize("bindings/python/LICENSE-OFL-Inter.txt")?;
             Some(other("Inter", "4", "OFL-1.1", vec![text(&licence)?]))
@@ -261,8 +261,8 @@ fn rust_library() -> Result<Component> {
     })
 }
 
-/// Debian's C library, which is linked into the program. Its licence requires that users can replace it: they can,
-/// by `cargo xtask dist program` from the sources.
+/// Debian's C library, which is linked into the program. Its licence requires that users can replace it. They can,
+/// since `cargo xtask dist program` builds the program from the sources.
 fn glibc() -> Result<Component> {
     let version = printed(Command::new("dpkg-query").args(["--show", "--showformat=${source:Version}", "libc6-dev"]))?;
     Ok(Component {

@@ -1,6 +1,6 @@
 //! The program `zerorate` as a single file without shared libraries, for each machine.
 //!
-//! It contains Debian's glibc. With musl it was 10 to 40 % slower (docs/reference/build.md).
+//! The file contains Debian's glibc. With musl the program was 10 to 40 % slower (docs/reference/build.md).
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
@@ -16,12 +16,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The file name for a machine.
 pub fn name(machine: &Machine) -> String {
     format!("zerorate-{VERSION}-{}-linux", machine.name)
 }
 
-/// Builds the program for all machines.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(MACHINES.iter().map(|machine| machine.target))?;
     if !available(&MACHINES.map(|machine| machine.compiler), "programs for other machines")? {
@@ -68,7 +66,7 @@ pub fn check(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// Runs the trial with a machine's program. Returns its output and files, or `None` if it cannot run here.
+/// Runs the trial with a machine's program. Returns its output and files, or `None` if the program cannot run here.
 fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Observations>> {
     let program = folder.of(name(machine));
     if machine.emulator.is_none() {

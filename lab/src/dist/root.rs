@@ -1,4 +1,4 @@
-//! A Debian 12 with the base packages only, like the system of a new user. It has no Rust.
+//! A Debian 12 with the base packages only and without Rust, like the system of a new user.
 
 use super::Folder;
 use crate::tools::{Tool, available, is_root};
@@ -15,12 +15,12 @@ const BARE: &str = "adduser";
 pub struct Root(PathBuf);
 
 impl Root {
-    /// A fresh bare Debian. If this process is not root, prints that and returns `None`.
+    /// A fresh bare Debian. If this process is not root, or mmdebstrap is missing, prints that and returns `None`.
     pub fn unpack(folder: &Folder) -> Result<Option<Self>> {
         Self::with(folder, BARE)
     }
 
-    /// A bare Debian with these packages, separated by commas. It is made once, and kept as an archive.
+    /// A bare Debian with these packages, separated by commas. The first call makes it and keeps it as an archive.
     pub fn with(folder: &Folder, packages: &str) -> Result<Option<Self>> {
         if !is_root() {
             eprintln!("SKIPPED: a bare Debian to try things in: this needs root");
@@ -47,7 +47,6 @@ impl Root {
         self.0.join(path)
     }
 
-    /// Copies a file into the bare Debian.
     pub fn copy(&self, from: &Path, to: &str) -> Result<()> {
         fs::create_dir_all(self.path(to).parent().unwrap_or(&self.0))?;
         fs::copy(from, self.path(to))?;
@@ -59,7 +58,7 @@ impl Root {
         self.command_in("/", program)
     }
 
-    /// Like [`Root::command`], in this folder of the bare Debian.
+    /// Like [`Root::command`], but in `folder` of the bare Debian.
     pub fn command_in(&self, folder: &str, program: &str) -> Command {
         let mut command = Command::new("unshare");
         command.args(["--mount", "--pid", "--net", "--fork", "--kill-child"]);
@@ -69,7 +68,6 @@ impl Root {
         command
     }
 
-    /// Runs a shell script in the bare Debian.
     pub fn script(&self, script: &str) -> Result<()> {
         let status = self.command("/bin/sh").args(["-euc", script]).status()?;
         ensure!(status.success(), "in a bare Debian, `{script}` ended with {status}");

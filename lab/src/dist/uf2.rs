@@ -10,18 +10,18 @@ use std::ops::Range;
 pub struct Loader {
     /// The ID of the processor family in Microsoft's list.
     family: u32,
-    /// The address range of the flash. If the file contains any other address, the boot loader of an RP2040 treats
-    /// it as a program in RAM.
+    /// The address range of the flash. If the file contains any other address, the boot loader of an RP2040 treats the
+    /// file as a program in RAM.
     flash: Range<u32>,
 }
 
 pub const RP2040: Loader = Loader { family: 0xE48B_FF56, flash: 0x1000_0000..0x1100_0000 };
 
-/// TinyUF2 on an STM32F4. It reserves the first 64 KiB (README of `ports/stm32f4` in
+/// TinyUF2 on an STM32F4. This boot loader reserves the first 64 KiB (README of `ports/stm32f4` in
 /// <https://github.com/adafruit/tinyuf2>).
 pub const TINYUF2_STM32F4: Loader = Loader { family: 0x5775_5A57, flash: 0x0801_0000..0x0820_0000 };
 
-/// Bytes of the image per block: what an RP2040 writes at once.
+/// Number of bytes of the image in a block: the bytes that an RP2040 writes at once.
 const PAGE: usize = 256;
 
 /// Converts an ELF image to UF2.
@@ -70,7 +70,7 @@ fn blocks(pages: &BTreeMap<u32, [u8; PAGE]>, family: u32) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// The bytes that a boot loader would write, by a reader that shares nothing with the writer.
+    /// An independent reader of UF2 finds the bytes that a boot loader would write.
     #[test]
     fn another_reader_finds_the_same_bytes() {
         let image: Vec<u8> = (0..1000_u32).map(|i| (i * 7) as u8).collect();
@@ -93,7 +93,7 @@ mod tests {
         assert!(convert(b"no image", &RP2040).is_err());
     }
 
-    /// The smallest image with one segment: the header of the file, one of a program, its bytes.
+    /// The smallest image with one segment: file header, program header, and the bytes.
     fn elf(address: u32, bytes: &[u8]) -> Vec<u8> {
         let mut file = b"\x7FELF\x01\x01\x01".to_vec();
         file.resize(16, 0);

@@ -1,6 +1,6 @@
 //! The Python package as wheels, for any Linux with glibc 2.17 or newer and Python 3.9 or newer.
 //!
-//! zig, from PyPI, compiles and links for that old glibc, also the C code inside crates.
+//! zig, from PyPI, compiles and links for that old glibc, including the C code inside crates.
 
 use super::{Folder, VERSION, python, without_paths};
 use crate::targets;
@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use std::process::Command;
 
-/// The build folder. It differs from the program's folder, because the flags differ.
+/// The build folder. It differs from the program's build folder, because the compiler flags differ.
 const TARGET_DIR: &str = "target/wheels";
 /// The target name in Rust, and the machine name in a wheel's file name.
 const MACHINES: [(&str, &str); 2] = [("x86_64-unknown-linux-gnu", "x86_64"), ("aarch64-unknown-linux-gnu", "aarch64")];
@@ -19,7 +19,6 @@ fn name(machine: &str) -> String {
     format!("zerorate-{VERSION}-cp39-abi3-manylinux2014_{machine}.manylinux_2_17_{machine}.whl")
 }
 
-/// Builds both wheels.
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(MACHINES.iter().map(|(target, _)| *target))?;
     for (target, machine) in MACHINES {
@@ -81,7 +80,7 @@ fn emulated(folder: &Folder) -> Result<Option<String>> {
     }
     let packages = folder.empty("wheel-aarch64")?;
     done(Command::new("python3").args(["-m", "zipfile", "-e"]).arg(folder.of(name(MACHINES[1].1))).arg(&packages))?;
-    // Debian's numpy finds these two libraries through links, which only an installation would make
+    // Debian's numpy finds these two libraries through links, which are missing because the packages are only unpacked
     let libraries = ["blas", "lapack"].map(|name| format!("/usr/lib/aarch64-linux-gnu/{name}"));
     let mut python = Command::new("qemu-aarch64-static");
     python.arg("-L").arg(&root).arg("-E").arg(format!("LD_LIBRARY_PATH={}", libraries.join(":")));

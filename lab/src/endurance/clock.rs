@@ -1,5 +1,5 @@
-//! Sets the wall clock by an hour, forward and back, while the server records. libfaketime does that for one
-//! process, and does not change its monotonic clock.
+//! Sets the wall clock by an hour, forward and back, while the server records. libfaketime does that for one process,
+//! whose monotonic clock it does not change.
 
 use crate::bench_serve::page;
 use crate::bench_serve::samples::CaptureSummary;
@@ -17,7 +17,7 @@ const TOOL: Tool = Tool { program: "faketime", package: "faketime" };
 const STEPS: [&str; 3] = ["+3600", "-3600", "+0"];
 /// Duration of each offset.
 const LASTS: Duration = Duration::from_secs(4);
-/// Largest time by which the sensor may be ahead of the wall clock, s. On a busy machine it may lag by more.
+/// Largest time by which the sensor may be ahead of the wall clock, s. On a busy machine the sensor may lag by more.
 const AHEAD_S: f64 = 1.0;
 
 pub fn run(program: &Path, device: &str) -> Result<()> {
@@ -54,7 +54,7 @@ pub fn run(program: &Path, device: &str) -> Result<()> {
     Ok(())
 }
 
-/// The path of the library in Debian's package; `None` if it is not installed.
+/// The path of libfaketime in Debian's package; `None` if the package is not installed.
 fn library() -> Option<PathBuf> {
     let listed = Command::new("dpkg").args(["-L", "libfaketime"]).output().ok()?;
     let text = String::from_utf8(listed.stdout).ok()?;
@@ -66,7 +66,7 @@ fn library() -> Option<PathBuf> {
 mod tests {
     use super::*;
 
-    /// If libfaketime did not change a program's clock, this part of the task would test nothing.
+    /// If libfaketime did not change a program's clock, the task would test nothing with it.
     #[test]
     fn the_library_sets_the_clock_of_a_program() {
         let Some(library) = library() else { return };

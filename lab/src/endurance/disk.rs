@@ -1,5 +1,5 @@
-//! Fills the disk of a recording and frees it again. The server must report it, continue, keep what was recorded,
-//! and record again after the device is opened anew (docs/serve.md).
+//! Fills the disk of a recording and frees it again. The server must report the full disk, continue, keep what was
+//! recorded, and record again after the device is opened anew (docs/serve.md).
 
 use crate::bench_serve::page;
 use crate::bench_serve::samples::CaptureSummary;
@@ -18,10 +18,10 @@ use std::time::{Duration, Instant};
 const SIZE: &str = "size=4m";
 const FILL: &str = r#"{"id":1,"do":"speed","factor":20}"#;
 const AGAIN: &str = r#"{"id":2,"do":"reopen"}"#;
-/// Longest wait for the disk to fill, which takes seconds, on a busy machine.
+/// Longest wait for the disk to fill. It takes seconds, but longer on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// How long a page checks whether the sensor continues.
+/// How long a page checks that the sensor continues while the disk is full.
 const LOOK: Duration = Duration::from_secs(2);
 
 struct Disk {

@@ -5,10 +5,10 @@ use anyhow::{Result, ensure};
 
 /// Ignored growth from the second quarter of a run to the last, MB. Buffers of visitors that come and go need it.
 const FLAT_MB: f64 = 4.0;
-/// Size of the hub's queue, MB: 16 batches of 4096 samples. It fills when a busy machine delays its reader.
+/// Size of the hub's queue, MB: 16 batches of 4096 samples. The queue fills when a busy machine delays its reader.
 const QUEUE_MB: f64 = 6.8;
 
-/// Measurements at equal intervals.
+/// Measurements of a process at equal intervals.
 #[derive(Debug, Default)]
 pub struct Gauge {
     resident_mb: Vec<f64>,
@@ -45,8 +45,8 @@ impl Gauge {
         )
     }
 
-    /// Returns an error if the memory grows by more than the allowances plus `kept_mb`, the size of what is kept on
-    /// purpose.
+    /// Returns an error if the memory grows by more than the allowances plus `kept_mb`, the size of the data that the
+    /// server keeps on purpose.
     pub fn check(&self, kept_mb: f64) -> Result<()> {
         let [early, late] = self.quarters_mb();
         let bound = FLAT_MB + QUEUE_MB + kept_mb;

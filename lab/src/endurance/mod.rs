@@ -1,5 +1,5 @@
 //! `cargo xtask endurance`: runs `zerorate serve` for a long time, with a recorder and with pages and libiio clients
-//! that come and go; then the tracker; then steps of the wall clock, and a disk that fills and is freed.
+//! that come and go. Then it runs the tracker, steps the wall clock, and fills and frees a disk.
 
 mod clock;
 mod disk;
@@ -76,8 +76,8 @@ fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
 }
 
 /// Growth of memory, MB, that the page's Allan deviation may cause from the middle of the second quarter to the middle
-/// of the last. It keeps means over 0.1 s, and needs as much again while it computes. After 2¹⁹ means (14.6 h) it
-/// merges them.
+/// of the last. The server keeps means over 0.1 s, and needs as much memory again while it computes. After 2¹⁹ means
+/// (14.6 h) it merges them.
 fn kept_mb(hours: f64) -> f64 {
     const MB_PER_H: f64 = 3.0;
     const FULL_H: f64 = 14.6;
@@ -85,13 +85,13 @@ fn kept_mb(hours: f64) -> f64 {
     MB_PER_H * (at(7.0 / 8.0) - at(3.0 / 8.0))
 }
 
-/// Number of descriptors that the server may open for itself while it serves. Hundreds of visitors come and go, so
-/// that a leak per visitor exceeds this.
+/// Number of descriptors that the server may open for itself while it serves. Hundreds of visitors come and go, so a
+/// leak per visitor would exceed this number.
 const OWN: usize = 8;
 
 /// The number of descriptors after all visitors have left.
 fn settled(server: &Server, before: usize) -> Result<usize> {
-    /// Longer than any timeout of the server.
+    /// Longest wait. It exceeds any timeout of the server.
     const PATIENCE: Duration = Duration::from_secs(120);
     let begun = Instant::now();
     loop {

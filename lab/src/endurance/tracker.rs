@@ -16,7 +16,7 @@ const STEP: Duration = Duration::from_millis(50);
 const RATE_HZ: f64 = 1.0;
 const HOUR_S: f64 = 3600.0;
 
-/// Checks that the memory does not grow and that all rows are present, in order.
+/// Runs the tracker. Checks that its memory does not grow and that all rows are present, in order.
 pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
     let hours = hours.max(LEAST_HOURS);
     let folder = tempfile::tempdir()?;

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// log₂ of the virtual time of an instruction in ns.
+/// log₂ of the virtual time, ns, that QEMU counts for an instruction.
 const SHIFT: u32 = 10;
 
 /// Length of a tick of SysTick, ns. The core of the mps2-an386 runs at 25 MHz.
@@ -36,7 +36,6 @@ pub fn run(image: &Path, arguments: &[String]) -> Result<String> {
     printed(qemu.arg("-kernel").arg(image))
 }
 
-/// The version that `qemu-system-arm` reports.
 pub fn version() -> Result<String> {
     let text = printed(Command::new("qemu-system-arm").arg("--version"))?;
     Ok(text.split_whitespace().nth(3).unwrap_or("unknown").to_owned())
@@ -95,7 +94,7 @@ fn instructions(ticks: i64) -> Result<u64> {
 mod tests {
     use super::*;
 
-    /// A measured case: 1 000 rounds of a loop took 80 947 ticks, which are 3 162 instructions.
+    /// A measurement: 1 000 rounds of a loop took 80 947 ticks, which are 3 162 instructions.
     #[test]
     fn ticks_are_instructions() {
         assert_eq!(instructions(80_947).unwrap(), 3162);

@@ -1,4 +1,5 @@
-//! The figures of `docs/reference/footprint.md`: checks goals, compares with committed figures, and writes the page.
+//! The figures of `docs/reference/footprint.md`: compares them with goals and with the committed figures, and writes
+//! the page.
 
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
@@ -6,10 +7,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// The page with the figures.
 pub const PAGE: &str = "docs/reference/footprint.md";
 
-/// A figure that rises by more than this share is an error.
+/// Relative rise of a figure that is not yet an error.
 const TOLERANCE: f64 = 0.05;
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -27,9 +27,7 @@ pub struct Figure {
 /// Versions of the tools that measured the figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Versions {
-    /// The version that rustc reports.
     pub rustc: String,
-    /// The version that QEMU reports.
     pub qemu: String,
 }
 

@@ -7,7 +7,6 @@ use object::{LittleEndian, Object, ObjectSymbol, elf};
 use std::fs;
 use std::path::Path;
 
-/// An ELF file for a controller.
 pub struct Image(Vec<u8>);
 
 /// Sizes in the two memories, bytes.
@@ -63,7 +62,6 @@ impl Image {
         Ok(memory)
     }
 
-    /// The symbols that belong to panics.
     pub fn panic_symbols(&self) -> Result<Vec<String>> {
         let elf = self.elf()?;
         let names = elf.symbols().filter_map(|symbol| symbol.name().ok().map(str::to_owned));

@@ -1,5 +1,5 @@
 //! `cargo xtask firmware`: runs driver, twin, correction and tracker on an emulated Cortex-M4F. It compares the
-//! results with the host's, counts instructions, and measures the size of driver and tracker.
+//! results with those on the host, counts instructions, and measures the size of driver and tracker.
 
 mod emulator;
 mod footprint;
