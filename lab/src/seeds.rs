@@ -12,7 +12,7 @@ pub fn parse(text: &str) -> Result<RangeInclusive<u64>, String> {
     if first > last { Err(format!("{first} lies behind {last}")) } else { Ok(first..=last) }
 }
 
-/// Runs every seed on several threads. The results are in the order of the seeds.
+/// Runs `unit` for every seed on several threads. The results are in the order of the seeds.
 pub fn for_each_seed<T: Send>(
     seeds: &RangeInclusive<u64>,
     threads: usize,

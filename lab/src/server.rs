@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 
-/// A running server. Dropping it ends the server.
+/// A running server. Dropping this value ends the server.
 pub struct Server {
     child: Child,
     /// The address of the page.
@@ -18,7 +18,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Starts the server on free ports with these arguments. Its later messages go to stderr.
+    /// Starts the server on free ports with these arguments. Forwards its later messages to stderr.
     pub fn start(program: &Path, arguments: &[&str]) -> Result<Self> {
         Self::start_with(&mut Command::new(program), "127.0.0.1:0", arguments)
     }
@@ -70,18 +70,16 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // it has already ended, unless something failed
+        // the server has already ended, unless something failed
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// The resident memory of a process, MB.
 pub fn resident_mb(id: u32) -> Result<f64> {
     memory_mb(id, "VmRSS:")
 }
 
-/// The number of open files and connections of a process.
 pub fn descriptors(id: u32) -> Result<usize> {
     Ok(fs::read_dir(format!("/proc/{id}/fd"))?.count())
 }

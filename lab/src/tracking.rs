@@ -1,5 +1,5 @@
-//! `cargo xtask tracking`: runs `stream --track` on simulated days of many units that were calibrated by AN-1042,
-//! and compares the bias with the truth. The motion is the same as in the core's tests. It prints the table of
+//! `cargo xtask tracking`: runs `stream --track` on simulated days of many units that were calibrated by AN-1042, and
+//! compares the bias with the truth. The simulated motion is the same as in the core's tests. It prints the table of
 //! docs/tracking.md.
 
 #[path = "../../crates/zerorate/tests/track/world.rs"]
@@ -14,7 +14,8 @@ use world::{Day, HALF, OFTEN};
 
 const HOURS: f64 = 24.0;
 
-/// The simulated worlds. Each has a label, the share of the moving time with slow rotations, and their frequency.
+/// The simulated worlds. Each has a label, which is the share of the moving time in slow rotations, and the number of
+/// slow rotations for 21 other motions.
 const WORLDS: [(&str, f64); 4] = [("none", 0.0), ("5 %", SELDOM), ("25 %", OFTEN), ("50 %", HALF)];
 
 /// Command line of `cargo xtask tracking`.
@@ -57,7 +58,7 @@ pub struct Tracking {
     pub motion_learned_s: f64,
 }
 
-/// Simulates a day for units that are drawn from their seeds, with this frequency of slow rotations.
+/// Simulates a day for each unit, with `slow_turns` slow rotations for 21 other motions.
 pub fn days(seeds: &RangeInclusive<u64>, threads: usize, slow_turns: f64) -> anyhow::Result<Tracking> {
     let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
     Ok(Tracking::of(&days))

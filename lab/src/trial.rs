@@ -14,7 +14,7 @@ const NO_EDGE_NS: u64 = 100_000_000;
 /// Duration of the procedure of AN-1042 from the start of the twin, s.
 pub const HOUR_S: f64 = 3171.0;
 
-/// The plan for a method. A cycle takes 70 minutes, after which the part is in thermal equilibrium again.
+/// The plan for a method. The plan for a cycle takes 70 minutes, after which the part is in thermal equilibrium again.
 pub fn plan(method: Method) -> Plan {
     let settle_s = if method == Method::Cycle { 3429.0 } else { Plan::default().settle_s };
     Plan { method, settle_s, ..Plan::default() }
@@ -37,7 +37,7 @@ pub struct Rig {
 
 impl Rig {
     pub fn new(spec: Spec) -> Self {
-        // a host knows the nominal clock, or the clock of a part that it slowed down itself
+        // a host knows the nominal clock, or the actual clock if it slowed the part's clock down itself
         let is_nominal = (spec.mclk_hz / f64::from(MCLK_HZ) - 1.0).abs() < 0.05;
         let mclk_hz = if is_nominal { MCLK_HZ } else { spec.mclk_hz as u32 };
         let bandwidth_hz = match spec.roa {
@@ -73,8 +73,8 @@ impl Rig {
         }
     }
 
-    /// Runs a calibration. Returns the result, and the truth at the end of step 8 or of the recording. A refusal is
-    /// returned as an error that can be downcast to `Refusal`.
+    /// Runs a calibration. Returns the result, and the truth at the end of step 8 or of the recording. A refusal is an
+    /// error that can be downcast to `Refusal`.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
         let mut air = if plan.method == Method::Cycle { &CYCLE[..] } else { &[] };
         let mut procedure = Procedure::new(&self.axis, plan)?;
@@ -130,7 +130,7 @@ pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
 /// The outcome of a unit's calibration.
 #[derive(Clone, Debug)]
 pub enum TrialEnd {
-    /// There is a result, with the codes of those warnings that report an event.
+    /// There is a result. `warnings` are the codes of those warnings that report an event.
     Calibrated {
         unit: Unit,
         warnings: Vec<&'static str>,
@@ -177,13 +177,13 @@ impl TrialEnd {
     }
 }
 
-/// A disturbance of a unit, whose details are drawn from the unit's seed.
+/// A kind of disturbance. The unit's seed determines the details.
 pub struct Fault {
     pub name: &'static str,
     pub spec: fn(u64) -> Spec,
 }
 
-/// Disturbances that the procedure has to detect. The seed determines sizes, times and signs.
+/// Disturbances that the procedure has to detect. The seed of a unit determines sizes, times and signs.
 pub const FAULTS: [Fault; 12] = [
     Fault { name: "none", spec: Spec::from_seed },
     Fault { name: "supply step of 20 to 400 mV at any time", spec: |seed| step(seed, 0.0, HOUR_S) },

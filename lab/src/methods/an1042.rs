@@ -1,4 +1,5 @@
-//! A short form of AN-1042 on means: steps 4, 6 and 8 of F-51, without the checks of the real procedure.
+//! A short form of AN-1042 that works on means over 0.1 s: steps 4, 6 and 8 of F-51, without the checks of the real
+//! procedure.
 
 use super::unit::{MEAN_S, Recording};
 use crate::trial::Rig;
@@ -25,8 +26,7 @@ pub struct Difference {
     pub btc_dps_per_c: f64,
 }
 
-/// Runs the real procedure and the short form on the twin, for the whole procedure of 53 minutes, through bus and
-/// driver.
+/// Runs the real procedure of 53 minutes on the twin, through bus and driver, and the short form on the same samples.
 pub fn held_against_the_procedure(spec: Spec) -> anyhow::Result<Difference> {
     let mut rig = Rig::new(spec);
     let mut procedure = Procedure::new(&Axis::ADIS16130, Plan::default())?;
@@ -95,8 +95,8 @@ mod tests {
     use super::super::unit::Kind;
     use super::*;
 
-    /// Without noise, two temperatures determine a linear unit at all temperatures. The error is the movement of the
-    /// temperature from the middle of step 8 to T3: some 0.005 °C in still air.
+    /// Without noise, two temperatures determine a linear unit at all temperatures. The error comes from the change of
+    /// temperature between the middle of step 8 and T3: some 0.005 °C in still air.
     #[test]
     fn a_quiet_line_is_found() {
         let spec = Spec { noise: false, ambient_wander_c: 0.0, ..Kind::Linear.spec(3, 0.0) };

@@ -1,10 +1,10 @@
 //! ArduPilot's learning during a warm-up (INS_TCALn_ENABLE = 2), as in `AP_InertialSensor_tempcal.cpp` and
-//! `polyfit.cpp`. It averages the rate over each half degree of rise, and assigns the mean to the middle of the half
-//! degree. A cubic polynomial about 35 °C is fitted to these points.
+//! `polyfit.cpp`. ArduPilot averages the rate over each rise of half a degree, and assigns the mean to the middle of
+//! the half degree. It fits a cubic polynomial about 35 °C to these points.
 //!
 //! Two rules are omitted. ArduPilot saves nothing before the temperature has risen by 10 °C, which a warm-up of 8 °C
-//! never reaches; here it may save earlier. It also discards the constant, because it measures the level at each
-//! start from half a second of rate; here the level comes from the polynomial. ArduPilot's low-pass on the
+//! never reaches; this version has no such limit. ArduPilot also discards the constant, because it measures the level
+//! at each start from half a second of rate; here the level comes from the polynomial. ArduPilot's low-pass on the
 //! temperature makes no difference with this noise.
 
 use super::least_squares::cubic;

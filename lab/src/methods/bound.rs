@@ -1,5 +1,5 @@
-//! The lower bound that noise sets for every method: generalised least squares in which everything is known except
-//! the coefficients and the random walk.
+//! The lower bound that noise sets for the error of every method: generalised least squares in which everything is
+//! known except the coefficients and the random walk.
 
 use super::unit::{Recording, TEMPS};
 use zerorate::noise::{NoiseModel, WeightedMean};
@@ -9,7 +9,8 @@ use zerorate_allan::linear::{Cholesky, dot};
 /// Number of windows into which a recording is divided.
 const WINDOWS: usize = 300;
 
-/// The standard uncertainty of the bias at the end, with a polynomial of this order: rms over the temperatures, °/s.
+/// The standard uncertainty of the bias at the end of the recording, if the bias is a polynomial of this order in
+/// temperature: rms over the temperatures, °/s.
 pub fn u_dps(recording: &Recording, noise: &NoiseModel, order: usize) -> Option<f64> {
     let windows = windows(recording);
     let end_s = windows.last()?.start_s + windows.last()?.length_s;
@@ -55,7 +56,7 @@ mod tests {
     use super::super::unit::Kind;
     use super::*;
 
-    /// White noise alone has a closed form: N/√(2T) for a level.
+    /// With white noise alone, the uncertainty of a constant bias is N/√(2T).
     #[test]
     fn white_noise_alone_is_averaged_away() {
         let white =

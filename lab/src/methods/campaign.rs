@@ -67,13 +67,14 @@ fn hour(spec: &Spec) -> Recording {
     Recording::warm_up(spec, HOUR_S)
 }
 
-/// The reference without temperature correction: the bias was measured once, mid-span, and is known exactly.
+/// The reference without temperature correction: the bias was measured once, at the middle of the temperature span,
+/// and is known exactly.
 fn raw(recording: &Recording) -> Correction {
     let middle_c = recording.temps_c()[TEMPS / 2];
     Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)
 }
 
-/// The seeds of the simulated units, the lag of the lagging ones, and the number of threads.
+/// The seeds of the simulated units, the lag of the lagging units, and the number of threads.
 #[derive(Clone, Copy)]
 pub struct Units<'a> {
     pub seeds: &'a RangeInclusive<u64>,
@@ -110,8 +111,8 @@ impl Units<'_> {
         Kind::ALL.into_iter().map(of_kind).collect()
     }
 
-    /// Runs the warm-up method on linear units. Returns a summary for each rate random walk; `factors` are multiples
-    /// of M-04.
+    /// Runs the warm-up method on linear units. Returns a summary for each rate random walk, whose size is given in
+    /// `factors` as multiples of M-04.
     pub fn by_walk(&self, factors: &[f64]) -> anyhow::Result<Vec<Summary>> {
         self.summaries(|seed| {
             let linear = Kind::Linear.spec(seed, self.lag_s);
@@ -120,7 +121,7 @@ impl Units<'_> {
         })
     }
 
-    /// Runs all units. Returns a summary for each entry of a unit's results.
+    /// Runs `one` for all units. Returns a summary for each entry of its results.
     fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Comparison>> + Sync) -> anyhow::Result<Vec<Summary>> {
         let units = for_each_seed(self.seeds, self.threads, one)?;
         let columns = units.first().map_or(0, Vec::len);
@@ -133,8 +134,8 @@ fn judged_warm_up(recording: &Recording) -> anyhow::Result<Comparison> {
     Comparison::of(recording, gls::fit).context("the warm-up gave nothing")
 }
 
-/// The smallest residual that any method can reach for a unit whose bias is known to have this order, °/h. `factor`
-/// is the rate random walk as a multiple of M-04.
+/// The smallest residual bias, °/h, that any method can reach for a unit whose bias is known to be a polynomial of
+/// this order. `factor` is the rate random walk as a multiple of M-04.
 pub fn bound_dph(order: usize, factor: f64) -> anyhow::Result<f64> {
     let typical = Axis::ADIS16130.typical_noise();
     let walk = factor * typical.rate_random_walk_dps_per_rt_s;

@@ -1,4 +1,4 @@
-//! The estimate of `zerorate chamber` on the profile of F-57, from one-second means. The state machine of the
+//! The estimate of `zerorate chamber` on the profile of F-57, from means over 1 s. The state machine of the
 //! measurement is left out.
 
 use super::comparison::MethodResult;
@@ -6,7 +6,6 @@ use super::unit::{MEAN_S, Recording};
 use zerorate::Part;
 use zerorate::chamber::Record;
 
-/// Highest polynomial order.
 const MAX_ORDER: usize = 3;
 const MEANS_PER_S: usize = (1.0 / MEAN_S) as usize;
 

@@ -28,7 +28,8 @@ impl From<BiasCurve> for MethodResult {
     }
 }
 
-/// The errors of a result at the end of the recording, at temperatures over the measured span, the lowest first.
+/// The errors of a result at the end of the recording, at temperatures that are spread evenly over the measured span,
+/// the lowest first.
 pub struct Comparison {
     errors_dps: [f64; TEMPS],
     u_dps: Option<[f64; TEMPS]>,
@@ -37,7 +38,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Runs a method on a recording. `None` if it gives no result.
+    /// Runs a method on a recording. `None` if the method gives no result.
     pub fn of(recording: &Recording, fit: impl FnOnce(&Recording) -> Option<MethodResult>) -> Option<Self> {
         let start = Instant::now();
         let fitted = fit(recording)?;
@@ -158,7 +159,7 @@ mod tests {
         let summary = Summary::of(&units.iter().collect::<Vec<_>>());
         // squared errors in (0.001 °/s)²: 9 · 4 of the first unit, and 9 4 1 0 1 4 9 16 25 of the second
         assert!((summary.residual_dph - 3.6 * (105.0f64 / 18.0).sqrt()).abs() < 1e-9, "{summary:?}");
-        // without the units' mean errors, 2 and 1, these are 0 and 16 9 4 1 0 1 4 9 16
+        // without the units' mean errors, 2 and 1, the squared errors are 0 and 16 9 4 1 0 1 4 9 16
         assert!((summary.shape_dph - 3.6 * (60.0f64 / 18.0).sqrt()).abs() < 1e-9, "{summary:?}");
         assert!((summary.at_temps_dph[3] - 3.6 * 2f64.sqrt()).abs() < 1e-9);
         let coverage = summary.coverage.unwrap();

@@ -1,4 +1,4 @@
-//! The estimate of `calibrate --method warmup` and `cycle`, from blocks. Steps of the level are not detected,
+//! The estimate of `calibrate --method warmup` and `cycle`, from blocks of means. Steps of the bias are not detected,
 //! because none occur here.
 
 use super::comparison::MethodResult;
@@ -6,7 +6,6 @@ use super::unit::Recording;
 use zerorate::Axis;
 use zerorate::temperature::{self, Assumed};
 
-/// Highest polynomial order.
 const MAX_ORDER: usize = 3;
 
 pub fn fit(recording: &Recording) -> Option<MethodResult> {

@@ -1,5 +1,5 @@
-//! `cargo xtask methods`: compares all methods to find the bias over temperature with the truth of many simulated
-//! units, and writes docs/reference/methods.md.
+//! `cargo xtask methods`: compares the results of all methods for the bias over temperature with the truth of many
+//! simulated units, and writes docs/reference/methods.md.
 
 mod an1042;
 mod ardupilot;
@@ -43,7 +43,7 @@ pub struct MethodsArgs {
 
 /// Number of units of each kind with `--quick`.
 const QUICK: u64 = 3;
-/// Only one in this many units is used for the additional tables.
+/// The additional tables use one in this many units only.
 const SIDE_SHARE: u64 = 5;
 /// Number of seeds for which the short form of AN-1042 is compared with the real procedure.
 const CHECKED: u64 = 5;

@@ -35,21 +35,20 @@ pub struct Results {
     pub tracking: Tracking,
     pub checked: Vec<Difference>,
     pub seeds: RangeInclusive<u64>,
-    /// The seeds of the additional tables.
+    /// The seeds of the units in the additional tables.
     pub side: RangeInclusive<u64>,
     pub lag_s: f64,
 }
 
 impl Results {
-    /// The smallest error, °/h, that any method can reach for a bias that is known to be linear, with the rate random
-    /// walk M-04.
+    /// The smallest error, °/h, that any method can reach for a bias that is known to be linear in temperature, with
+    /// the rate random walk M-04.
     fn bound_dph(&self) -> Result<f64> {
         let index = WALKS.iter().position(|factor| *factor == 1.0).context("no row for M-04")?;
         self.bounds_dph.get(index).copied().context("a bound is missing")
     }
 }
 
-/// Writes the page and its plots.
 pub fn write(results: &Results) -> Result<()> {
     for (path, text) in [
         (RESIDUALS, picture::residuals(&results.methods)),
@@ -159,7 +158,7 @@ mod tests {
     fn the_page_is_the_templates() {
         let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/methods.md")).unwrap();
         let mut rest = page.as_str();
-        // marks and the texts between them take turns
+        // every second piece is a text; the pieces between them are the names of marks
         let pieces: Vec<&str> = TEMPLATE.split('@').step_by(2).collect();
         for (index, piece) in pieces.iter().enumerate() {
             let at = if index + 1 == pieces.len() { rest.rfind(piece) } else { rest.find(piece) };

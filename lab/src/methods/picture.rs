@@ -8,7 +8,8 @@ use zerorate_view::plot::{Lines, Panel, lines};
 
 const SHARE: &str = "place in the temperatures seen, % from the lowest to the highest";
 
-/// Plots the residual over temperature: a panel for each kind, with a line for each method that corrects anything.
+/// Plots the residual bias over temperature, with a panel for each kind of unit, and a line for each method except the
+/// uncorrected one.
 pub fn residuals(methods: &[Vec<Summary>]) -> String {
     let correcting: Vec<usize> = (0..METHODS.len()).filter(|index| METHODS[*index].name != RAW).collect();
     lines(&Lines {
@@ -41,7 +42,7 @@ fn names(indices: &[usize]) -> Vec<String> {
     indices.iter().map(|index| METHODS[*index].name.to_owned()).collect()
 }
 
-/// Selects these methods of each kind.
+/// Selects the methods with these indices for each kind of unit.
 fn chosen(methods: &[Vec<Summary>], indices: &[usize]) -> Vec<Vec<Summary>> {
     methods.iter().map(|of_kind| indices.iter().map(|index| of_kind[*index].clone()).collect()).collect()
 }

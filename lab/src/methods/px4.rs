@@ -1,6 +1,7 @@
 //! PX4's thermal calibration from a log, as in its `Tools/process_sensor_caldata.py`. The rate is filtered by a median
 //! over 31 samples and averaged over 2000 intervals of temperature. An unweighted cubic polynomial about the middle of
-//! the span is fitted to the means. The log has ten samples per second (PX4's logging profile "thermal calibration").
+//! the temperature span is fitted to the means. The log has ten samples per second (PX4's logging profile "thermal
+//! calibration").
 
 use super::least_squares::cubic;
 use super::unit::Recording;
@@ -45,7 +46,7 @@ mod tests {
 
     #[test]
     fn the_median_equals_the_one_of_scipy() {
-        // scipy.signal.medfilt(numpy.arange(1, 41), 31): the zeros before and after pull its ends down
+        // scipy.signal.medfilt(numpy.arange(1, 41), 31): the zeros beyond both ends pull the values near the ends down
         let rates: Vec<f64> = (1..=40).map(f64::from).collect();
         let found = median(&rates);
         assert_eq!(found.len(), 40);

@@ -14,7 +14,7 @@ fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String 
     text
 }
 
-/// Residuals of all methods for all kinds, with and without the mean over the temperatures.
+/// The residual bias of all methods for all kinds of units, with and without the mean over the temperatures.
 pub fn overview(methods: &[Vec<Summary>]) -> String {
     let heads: Vec<&str> =
         std::iter::once("residual, °/h (without the level)").chain(Kind::ALL.map(Kind::name)).collect();
@@ -26,7 +26,7 @@ pub fn overview(methods: &[Vec<Summary>]) -> String {
     table(&heads, METHODS.iter().enumerate().map(row))
 }
 
-/// Intervals and chosen orders of the methods that have them.
+/// How well the 95 % intervals hold, and the chosen orders, for the methods that have them.
 pub fn intervals(methods: &[Vec<Summary>]) -> String {
     let rows = METHODS.iter().enumerate().flat_map(|(index, method)| {
         let of_kinds = Kind::ALL.into_iter().zip(methods).map(move |(kind, of_kind)| (kind, &of_kind[index]));
@@ -61,7 +61,7 @@ const fn verdict(inside: f64) -> &'static str {
     }
 }
 
-/// Table of the duration of a fit by each method, ms, as the mean over the kinds of units.
+/// The duration of a fit by each method, ms: the mean over the kinds of units.
 pub fn times(methods: &[Vec<Summary>]) -> String {
     let mean = |index: usize| methods.iter().map(|of_kind| of_kind[index].fit_ms).sum::<f64>() / methods.len() as f64;
     let row = |(index, method): (usize, &super::campaign::Method)| {
@@ -70,7 +70,7 @@ pub fn times(methods: &[Vec<Summary>]) -> String {
     table(&["method", "time of a fit, ms"], METHODS.iter().enumerate().map(row))
 }
 
-/// The results of the warm-up by its length.
+/// The results of the warm-up method by the length of the recording.
 pub fn lengths(lengths_min: &[f64], kinds: &[Vec<Summary>]) -> String {
     let heads: Vec<&str> = std::iter::once("ended after, min").chain(Kind::ALL.map(Kind::name)).collect();
     let row = |(index, minutes): (usize, &f64)| {
@@ -80,7 +80,7 @@ pub fn lengths(lengths_min: &[f64], kinds: &[Vec<Summary>]) -> String {
     table(&heads, lengths_min.iter().enumerate().map(row))
 }
 
-/// The results of the warm-up by the rate random walk, with the bound.
+/// The results of the warm-up method by the rate random walk, with the lower bound.
 pub fn walks(factors: &[f64], summaries: &[Summary], bounds_dph: &[f64]) -> String {
     let row = |((factor, summary), bound_dph): ((&f64, &Summary), &f64)| {
         let Summary { residual_dph, shape_dph, .. } = summary;

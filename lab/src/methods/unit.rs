@@ -24,7 +24,7 @@ impl Kind {
         }
     }
 
-    /// The unit with this seed. All have a tempco of 0.04 °/s/°C (F-05) and self-heating of 8 °C (M-03).
+    /// The unit with this seed. All units have a tempco of 0.04 °/s/°C (F-05) and self-heating of 8 °C (M-03).
     pub fn spec(self, seed: u64, lag_s: f64) -> Spec {
         let unit = Spec::from_seed(seed);
         let linear = Spec {
@@ -78,8 +78,8 @@ impl Recording {
         lengths_s.iter().map(until).collect()
     }
 
-    /// A warm-up of 20 min, after which the air cools by 8 °C and later warms again, each in 8 min. It stays cool for
-    /// 12 min, and the recording ends 22 min after the second change.
+    /// A warm-up of 20 min, after which the air cools by 8 °C and later warms again, each in 8 min. The air stays cool
+    /// for 12 min, and the recording ends 22 min after the air is warm again.
     pub fn cycle(spec: &Spec) -> Self {
         const SWING_C: f64 = 8.0;
         const SLOPE_S: f64 = 480.0;
@@ -94,7 +94,7 @@ impl Recording {
 
     /// The profile of F-57 in a chamber: 210 min between −40 and +85 °C.
     pub fn chamber(spec: &Spec) -> Self {
-        // temperature, °C; duration of the ramp to it, min; time at it, min
+        // temperature, °C; duration of the ramp to this temperature, min; time at this temperature, min
         const STEPS: [(f64, f64, f64); 4] =
             [(25.0, 0.0, 5.0), (-40.0, 32.5, 30.0), (85.0, 62.5, 15.0), (25.0, 30.0, 35.0)];
         let mut unit = Unit::new(spec);

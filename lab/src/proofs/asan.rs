@@ -1,5 +1,5 @@
-//! Runs the C library with AddressSanitizer, and its callers with AddressSanitizer and UBSan: the examples, and a
-//! fuzzer that calls every function with random arguments that the contract allows.
+//! Runs the C library with AddressSanitizer, and its callers with AddressSanitizer and UBSan. The callers are the
+//! examples, and a fuzzer that calls every function with random arguments that the contract allows.
 
 use super::{WORK, nightly};
 use anyhow::{Result, ensure};

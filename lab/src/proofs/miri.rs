@@ -1,4 +1,4 @@
-//! Runs Miri on the C interface, whose Rust side has all `unsafe` code with foreign pointers, and on driver and core.
+//! Runs Miri on the C interface, whose Rust side has all `unsafe` code with pointers from C, and on driver and core.
 
 use super::nightly;
 use anyhow::Result;
@@ -9,7 +9,7 @@ const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 
 /// The tests with `--check`.
 const QUICK: [&str; 1] = ["--manifest-path bindings/c/Cargo.toml --package zerorate-c"];
-/// Additional tests without `--check`, of less than three minutes each. Driver and core have no `unsafe` code.
+/// Additional tests without `--check`, which take less than three minutes each. Driver and core have no `unsafe` code.
 const LONG: [&str; 2] = [
     "--package adis16130 --features bridge --test driver -- asynch bridge codes diagnosis --skip a_counter_in --skip \
      every_damaged",

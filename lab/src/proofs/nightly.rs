@@ -4,7 +4,7 @@ use super::WORK;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The target for the sanitizers. Because it is named explicitly, build scripts are not instrumented.
+/// The target for the sanitizers. Cargo does not instrument build scripts, because this target is named explicitly.
 pub const HOST: &str = "x86_64-unknown-linux-gnu";
 
 /// True if nightly Rust with this component is installed for this computer. If not, prints what is missing to stderr.

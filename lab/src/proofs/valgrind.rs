@@ -13,7 +13,6 @@ const VALGRIND: Tool = Tool { program: "valgrind", package: "valgrind" };
 /// The extension module's file name in a frame.
 const OURS: &str = "_zerorate.abi3.so";
 
-/// Runs the tests and counts the errors.
 pub fn run() -> Result<()> {
     let python = match wheel::environment()? {
         Ok(python) if available(&[VALGRIND], "valgrind")? => python,

@@ -1,4 +1,4 @@
-//! Compares the guest's data with the part's data, and the guest's results with the truth.
+//! Compares the guest's data with those of the simulated part, and the guest's results with the truth.
 
 use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
@@ -12,7 +12,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What guest and part recorded in one run.
+/// The data that guest and part recorded in one run.
 pub struct RigData {
     /// The folder with the guest's files.
     pub files: PathBuf,
@@ -41,7 +41,7 @@ pub struct Findings {
     checks: Vec<Check>,
 }
 
-/// A statement, and whether it holds.
+/// A checked statement.
 #[derive(Serialize)]
 struct Check {
     holds: bool,
@@ -72,7 +72,7 @@ struct Stream {
     edges_of_part: u32,
     lost_counted: u64,
     lost_of_part: u64,
-    /// Number of readings that the part made after the first sample, from the time span and the part's clock.
+    /// Number of readings that the part made after the first sample, computed from the time span and the part's clock.
     updates: f64,
     codes_guest: Vec<u32>,
     codes_part: Vec<u32>,
@@ -84,10 +84,10 @@ struct Calibration {
     guest: Value,
     in_process: Value,
     truth: Truth,
-    /// Differences of the correction at the guest's T3, °/s.
+    /// Differences of the guest's correction at the guest's T3, °/s.
     pbc_minus_in_process_dps: f64,
     pbc_minus_truth_dps: f64,
-    /// Half widths of the 95 % intervals of those differences, °/s.
+    /// Half widths of the 95 % intervals of these differences, °/s.
     pbc_in_process_limit_dps: f64,
     pbc_truth_limit_dps: f64,
     btc_minus_in_process_dps_per_c: f64,
@@ -96,8 +96,8 @@ struct Calibration {
     btc_truth_limit_dps_per_c: f64,
 }
 
-/// Allowed difference between counts, as a share of the samples. If the guest cannot keep up, its timestamps are
-/// late by up to a period, and the driver counts by the nominal clock.
+/// Allowed difference between counts, as a share of the samples. If the guest cannot keep up, its timestamps are late
+/// by up to a period, while the driver counts by the nominal clock.
 const COUNT_TOLERANCE: f64 = 0.02;
 
 /// Cycles of MCLK for a pair of readings: two conversions of 527 cycles (F-31).
@@ -175,7 +175,6 @@ impl Findings {
         Ok(())
     }
 
-    /// The checks as text for people.
     pub fn text(&self) -> String {
         let mut text = format!("Linux {}, part seed={}, {:.0} s\n", self.kernel_release, self.seed, self.duration_s);
         for Check { holds, statement } in &self.checks {
@@ -240,8 +239,9 @@ impl Stream {
         })
     }
 
-    /// Checks that must hold however busy the host is: the recorded codes are those sent, in order; at least as many
-    /// losses are counted as the part knows of; and recorded and lost samples together are all samples.
+    /// True if three statements hold, which do not depend on the load of the host. The recorded codes are the codes
+    /// that were sent, in order. At least as many losses are counted as the part knows of. The recorded and the lost
+    /// samples together are all samples.
     fn is_complete(&self) -> bool {
         let allowed = COUNT_TOLERANCE * self.updates + UNREPORTED;
         let counted = self.lost_counted as f64;

@@ -28,7 +28,8 @@ impl Files<'_> {
         numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
     }
 
-    /// Checks the exit code of a `zerorate` run in the guest. The text includes its errors if the code is wrong.
+    /// Checks the exit code of a `zerorate` run in the guest. If the code is wrong, the text includes the errors of
+    /// the run.
     pub fn ending(&self, name: &str, expected: u8) -> Result<(bool, String)> {
         let ended = self.text(&format!("{name}.code"))?;
         let holds = ended == expected.to_string();
@@ -70,7 +71,7 @@ impl Files<'_> {
     }
 }
 
-/// The run of adjacent items in `all` whose keys are `wanted`; empty if there is none.
+/// Finds the adjacent items of `all` whose keys are `wanted`; empty if there are none.
 pub fn run_of<'a, T, K: PartialEq>(wanted: &[K], all: &'a [T], of: impl Fn(&T) -> K) -> &'a [T] {
     let mut windows = all.windows(wanted.len().max(1));
     windows.find(|window| window.iter().zip(wanted).all(|(one, wanted)| of(one) == *wanted)).unwrap_or(&[])

@@ -1,14 +1,16 @@
-//! A simulated HID gyroscope for the guest. `gyro RECORD` creates it through `/dev/uhid`, and records what it sends.
+//! A simulated HID gyroscope for the guest. `gyro RECORD` creates it through `/dev/uhid`, and records the readings
+//! that it sends.
 //!
-//! This file is compiled separately and statically, with only the standard library: the guest has no others.
+//! This file is compiled separately and statically, with only the standard library, because the guest has no other
+//! libraries.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 /// Period of the readings.
 const PERIOD: Duration = Duration::from_millis(10);
-/// A reading that is later than this is not sent. Therefore a receiver can compute from the times of two readings
-/// how many are missing between them.
+/// A reading that is later than this is not sent, so that a receiver can compute the number of missing readings from
+/// the times of two readings.
 const LATEST: Duration = Duration::from_millis(4);
 /// Number of readings in a group. The last `WITHHELD` readings of each group are never sent.
 const BLOCK: u32 = 50;
@@ -71,7 +73,7 @@ mod kind {
     pub const SET_REPORT_REPLY: u32 = 14;
 }
 
-/// UHID_FEATURE_REPORT. All other types in use are input reports.
+/// `UHID_FEATURE_REPORT`. All other report types in use are input reports.
 const FEATURE: u8 = 0;
 /// `BUS_VIRTUAL`.
 const BUS: u16 = 6;
@@ -136,7 +138,8 @@ impl<K: Write, R: Write> Gyro<K, R> {
         }
     }
 
-    /// Sends a reading, unless it is too late, readings are not requested, or it is one of those that are withheld.
+    /// Sends a reading, unless it is too late, the kernel has not requested readings, or the reading is one of the
+    /// withheld ones.
     fn send(&mut self, number: u32) -> io::Result<()> {
         if self.started.elapsed() > PERIOD * number + LATEST {
             return Ok(());
@@ -150,7 +153,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
         self.recorded(false, |gyro| gyro.tell(kind::INPUT2, &[&size, &data]))
     }
 
-    /// Hands over the newest reading, and records it with the times before and after.
+    /// Sends the newest reading by `hand_over`, and records it with the times before and after.
     fn recorded(&mut self, asked: bool, hand_over: impl FnOnce(&mut Self) -> io::Result<()>) -> io::Result<()> {
         let before_ns = self.started.elapsed().as_nanos();
         hand_over(self)?;
@@ -160,7 +163,8 @@ impl<K: Write, R: Write> Gyro<K, R> {
     }
 }
 
-/// The codes of a reading about x, y and z. 65536 successive readings have different codes, which use all 16 bits.
+/// The codes of a reading about x, y and z. For each axis, 65536 successive readings have all different codes of 16
+/// bits.
 fn codes(number: u32) -> [i16; 3] {
     [(25_173, 13_849), (-20_021, 4_711), (9_377, -30_011)]
         .map(|(factor, first): (i32, i32)| factor.wrapping_mul(number as i32).wrapping_add(first) as i16)

@@ -1,4 +1,5 @@
-//! Compares the program's captures with the readings of the HID gyroscope, through the kernel's HID driver.
+//! Compares the program's captures, made through the kernel's HID driver, with the readings that the HID gyroscope
+//! sent.
 
 use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};
@@ -6,7 +7,8 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// The captures through the kernel's buffer: one of the requested length, one until silence, one until unplugged.
+/// The captures through the kernel's buffer. They end after the requested length, when readings stop, and when the
+/// gyroscope is unplugged.
 const BUFFERED: [&str; 3] = ["hid", "hidsilent", "hidcut"];
 /// All captures of the HID gyroscope.
 pub const CAPTURES: [&str; 4] = ["hid", "hidsilent", "hidcut", "hidpolled"];
@@ -24,10 +26,10 @@ const RATE_HZ: f64 = 100.0;
 /// The kernel's scale in codes per °/s.
 const LSB_PER_DPS: f64 = 0.017_453_292_519_943_295 / 0.000_174_532;
 
-/// Share of the readings whose losses may be miscounted, because a host that pauses the machine delays their times.
+/// Share of the readings whose losses may be miscounted, because a host that pauses the machine delays the readings.
 const TOLERANCE: f64 = 0.02;
 const TOLERANCE_READINGS: f64 = 3.0;
-/// Smallest number of losses in a capture that shows that losses are counted: 4 of 50 readings are withheld.
+/// Smallest number of losses that shows that a capture counts losses: 4 of 50 readings are withheld.
 const ENOUGH_LOST: u64 = 4;
 
 /// The results, printed as JSON.
@@ -55,18 +57,18 @@ struct Stream {
     samples: usize,
     /// True if the samples are the readings that were sent, in order.
     are_those_sent: bool,
-    /// The smallest and the largest offset between both clocks that fits all times, ns.
+    /// The smallest and the largest offset between the clocks of kernel and gyroscope that fits all times, ns.
     offset_ns: (i64, i64),
     lost_counted: u64,
     lost_in_truth: u64,
-    /// Number of readings whose own count of losses is wrong.
+    /// Number of readings whose `lost` is wrong.
     miscounted: usize,
 }
 
 #[derive(Serialize)]
 struct HidSummary {
     samples: usize,
-    /// Number of axes on which every code was sent, and the codes are in the order of sending.
+    /// Number of axes on which every captured code was sent, and the codes are in the order of sending.
     axes_in_order: usize,
 }
 

@@ -1,5 +1,5 @@
-//! Builds the guest's file system: busybox, kernel modules, the program and its libraries, the HID gyroscope, the
-//! script.
+//! Builds the guest's file system, which contains busybox, kernel modules, the program and its libraries, the HID
+//! gyroscope, and the script.
 
 use super::kernel::Kernel;
 use crate::venv::{done, printed};

@@ -1,4 +1,4 @@
-//! Debian's stock kernel. Its package is only unpacked, not installed.
+//! Debian's stock kernel. The kernel package is only unpacked, not installed.
 
 use crate::tools::is_root;
 use crate::venv::{done, printed};
@@ -11,14 +11,13 @@ use std::process::{Command, Stdio};
 /// provides it.
 const META: &str = "linux-image-6.12-amd64";
 
-/// An unpacked kernel package.
 pub struct Kernel {
     tree: PathBuf,
     pub release: String,
 }
 
 impl Kernel {
-    /// Fetches and unpacks the kernel below `folder`, unless that version is there already.
+    /// Fetches and unpacks the kernel below `folder`, unless its current version is there already.
     pub fn fetch(folder: &Path) -> Result<Self> {
         let package = package()?;
         let tree = folder.join(&package);
@@ -34,7 +33,6 @@ impl Kernel {
         Ok(Self { tree, release })
     }
 
-    /// The path of the kernel image.
     pub fn image(&self) -> PathBuf {
         self.tree.join("boot").join(format!("vmlinuz-{}", self.release))
     }

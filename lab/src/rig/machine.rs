@@ -26,7 +26,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Boots `kernel` with this file system. Parts are plugged in through `socket`.
+    /// Boots `kernel` with the file system `initramfs`. Parts are plugged in through `socket`.
     pub fn boot(folder: &Path, kernel: &Kernel, initramfs: &Path, socket: &Path) -> Result<Self> {
         let archive = folder.join("out.tar");
         let ssdt = folder.join("part");
@@ -108,7 +108,7 @@ impl Machine {
 
 impl Drop for Machine {
     fn drop(&mut self) {
-        // it has already ended, unless something failed
+        // QEMU has already ended, unless something failed
         let _ = self.qemu.kill();
         let _ = self.qemu.wait();
     }

@@ -1,9 +1,9 @@
 //! `cargo xtask rig`: tests the program on a stock Linux kernel in QEMU, with the twin as hardware on its USB port.
 //!
 //! The guest contains three files of ours: the program under test, a shell script, and a simulated HID gyroscope
-//! (`gyro.rs`). The kernel is not patched. Its own ADIS16130 driver reads the part, and its driver for HID
-//! gyroscopes reads the other one. Then the program reads the part over spidev and the GPIO chip. All readings must
-//! equal those that part and gyroscope sent.
+//! (`gyro.rs`). The kernel is not patched. Its own ADIS16130 driver reads the part, and its driver for HID gyroscopes
+//! reads the HID gyroscope. Then the program reads the part over spidev and the GPIO chip. All readings must equal the
+//! readings that part and gyroscope sent.
 
 mod checks;
 mod files;
@@ -38,15 +38,15 @@ const TOOLS: [Tool; 8] = [
     Tool { program: "strip", package: "binutils" },
 ];
 
-/// MCLK at which every edge reaches the guest: a pair takes 1054 cycles (F-31), so there are 99.6 pairs a second. It
-/// is not 100, because the resonance (F-07) is a multiple of 100 Hz and would be aliased to a bias.
+/// MCLK, Hz, at which every edge reaches the guest. A pair takes 1054 cycles (F-31), so there are 99.6 pairs a second.
+/// The rate is not 100 Hz, because the resonance (F-07) is a multiple of 100 Hz and would be aliased to a bias.
 const SLOW_HZ: &str = "105000";
-/// MCLK at which the guest cannot keep up: 996 pairs a second.
+/// MCLK, Hz, at which the guest cannot keep up: 996 pairs a second.
 const FAST_HZ: &str = "1050000";
 /// A short calibration that a busy host cannot disturb, because its means do not need all samples.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05 --max-lost 0.95";
-/// Time constant of the self-heating for that calibration, s (M-03 is 600 s). The capacitor of F-04 prevents the
-/// aliasing of noise at 100 Hz.
+/// Time constant of the self-heating for that calibration, s, in place of the 600 s of M-03. The capacitor of F-04
+/// prevents the aliasing of noise at 100 Hz.
 const WARMUP_S: &str = "20";
 /// The captures at the slow rate. There are several, because a host may pause the machine for longer than a period.
 const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];
@@ -76,7 +76,8 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     findings.verdict()
 }
 
-/// Boots the guest, plugs in one part after the other at its script's request, and collects the data of both sides.
+/// Boots the guest, plugs in one part after the other at the request of the guest's script, and collects the data of
+/// both sides.
 fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<RigData> {
     let run = folder.join("run");
     if run.exists() {
@@ -134,7 +135,7 @@ fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value>
     serde_json::from_slice(&output.stdout).context("the in-process calibration")
 }
 
-/// A command with higher priority, if allowed. A process with real-time behaviour must not wait for a compiler.
+/// A command with higher priority, if this process may raise it. A process in real time must not wait for a compiler.
 fn preferred(program: &Path) -> Command {
     if !is_root() {
         return Command::new(program);

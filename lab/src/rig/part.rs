@@ -32,7 +32,7 @@ pub struct Record {
 }
 
 impl UsbTwin {
-    /// Switches a part on and plugs it in. `name` is the name of its files in `folder`.
+    /// Switches a part on and plugs it in. The names of its files in `folder` begin with `name`.
     pub fn plug(folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
         let summary = folder.join(format!("{name}.part.json"));
         let wire = folder.join(format!("{name}.wire.csv"));
@@ -56,7 +56,7 @@ impl UsbTwin {
 
 impl Drop for UsbTwin {
     fn drop(&mut self) {
-        // it has already ended, unless something failed
+        // the part has already ended, unless something failed
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

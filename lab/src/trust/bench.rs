@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// A calibration of 205 s of the part's time, whose poor BTC is accepted.
+/// Options of a calibration that takes 205 s of the part's time and accepts the resulting poor BTC.
 pub const SHORT: [&str; 10] =
     ["--average", "2s", "--warmup", "60s", "--settle", "120s", "--offset", "20s", "--max-u-btc", "0.2"];
 /// Duration of that calibration in the part's time, s.
@@ -17,7 +17,7 @@ pub const SHORT_S: f64 = 205.0;
 pub struct Bench {
     pub program: PathBuf,
     folder: Folder,
-    /// The output of `correct` for the undamaged recording `rest`, the same for every format.
+    /// The output of `correct` for the undamaged recording `rest`. It is the same for every file format.
     pub rest: CorrectedOutput,
 }
 
@@ -58,7 +58,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // a folder that remains does no harm
+        // a failure does not matter, since a folder that remains does no harm
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
@@ -118,7 +118,7 @@ impl Bench {
         Ok(bench)
     }
 
-    /// Runs `correct`. Also returns its rows, without metadata.
+    /// Runs `correct`. Also returns the corrected rows, without metadata.
     pub fn corrected(&self, capture: &str, output: &str) -> Result<(Run, String)> {
         let run = self.run(&["correct", capture, "--cal", &self.file("unit.toml"), "-o", output])?;
         let text = std::fs::read_to_string(output).unwrap_or_default();

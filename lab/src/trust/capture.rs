@@ -1,4 +1,5 @@
-//! The part fails at a random moment of a recording, which is compared with one of the same unit without the fault.
+//! The part fails at a random moment of a recording, which is compared with a recording of the same unit without the
+//! fault.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::faults::{Fault, fault_of};
@@ -25,10 +26,10 @@ pub const CLASSES: &[Class] = &[
 
 /// Duration of the recording in the part's time, s.
 const LENGTH_S: f64 = 6.0;
-/// A rate with a larger error than this, 5 °/s (F-40), must be flagged.
+/// Largest error of a rate that need not be flagged, codes: 5 °/s (F-40).
 const WRONG_CODES: i64 = 5 * 23_488;
 
-/// A row of a capture, or of a corrected one.
+/// A row of a capture, before or after correction.
 struct CheckedRow {
     rate_code: i64,
     lost: u64,
@@ -59,7 +60,7 @@ fn capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// True if there were warnings about the recording.
+/// True if the summary of the capture contains warnings.
 fn telling(run: &Run) -> bool {
     run.json().is_ok_and(|summary| summary["warnings"].as_array().is_some_and(|warnings| !warnings.is_empty()))
 }

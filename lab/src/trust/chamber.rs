@@ -33,7 +33,8 @@ pub const CLASSES: &[Class] = &[
     },
 ];
 
-/// A unit with a self-heating time constant of 10 s, and a plan with two soak points: four minutes of the part's time.
+/// A unit with a self-heating time constant of 10 s, and a plan with two soak points. A measurement takes four minutes
+/// of the part's time.
 const UNIT: &str = "warmup_s=10";
 const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
@@ -44,7 +45,7 @@ const MOST: Duration = Duration::from_secs(120);
 /// The signals that are sent to end the program.
 const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
 
-/// Makes the chamber fail. Checks that the run ends, that its result is right, and that its last line says truly
+/// Makes the chamber fail. Checks that the run ends, that its result is right, and that its last line is right about
 /// whether the chamber is at its safe temperature.
 fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let mut random = random(class, seed);
@@ -141,7 +142,7 @@ fn interrupted(bench: &Bench) -> Result<&'static InterruptedRun> {
     Ok(INTERRUPTED.get_or_init(|| InterruptedRun { state, result }))
 }
 
-/// Replaces one random digit by another.
+/// Replaces one random digit by another digit.
 pub fn with_another_digit(text: &str, random: &mut StdRng) -> String {
     let digits: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| b.is_ascii_digit()).map(|(at, _)| at).collect();
     let at = digits[random.random_range(0..digits.len())];

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use rand::RngExt;
 use serde_json::Value;
 
-/// A fault of the twin, with the texts by which a user can recognise it.
+/// A fault of the twin, and the texts by which a user can recognise it.
 pub struct Fault {
     pub name: &'static str,
     /// Additional keys of the twin.
@@ -49,7 +49,8 @@ pub const CLASSES: &[Class] = &[
     class("calibrate unplug", "the cable is pulled"),
 ];
 
-/// A result is wrong if its error exceeds this many standard uncertainties: 1 of 16 000 results without a fault.
+/// A result is wrong if its error exceeds this many standard uncertainties. Without a fault, that happens to 1 of 16
+/// 000 results.
 pub const WRONG_U: f64 = 4.0;
 
 fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -70,7 +71,7 @@ fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Warnings that do not count, because every result here has them.
+/// Codes of warnings that do not count, because every result here has them.
 const ALWAYS: [&str; 2] = ["short-average", "lost-samples"];
 
 /// Compares a calibration with the twin's truth.

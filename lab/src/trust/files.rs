@@ -70,7 +70,8 @@ fn stretch(whole: &[u8], form: &str, random: &mut StdRng) -> Range<usize> {
     a.min(b)..a.max(b)
 }
 
-/// The verdict on a damaged capture. It may be read unchanged, be refused, or be read partially with a warning.
+/// The verdict on a damaged capture. The program may read it unchanged, refuse it, or read a part of it with a
+/// warning.
 fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     let verify = bench.run(&["verify", file])?;
     if let Some(wrong) = believed(bench, file)? {
@@ -83,14 +84,15 @@ fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// An error text if `correct` accepts the file without a warning, but with another output than the undamaged file's.
+/// Returns an error text if `correct` accepts the file without a warning, but with another output than for the
+/// undamaged file.
 fn believed(bench: &Bench, file: &str) -> Result<Option<String>> {
     let (run, rows) = bench.corrected(file, &format!("{file}.corrected.csv"))?;
     let silent = run.code == Some(0) && rows != bench.rest.rows && run.stderr.lines().count() <= bench.rest.words;
     Ok(silent.then(|| format!("correct believes it: {}", run.stderr)))
 }
 
-/// The verdict on a damaged calibration. It must have the same meaning as before, or be refused.
+/// The verdict on a damaged calibration. The file must have the same meaning as before, or be refused.
 fn calibration(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     let [damaged, whole] = [file, source].map(|file| bench.run(&["export", file, "--format", "csv"]));
     let (damaged, whole) = (damaged?, whole?);
@@ -102,7 +104,7 @@ fn calibration(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// Edits the saved state of a tracker. It must be used unchanged, or be refused.
+/// Edits the saved state of a tracker. The program must use the state as if it were not edited, or refuse it.
 fn edited_state(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("state-{seed}"))?;
     let state = folder.file("state.toml");

@@ -1,4 +1,4 @@
-//! Damaged logs of other software with checksums of their own: a bit is flipped, or a bag states a wrong number of
+//! Damaged logs of other software, in formats with checksums: a bit is flipped, or a bag states a wrong number of
 //! messages. `crates/zerorate-logs/fixtures/make_checked.py` made the files, with independent writers.
 
 use super::bench::{Bench, Folder, Run, random};
@@ -38,7 +38,6 @@ pub const CLASSES: &[Class] = &[
     class("log folder", "a bag of ROS 2 in a folder states more messages than it holds, or fewer", miscounted),
 ];
 
-/// The folder of the files.
 const FILES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/zerorate-logs/fixtures/checked");
 
 /// Number of messages in each bag.
@@ -59,7 +58,8 @@ fn flipped(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     Ok(judged(&analysed(bench, &file)?, &right))
 }
 
-/// Number of bytes from the start that are covered by a checksum. The index at the end of a Parquet file has none.
+/// Number of bytes, from the start of the file, that a checksum covers. The index at the end of a Parquet file has no
+/// checksum.
 fn checked(name: &str, whole: &[u8]) -> usize {
     let index = |at: usize| whole[at..].first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
     match name.ends_with(".parquet") {
@@ -107,7 +107,7 @@ fn analysed(bench: &Bench, log: &str) -> Result<Run> {
     bench.run(&[&["allan", log, "--column", "all", "--fit", "--json"], time].concat())
 }
 
-/// The verdict on a damaged log. It may be read unchanged, be refused, or be read with a warning.
+/// The verdict on a damaged log. The program may read it unchanged, refuse it, or read it with a warning.
 fn judged(run: &Run, right: &Run) -> Verdict {
     match run.code {
         Some(1..=3) => Verdict::Refused,

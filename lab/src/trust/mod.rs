@@ -68,7 +68,7 @@ struct Class {
     what: &'static str,
     /// Number of runs with `--quick`.
     quick: u64,
-    /// Does one run of the class. The arguments are the name of the class and the seed.
+    /// Executes one run. The arguments are the bench, the name of the class and the seed.
     run: ClassRun,
 }
 
@@ -142,7 +142,7 @@ impl FinishedClasses {
     }
 }
 
-/// Runs a class on several threads. The counts do not depend on the number of threads.
+/// Runs a class on several threads. The number of threads has no influence on the counts.
 fn try_class(args: &TrustArgs, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
     let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));

@@ -9,7 +9,6 @@ use std::fs;
 const PAGE: &str = "docs/reference/reliability.md";
 const HEAD: &str = include_str!("reliability.md.in");
 
-/// Writes the page: the classes and their outcomes.
 pub fn write(counts: &[(Class, Count)]) -> Result<()> {
     let mut table = String::from(
         "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | \

@@ -1,5 +1,5 @@
-//! Power failures. After one, the disk contains what was synced before. A file system in an image file simulates
-//! this, because the image lacks everything that the kernel has not written yet.
+//! Power failures. After a power failure, the disk contains what was synced before. A file system in an image file
+//! simulates this, because the image lacks everything that the kernel has not written yet.
 
 use super::bench::{Bench, Folder, SHORT, random};
 use super::process::{hash, samples};
@@ -34,7 +34,7 @@ struct Disk {
 }
 
 impl Disk {
-    /// Makes and mounts a new one; `None` if this machine cannot mount images.
+    /// Makes and mounts a new disk; `None` if this machine cannot mount images.
     fn new(name: &str) -> Result<Option<Self>> {
         if !is_root() {
             return Ok(None);
@@ -57,7 +57,7 @@ impl Disk {
         self.mounted.join(name).display().to_string()
     }
 
-    /// The content of the disk if the power failed now.
+    /// A copy of the disk with the content that a power failure would leave now.
     fn after_a_power_cut(&self, name: &str) -> Result<Option<Self>> {
         let folder = Folder::new(&format!("{name}-cut"))?;
         let image = folder.path().join("disk.img");
@@ -68,12 +68,12 @@ impl Disk {
 
 impl Drop for Disk {
     fn drop(&mut self) {
-        // unmounted lazily, since a killed process may not have ended yet
+        // unmount lazily, since a killed process may not have ended yet
         let _ = Command::new("umount").arg("-l").arg(&self.mounted).status();
     }
 }
 
-/// True if images can be mounted here. It is tried once.
+/// True if images can be mounted here. Only the first call tries it.
 fn possible() -> bool {
     static POSSIBLE: OnceLock<bool> = OnceLock::new();
     *POSSIBLE.get_or_init(|| Disk::new("try").is_ok_and(|disk| disk.is_some()))

@@ -16,7 +16,7 @@ pub const CLASSES: &[Class] = &[
     Class::new("full disk", "`-o` and `--log` cannot be written: the result goes elsewhere, exit 1", 2, full_disk),
 ];
 
-/// Sends `signal` after a random time. Returns the result of the run.
+/// Runs the program and sends `signal` after a random time. Returns the result of the run.
 fn interrupted(bench: &Bench, class: &str, seed: u64, args: &[&str], signal: &str) -> Result<Run> {
     let child = bench.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     sleep(Duration::from_micros(random(class, seed).random_range(0..400_000)));
@@ -107,7 +107,7 @@ fn full_disk(bench: &Bench, _: &'static str, seed: u64) -> Result<Verdict> {
     let kept = run.stdout.contains("pbc_dps") || fs::exists(&good)?;
     Ok(match run.code {
         Some(1) if kept => Verdict::Refused,
-        // every result has the warning about the Earth, so without it the run ended before its result
+        // every result has the warning about the Earth, so without this warning the run ended before its result
         Some(1) if run.says(&["cannot write"]) && !run.says(&["earth-"]) => Verdict::Refused,
         code => Verdict::Silent(format!("{args:?} ended with {code:?}: {}", run.stderr)),
     })

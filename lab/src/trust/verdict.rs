@@ -1,4 +1,4 @@
-//! What a run showed, and how often each verdict occurred in a class.
+//! The verdict on a run, and the number of runs in a class with each verdict.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -10,19 +10,19 @@ pub enum Verdict {
     Right,
     /// There is no result, and the stated reason is the true one.
     Refused,
-    /// There is no result, and the stated reason, given here, is not the true one.
+    /// There is no result, and the stated reason is not the true one. The text is the stated reason.
     Misjudged(String),
     /// The result is wrong, and there is a warning.
     Warned,
-    /// The result is wrong in a way that cannot be detected. Every result of this kind has a warning about that.
+    /// The result is wrong in a way that cannot be detected. Every result has a warning about this possibility.
     Unknowable,
-    /// The result is wrong without a warning; the text says how. This is what must not happen.
+    /// The result is wrong without a warning; the text says how. This must not happen.
     Silent(String),
     /// The run is not possible on this machine, for the given reason.
     Skipped(&'static str),
 }
 
-/// How many runs of a class had each verdict.
+/// The number of runs of a class with each verdict.
 #[derive(Default, Deserialize, Serialize)]
 pub struct Count {
     pub runs: u64,
@@ -33,7 +33,7 @@ pub struct Count {
     pub unknowable: u64,
     pub silent: u64,
     pub skipped: Option<String>,
-    /// The untrue reasons that were stated, and how often each was.
+    /// The untrue reasons that were stated, and how often each was stated.
     pub other_causes: BTreeMap<String, u64>,
 }
 

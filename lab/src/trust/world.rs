@@ -1,5 +1,5 @@
-//! The part works, but the conditions are not as the procedure requires. The procedures of 53 minutes run here,
-//! without the program.
+//! The part works, but the conditions are not as the procedure requires. These runs call the procedure of 53 minutes
+//! directly, without the program.
 
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};
@@ -24,7 +24,7 @@ const NAMES: [&str; FAULTS.len()] = [
     "world hysteresis",
 ];
 
-/// Slow base motion under the methods that use the whole recording.
+/// Slow base motion during the methods that use the whole recording.
 const SWAYS: [Class; 2] = [
     Class { name: "world warmup slow sway", what: SWAY, quick: 1, run: |_, _, seed| record(Method::Warmup, seed) },
     Class { name: "world cycle slow sway", what: SWAY, quick: 1, run: |_, _, seed| record(Method::Cycle, seed) },
@@ -44,24 +44,25 @@ const fn classes() -> [Class; FAULTS.len() + SWAYS.len()] {
     classes
 }
 
-/// Noise of a mean over n seconds, expressed as a step of the supply (0.0002 °/s/mV, F-01): white noise of 0.0088/√n
-/// °/s (F-02), and flicker of about 0.002 °/s, whatever the duration (M-04).
+/// Noise of a mean over n seconds, expressed as a step of the supply, mV (0.0002 °/s/mV, F-01): white noise of
+/// 0.0088/√n °/s (F-02), and flicker of about 0.002 °/s, whatever the duration (M-04).
 const WHITE_MV: f64 = 44.0;
 const FLICKER_MV: f64 = 10.0;
-/// Size of a step that is always detected, in standard deviations. The threshold is 4.7 (`drift_checks.rs`), and
-/// noise may hide three more.
+/// Size of a step that is always detected, in standard deviations. The threshold is 4.7 (`drift_checks.rs`), and noise
+/// may hide three more standard deviations.
 const SEEN_SIGMA: f64 = 8.0;
 /// Duration from the start of step 8 to the end, s. If the supply steps earlier, both levels are visible for long
 /// enough.
 const STEP_8_S: f64 = 160.0;
-/// Frequency below which an oscillation has less than a full period in the hour, Hz.
+/// Frequency, Hz, below which an oscillation of the base has less than a full period in the hour.
 const SEEN_HZ: f64 = 3e-4;
 /// Number of periods in the recording, and amplitude, below which a slow base motion cannot be distinguished from
 /// random walk or curvature of the bias. The limits come from trials and are not derived.
 const WALK_TURNS: f64 = 0.5;
 const WALK_DPS: f64 = 0.04;
-/// One run in this many has the part's own clock and bandwidth. The others have a fiftieth of the clock and 50 Hz
-/// bandwidth (F-04): the events of the hour stay the same, and the run takes a thirtieth of the time.
+/// One run in this many has the part's own clock and bandwidth. The other runs have a fiftieth of the clock and a
+/// bandwidth of 50 Hz (F-04). Everything that happens in the hour stays the same, and such a run takes a thirtieth of
+/// the time.
 const FULL_RATE: u64 = 25;
 
 fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -84,8 +85,8 @@ fn at_its_rate(spec: Spec, seed: u64) -> Spec {
     Spec { mclk_hz: spec.mclk_hz / 50.0, roa: Roa::TenNanofarad, ..spec }
 }
 
-/// Runs a method that uses the whole recording with slow base motion. A wrong result is counted as silent even with
-/// a warning, because the uncertainty must include such motion.
+/// Runs a method that uses the whole recording, with slow base motion. A wrong result counts as silent even with a
+/// warning, because the uncertainty must include such motion.
 fn record(method: Method, seed: u64) -> Result<Verdict> {
     let (spec, plan) = (at_its_rate(trial::slow_sway(seed), seed), trial::plan(method));
     let is_walk = spec.sway_hz * plan.total_s() < WALK_TURNS && spec.sway_dps < WALK_DPS;

@@ -14,7 +14,7 @@ fn packet(kind: u32, body: &[u8]) -> Vec<u8> {
     [&kind.to_le_bytes()[..], &(body.len() as u32).to_le_bytes(), &[0; 8], body].concat()
 }
 
-/// The packets of a session. The header of a hello has 12 bytes, that of any other packet 16.
+/// The packets of a session. The header of a hello packet has 12 bytes, and that of any other packet has 16.
 fn session() -> Vec<u8> {
     let hello = Connection::hello_packet("guest");
     let control = packet(100, &[0x80, 6, 0x80, 0, 0, 1, 0, 0, 18, 0]);
@@ -27,7 +27,7 @@ fn usb_redirection() {
     edited(2000, &[session()], |bytes| {
         let mut connection = Connection::default();
         connection.push(bytes);
-        // every request consumes bytes, so this ends
+        // every request consumes bytes, so this loop ends
         while let Ok(Some((id, request))) = connection.next() {
             if let Request::Control(control) = &request {
                 let answer = Ljca::default().control(control);

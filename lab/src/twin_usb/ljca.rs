@@ -49,13 +49,13 @@ const MODE_3: u8 = 0b11;
 
 /// The hardware behind the adapter.
 pub trait Board {
-    /// Transfers one frame of CS with the clock in mode 3. Returns the bytes that were received while `mosi` was sent.
+    /// Transfers one frame of CS with the clock in mode 3. Returns the bytes that were received while the bytes of
+    /// `mosi` were sent.
     fn frame(&mut self, mosi: &[u8]) -> Vec<u8>;
     /// True if RDY is high.
     fn rdy_high(&mut self) -> bool;
 }
 
-/// The state of the adapter.
 #[derive(Debug, Default)]
 pub struct Ljca {
     /// The interrupt state of each line: requested, unmasked, and pending until it is unmasked.
@@ -125,7 +125,7 @@ impl Ljca {
         Some(message(GPIO, GPIO_EVENT, 0, &[1, RDY_PIN, 0]))
     }
 
-    /// Number of events sent to the host since its last reset of the adapter.
+    /// Number of events for the host so far.
     pub fn events(&self) -> u32 {
         self.events
     }
@@ -136,7 +136,8 @@ impl Ljca {
         line.interrupt && line.unmasked
     }
 
-    /// The event of an edge that came while the line was masked, with the current level; `None` if none is pending.
+    /// The event for an edge that came while the line was masked, with the current level; `None` if no event is
+    /// pending.
     fn held_back(&mut self, board: &mut impl Board) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !(line.pending && line.unmasked) {
@@ -189,7 +190,8 @@ impl Ljca {
         }
     }
 
-    /// Transfers bytes over SPI. In any other mode than 3, the part samples the wrong edges and decodes nothing.
+    /// Transfers bytes over SPI. In any mode other than 3, the part samples on the wrong clock edges and decodes
+    /// nothing.
     fn transfer(&self, indicator: u8, mosi: &[u8], board: &mut impl Board) -> Vec<u8> {
         let miso = if self.spi_mode == MODE_3 { board.frame(mosi) } else { vec![0xFF; mosi.len()] };
         let mut packet = vec![indicator, miso.len() as u8];
@@ -286,7 +288,7 @@ mod tests {
         assert_eq!(answers(ljca, &[5, 3, 5, 4, 0x40, 2, 0x38, 0x22]), [[5, 3, 5, 4, 0x40, 2, 0xC7, 0xDD].to_vec()]);
     }
 
-    /// Each event masks its line until the host unmasks it. An edge in between is then reported once.
+    /// Each event masks its line until the host unmasks the line. An edge in between is then reported once.
     #[test]
     fn edges_are_held_back_while_the_line_is_masked() {
         let ljca = &mut Ljca::default();

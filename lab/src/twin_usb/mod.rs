@@ -1,7 +1,7 @@
 //! `cargo xtask twin-usb`: the twin behind an emulated USB adapter. QEMU plugs it into a guest through a socket.
 //!
-//! [`redir`] and [`ljca`] encode and decode bytes, and [`part`] runs the twin in real time. This module has the loop
-//! between them. README.md specifies the exchange.
+//! [`redir`] and [`ljca`] encode and decode bytes, and [`part`] runs the twin in real time. This module contains the
+//! loop that connects them. README.md specifies the exchange.
 
 #[cfg(test)]
 mod fuzz;
@@ -90,8 +90,8 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const RETRY: Duration = Duration::from_millis(50);
 /// Longest delay until Ctrl-C is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
-/// Largest number of messages that the host has not fetched. Each one is an answer to a message of the host, or the
-/// event of the line.
+/// Largest number of messages that wait for the host. Each is an answer to a message of the host, or the event of the
+/// RDY line.
 const MOST_WAITING: usize = 64;
 
 fn connect(socket: &Path, unplugged: impl Fn() -> bool) -> Result<UnixStream> {
@@ -121,7 +121,7 @@ struct Plug {
     ljca: Ljca,
     part: WallPart,
     configuration: u8,
-    /// Requested in-transfers: id and endpoint.
+    /// In-transfers that the host has requested: id and endpoint.
     wanted: VecDeque<(u64, u8)>,
     /// Messages that the host has not fetched yet.
     waiting: VecDeque<Vec<u8>>,
@@ -208,7 +208,7 @@ impl Plug {
         self.connection.bulk_result(id, endpoint, Status::Cancelled, 0, &[])
     }
 
-    /// Sends messages for pending in-transfers.
+    /// Answers the requested in-transfers with the waiting messages.
     fn deliver(&mut self) -> Result<()> {
         if self.waiting.len() > MOST_WAITING {
             bail!("the host sends commands and fetches no answers");

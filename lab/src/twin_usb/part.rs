@@ -18,7 +18,7 @@ const INITIALISATION: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A
 const READ_RATE: u8 = 0x48;
 const READ_TEMP: u8 = 0x4A;
 
-/// A part whose time is the wall-clock time since it was switched on.
+/// A part in real time: its time is the wall-clock time since it was switched on.
 pub struct WallPart {
     twin: Twin,
     spi: TwinSpi,
@@ -30,7 +30,6 @@ pub struct WallPart {
     wire: Option<Wire>,
 }
 
-/// Counts of the bus traffic.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct BusTraffic {
     pub spi_frames: u64,
@@ -54,14 +53,14 @@ pub struct Summary {
     pub truth: Truth,
 }
 
-/// Numbers of readings that were lost before they were read (F-33).
+/// Numbers of readings that were lost before the host read them (F-33).
 #[derive(Deserialize, Serialize)]
 pub struct Losses {
     pub overwritten: u64,
     pub dropped: u64,
 }
 
-/// The true terms of the slow bias at the end. A perfect measurement at `sensor_c` finds PBC = −bias, BTC = −slope
+/// The true bias at the end, by its terms. A perfect measurement at `sensor_c`, °C, finds PBC = −bias and BTC = −slope
 /// (F-50).
 #[derive(Deserialize, Serialize)]
 pub struct Truth {
@@ -99,8 +98,8 @@ impl WallPart {
         Duration::from_nanos(next_ns.saturating_sub(now_ns))
     }
 
-    /// Finishes the log of the wire and returns the summary. `edges_reported` counts the edges that the host was told
-    /// of.
+    /// Finishes the log of the wire and returns the summary. `edges_reported` is the number of edges that the host was
+    /// told of.
     pub fn finish(mut self, edges_reported: u32) -> Result<Summary> {
         self.rdy_fell();
         self.seen.edges_reported = edges_reported;

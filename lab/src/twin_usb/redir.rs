@@ -1,9 +1,9 @@
-//! The usbredir protocol, version 0.7, as far as a device with control and bulk endpoints needs it: encodes and
-//! decodes packets, without a socket. README.md describes the exchange.
+//! The usbredir protocol, version 0.7, for a device with control and bulk endpoints only: encodes and decodes packets,
+//! without a socket. README.md describes the exchange.
 
 use std::fmt;
 
-/// The longest accepted packet, bytes. QEMU sends at most 64 KiB in a transfer to such a device.
+/// The longest accepted packet, bytes. QEMU sends at most 64 KiB in a transfer to a device with bulk endpoints.
 pub const LONGEST_PACKET: usize = 1 << 20;
 
 /// Length of the version text in a hello, bytes.
@@ -27,7 +27,7 @@ const CANCEL: u32 = 21;
 const CONTROL: u32 = 100;
 const BULK: u32 = 101;
 
-/// The capabilities of one end. Those that both ends announce apply.
+/// The capabilities of one end. A capability applies if both ends announce it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Caps(u32);
 
@@ -140,7 +140,7 @@ impl Connection {
         self.received.extend_from_slice(bytes);
     }
 
-    /// Decodes the next complete request and its id; `None` if it is not complete yet.
+    /// Decodes the next request and its id; `None` if it has not arrived completely.
     pub fn next(&mut self) -> Result<Option<(u64, Request)>, RedirError> {
         let head = self.head_len();
         let Some((kind, length)) = le32(&self.received, 0).zip(le32(&self.received, 4)) else {
@@ -284,7 +284,8 @@ impl Connection {
         self.packet(CONTROL, id, &body)
     }
 
-    /// A packet with the result of a bulk transfer of `length` bytes. `data` is from an in endpoint.
+    /// A packet with the result of a bulk transfer of `length` bytes. `data` are the bytes of an in endpoint, and
+    /// empty for an out endpoint.
     pub fn bulk_result(&self, id: u64, endpoint: u8, status: Status, length: u32, data: &[u8]) -> Vec<u8> {
         let mut body = vec![endpoint, status as u8];
         body.extend((length as u16).to_le_bytes());
@@ -326,7 +327,7 @@ mod tests {
         text.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).expect("hex")).collect()
     }
 
-    /// A hello as QEMU 7.2 sends it: 64 bytes of name, capabilities FEh.
+    /// A hello packet as QEMU 7.2 sends it: 64 bytes of name, capabilities FEh.
     fn qemu_hello() -> Vec<u8> {
         let mut hello = bytes("00 00 00 00 44 00 00 00 00 00 00 00");
         hello.extend(b"qemu usb-redir guest 7.2".iter().chain([0; 40].iter()));

@@ -1,6 +1,7 @@
-//! Benchmarks of the twin: a minute of the F-51 procedure, with every pair read byte by byte, one frame per byte.
+//! Benchmarks of the twin. Each simulates a minute of the F-51 procedure, in which every pair of readings is read with
+//! one frame of CS per byte.
 //!
-//! The counter counts conversions: the whole procedure of 53 minutes has 36.2 million of them.
+//! The counter counts conversions. The whole procedure of 53 minutes has 36.2 million of them.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Sampler, SamplerConfig};
@@ -32,7 +33,7 @@ fn read<const N: usize>(spi: &mut TwinSpi, address: u8) -> [u8; N] {
     data
 }
 
-/// Transfers the bytes only: channel status, rate and temperature on each edge.
+/// Transfers only the bytes of channel status, rate and temperature on each edge.
 #[divan::bench(sample_count = 10, sample_size = 1)]
 fn bytes(bencher: divan::Bencher) {
     let twin = Twin::new(Spec::from_seed(1));

@@ -1,1 +1,1 @@
-//! The benches are in `benches/`.
+//! An empty library. The benchmarks are in `benches/`.

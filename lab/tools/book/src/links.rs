@@ -1,4 +1,5 @@
-//! Checks that every link of the book leads to an existing page and anchor, and that nothing foreign is loaded.
+//! Checks that every link of the book leads to an existing page and anchor, and that no page loads anything from
+//! another site.
 
 use crate::stage::below;
 use anyhow::{Result, ensure};
@@ -36,7 +37,7 @@ pub fn check(out: &Path, pages: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
-/// Checks where a link leads. The error states why it leads nowhere.
+/// Checks that a link leads to a place in the book. Returns the reason if it does not.
 fn leads(
     out: &Path,
     page: &Path,

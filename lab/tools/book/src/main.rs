@@ -1,8 +1,8 @@
-//! Makes the book from `docs/`: `book ROOT OUT COMMANDS`. `cargo xtask book` calls it. COMMANDS is a file with the
-//! program's reference of its commands.
+//! Makes the book from `docs/`: `book ROOT OUT COMMANDS`. `cargo xtask book` calls this program. COMMANDS is a file
+//! with the reference of the commands of `zerorate`.
 //!
-//! It stages the chapters and lets mdBook render them. It moves the scripts from the pages to files, so that a
-//! content security policy can forbid inline code, and follows every link.
+//! This program stages the chapters and lets mdBook render them. It moves the scripts from the pages to files, so that
+//! a content security policy can forbid inline code. Then it follows every link.
 
 mod links;
 mod policy;

@@ -1,7 +1,8 @@
 //! Makes pages satisfy a content security policy without inline code, and adds the policy to them.
 //!
-//! mdBook writes a few scripts into its pages. Each is moved to a file, which all pages with the same script share.
-//! It is loaded at the same position, so that it runs at the same time. Alignments of tables become classes.
+//! mdBook writes a few scripts into its pages. Each script is moved to a file, which all pages with the same script
+//! share. A page loads the file at the position of the script, so that it runs at the same time. Alignments of tables
+//! become classes.
 
 use crate::stage::below;
 use anyhow::{Context, Result, ensure};
@@ -11,7 +12,6 @@ use std::fs;
 use std::hash::{Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-/// The content security policy of a page.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; font-src 'self'; \
     connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'";
 /// Inline styles of mdBook, and the classes of `docs/book.css` that replace them.
@@ -42,7 +42,7 @@ pub fn apply(out: &Path) -> Result<Vec<PathBuf>> {
     Ok(pages)
 }
 
-/// The page without inline scripts and styles. Its scripts are added to `scripts`.
+/// Returns the page without inline scripts and styles, and adds its scripts to `scripts`.
 fn without_inline(page: &str, to_root: &str, scripts: &mut BTreeMap<String, String>) -> Result<String> {
     let mut made = String::with_capacity(page.len());
     let mut rest = page;
@@ -65,7 +65,7 @@ fn without_inline(page: &str, to_root: &str, scripts: &mut BTreeMap<String, Stri
     Ok(made.replace("<meta charset=\"UTF-8\">", &meta))
 }
 
-/// A hash of the script, the same in every build by the same compiler.
+/// A hash of the script. It is the same in every build by the same compiler.
 fn hash(script: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     script.hash(&mut hasher);

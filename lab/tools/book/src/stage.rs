@@ -1,7 +1,8 @@
 //! Stages the chapters for mdBook: the files in `docs/`, and other pages of the project.
 //!
 //! In the repository, chapters link to files inside and outside of `docs/`, for readers of the sources. In the book,
-//! such a link leads to the chapter that was made from the file; if there is none, only the link's text stays.
+//! such a link leads to the chapter that was made from the file. Without such a chapter, only the text of the link
+//! remains.
 
 use anyhow::{Context, Result, ensure};
 use pulldown_cmark::{Event, LinkType, Options, Parser, Tag};
@@ -82,7 +83,7 @@ fn relinked(text: &str, page: &Path, root: &Path, chapters: &BTreeSet<PathBuf>) 
 /// A link or a picture in a text.
 struct Link {
     whole: Range<usize>,
-    /// The ranges of the shown text and of the target.
+    /// The range of the shown text; `target` is that of the target.
     text: Range<usize>,
     target: Range<usize>,
 }
@@ -105,7 +106,7 @@ fn links(text: &str) -> Vec<Link> {
     inline.filter_map(link).collect()
 }
 
-/// A path without `.` and `..`. Returns an error if it leads out of the project.
+/// Removes `.` and `..` from a path. Returns an error if the path leads out of the project.
 fn plain(path: &Path) -> Result<PathBuf> {
     let mut plain = PathBuf::new();
     for part in path.components() {

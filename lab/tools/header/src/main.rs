@@ -1,4 +1,5 @@
-//! Prints the header of the C interface, which cbindgen makes from its Rust sources. `cargo xtask codegen` calls it.
+//! Prints the header of the C interface, which cbindgen makes from the Rust sources. `cargo xtask codegen` calls this
+//! program.
 
 use anyhow::{Result, anyhow};
 use std::path::Path;
@@ -10,7 +11,7 @@ fn main() -> Result<()> {
     let config = cbindgen::Config::from_file(project.join("cbindgen.toml")).map_err(|error| anyhow!(error))?;
     let mut text = Vec::new();
     cbindgen::generate_with_config(project, config)?.write(&mut text);
-    // Rust's "Safety" sections have the requirements on callers in C
+    // the "Safety" sections of the Rust sources state what a caller in C must ensure
     print!("{}", String::from_utf8(text)?.replace(" * # Safety\n * ", " * Required: "));
     Ok(())
 }

@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::time::Instant;
 use zerorate_allan::{Input, Stat, deviations};
 
-/// Number of runs of zerorate, of which the fastest counts, because each is short.
+/// Number of runs of zerorate. The fastest run counts, because each is short.
 const REPEATS: usize = 7;
 /// Number of samples of the short record: 150 s at 5.7 kSPS.
 const SHORT: usize = 855_000;
@@ -27,7 +27,7 @@ fn main() {
     }
 }
 
-/// White noise of a gyroscope in °/s. The speed of the analysis does not depend on the values.
+/// Writes white noise of a gyroscope, °/s, to a file. The speed of the analysis does not depend on the values.
 fn generate(path: &str, samples: usize) {
     let normal = Normal::new(0.0, 0.5).expect("a positive deviation");
     let rate = normal.sample_iter(Xoshiro256PlusPlus::seed_from_u64(1)).take(samples);
@@ -69,7 +69,7 @@ fn fine(samples: usize) -> Vec<u64> {
     (1..4).chain(octaves).take_while(|m| 2 * m <= samples as u64).collect()
 }
 
-/// Averaging factors 1, 2, 4, 10, 20, 40 … up to `longest`. The crate `allan` cannot space them more densely.
+/// Averaging factors 1, 2, 4, 10, 20, 40 … up to `longest`. The crate `allan` does not support denser ones.
 fn decades(longest: u64) -> Vec<u64> {
     let decade = std::iter::successors(Some(1), |step| Some(step * 10)).take_while(|step| *step <= longest);
     decade.flat_map(|step| [step, 2 * step, 4 * step]).filter(|m| *m <= longest).collect()

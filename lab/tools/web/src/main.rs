@@ -1,4 +1,4 @@
-//! `web MODULE NAME FOLDER`: writes the JavaScript and TypeScript with which a page calls a WebAssembly module. It
+//! `web MODULE NAME FOLDER`: writes the JavaScript and TypeScript through which a page calls a WebAssembly module. It
 //! also writes the module without the sections that only this step needs.
 
 use anyhow::{Context, Result, bail};
@@ -11,7 +11,7 @@ fn main() -> Result<()> {
     let mut bindgen = Bindgen::new();
     bindgen.input_path(module).out_name(name).web(true)?.typescript(true);
     bindgen.remove_name_section(true).remove_producers_section(true);
-    // without the path of the module, which the bundler determines
+    // leave out the path of the module, which the bundler determines
     bindgen.omit_default_module_path(true);
     bindgen.generate(folder).with_context(|| format!("the bindings of {module}"))
 }
