@@ -75,8 +75,7 @@ pub fn parse(text: &str) -> Result<Vec<Line>> {
     text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
 }
 
-/// Prints the time of each run, and its speed as a multiple of the speed of the fastest other program for the same
-/// work.
+/// Prints the time of each run, and its speed relative to the fastest other program for the same work.
 fn print_times(lines: &[Line]) {
     let copy = lines.iter().find(|line| line.work == "copy").and_then(|line| line.seconds).unwrap_or(f64::NAN);
     println!("{:22} {:22} {:>10} {:>12} {:>16}", "work", "who", "seconds", "numpy copies", "times as fast as");
@@ -107,8 +106,7 @@ fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 
-/// The name and the time, s, of the fastest other program for the same work. Work on codes is compared with work on
-/// rates.
+/// The name and time, s, of the fastest other program for the same work. Codes are compared with rates.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
     let is_ours = |line: &Line| line.who.starts_with("zerorate");
@@ -117,8 +115,7 @@ fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     times.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// Prints the largest relative difference from allantools for each kind of work, because a fast wrong result does not
-/// count.
+/// Prints the largest relative difference from allantools for each kind of work, to detect fast wrong results.
 fn print_agreement(lines: &[Line]) {
     for theirs in lines.iter().filter(|line| line.who == "allantools") {
         for ours in lines.iter().filter(|line| line.who.starts_with("zerorate, 2") && line.work == theirs.work) {

@@ -33,8 +33,7 @@ const TERMS_DPS: [f64; 4] = [1.0, 0.4, 0.08, 0.03];
 const HARD_DPS: f64 = 0.02;
 const N: f64 = 0.003 / std::f64::consts::SQRT_2;
 const K: f64 = 1e-4;
-/// Gauss–Markov processes that together approximate flicker: standard deviation of each, °/s, and correlation times,
-/// s.
+/// Gauss–Markov processes that approximate flicker: standard deviation of each, °/s, and correlation times, s.
 const FLICKER_DPS: f64 = 0.0006;
 const FLICKER_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 const LSB_PER_DPS: f64 = 131.0;
@@ -156,8 +155,7 @@ fn inside<'a>(ratios: impl Iterator<Item = &'a f64> + Clone) -> f64 {
     ratios.clone().filter(|ratio| ratio.abs() < 1.96).count() as f64 / ratios.count() as f64
 }
 
-/// A log: measured temperatures, rates of each axis, and the coefficients of the true bias, °/s, in powers of (T − 25
-/// °C)/20 °C.
+/// A log: measured temperatures, rates of each axis, °/s, and coefficients of the true bias ([`TERMS_DPS`]).
 struct Log {
     temps_c: Vec<f64>,
     rates_dps: [Vec<f64>; AXES],

@@ -54,8 +54,7 @@ pub trait Connection {
     }
 }
 
-/// A part and, once sampling, the thread that reads the part. Dropping this value ends the thread before the
-/// connection.
+/// A part and, once sampling, the thread that reads it. Dropping this value ends the thread before the connection.
 pub struct ConnectedPart<C: Connection> {
     state: State<C>,
     connection: C,

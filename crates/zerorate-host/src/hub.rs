@@ -22,8 +22,7 @@ use zerorate_record::{CaptureWarning, Row};
 
 /// Largest number of samples in a batch: 0.7 s at the full rate.
 const BATCH: usize = 4096;
-/// Longest wall-clock time that a batch covers, unless the speed is unlimited. It limits the delay of a watcher's
-/// samples.
+/// Longest wall-clock time of a batch, unless the speed is unlimited. It limits the delay of a watcher's samples.
 const LIVE_BATCH: Duration = Duration::from_millis(20);
 /// Number of batches that can wait for a lossless reader.
 const QUEUE: usize = 16;
@@ -206,8 +205,7 @@ impl Hub {
         LosslessReader(batches)
     }
 
-    /// Subscribes to samples from now on. The watcher misses samples that do not fit into its queue of `queue`
-    /// batches.
+    /// Subscribes to samples from now on. Samples that do not fit into the queue of `queue` batches are missed.
     #[must_use]
     pub fn watch(&self, queue: usize) -> Watcher {
         let (queue, batches) = sync_channel(queue.max(1));

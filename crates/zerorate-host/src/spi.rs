@@ -355,8 +355,7 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
 mod tests {
     use super::*;
 
-    /// A pulled cable fails either a transfer or the wait for an edge, depending on what the program does at that
-    /// moment.
+    /// A pulled cable fails a transfer or the wait for an edge, depending on what the program does at that time.
     #[test]
     fn a_pulled_cable_is_recognised_on_the_bus_and_on_rdy() {
         let address = SpiAddress::read("/dev/spidev0.0?rdy=gpiochip0:3").unwrap();

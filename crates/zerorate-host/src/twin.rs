@@ -124,8 +124,7 @@ fn several(axes: usize, width: Width) -> Part {
     Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
 }
 
-/// Several twins on one clock, as the axes of one part. Temperature and other common values are those of the first
-/// twin.
+/// Several twins on one clock, as the axes of one part. The first twin gives the temperature and other common values.
 struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
@@ -244,8 +243,7 @@ fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     is_beyond.then_some(SourceWarning::BeyondLimits { ambient_c: unit.ambient_c, part, low_c, high_c })
 }
 
-/// The master clock that the driver assumes, Hz: the nominal clock (F-31), or the unit's own clock if it differs by 5
-/// % or more.
+/// The master clock that the driver assumes, Hz: nominal (F-31), or the unit's own if that differs by 5 % or more.
 fn told_mclk_hz(mclk_hz: f64) -> u32 {
     let nominal_hz = f64::from(MCLK_HZ);
     if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }

@@ -9,8 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const REQUIREMENTS: &str = "lab/attacks-requirements.txt";
-/// Limits of reading one file: time in s, and memory in bytes. Even on a slow machine, a file of some megabytes needs
-/// far less.
+/// Limits of reading one file: time in s, and memory in bytes. Files of some megabytes need far less.
 const SECONDS: &str = "60";
 const MEMORY: &str = "--as=4294967296";
 /// The exit code of `timeout` when the time limit is over.

@@ -16,8 +16,7 @@ const PYENV: (&str, &str) = ("PYENV_VERSION", "2.7");
 const SUITE: &str = "autobahntestsuite==25.10.1";
 /// The groups of cases that run in parallel, each of about the same duration.
 const PARTS: [&str; 4] = ["1.*,2.*,3.*,4.*", "5.*,7.*,10.*", "6.*", "9.*"];
-/// Groups of cases that are left out: they need thousands of round trips, which the server slows down on purpose
-/// (docs/serve.md).
+/// Groups that are left out: thousands of round trips, which the server slows down on purpose (docs/serve.md).
 const LEFT_OUT: &str = "9.7.*,9.8.*";
 /// The least number of cases that must run. The tests of compression, which the server does not offer, do not count.
 const LEAST: usize = 280;
@@ -91,8 +90,7 @@ fn judge(found: &CaseResult) -> Outcome {
     }
 }
 
-/// The close code with which the server refuses a valid message of this case; `None` if the server accepts the
-/// message.
+/// The close code with which the server refuses a valid message of this case; `None` if it accepts the message.
 fn refusal(case: &str) -> Option<u16> {
     let is_binary = ["1.2.", "9.2.", "9.4.", "9.6."].iter().any(|group| case.starts_with(group));
     let is_large = matches!(case, "9.1.4" | "9.1.5" | "9.1.6") || case.starts_with("9.3.");

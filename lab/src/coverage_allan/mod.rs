@@ -48,8 +48,7 @@ struct Run {
     fit_s: f64,
 }
 
-/// Codes of the warnings that a coefficient may be wrong. Warnings about something that was found and removed are not
-/// among them.
+/// Warnings that a coefficient may be wrong. Warnings about something that was found and removed are not included.
 const TELLING: [&str; 9] = [
     "many-glitches",
     "many-steps",

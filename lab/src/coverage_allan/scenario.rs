@@ -73,8 +73,7 @@ pub struct Bounds {
     pub steps: (f64, f64),
 }
 
-/// Bounds of scenarios without their own bounds. The checks add the deviation that chance allows for the number of
-/// records.
+/// Bounds of scenarios without their own bounds. The checks widen them by what chance allows for the records.
 const OTHER: Bounds = Bounds {
     coverage: (93.0, 97.0),
     rms: [f64::INFINITY; 3],

@@ -1,8 +1,7 @@
 //! The Debian package: the program with its manual page, completions, udev rules and a systemd unit.
 //!
-//! dpkg-deb, which is part of every Debian, makes the package from the files in `packaging/`. We do not use cargo-deb:
-//! it would have to be compiled first, and its advantage is to find the shared libraries of a program, while this
-//! program needs none.
+//! dpkg-deb, which is part of every Debian, makes the package from the files in `packaging/`. cargo-deb would have to
+//! be compiled first. Its advantage is finding the libraries that a program needs, and `zerorate` needs none.
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;

@@ -8,8 +8,7 @@ use std::process::Command;
 
 /// Options of a short calibration, which suffices for a twin with `warmup_s=20`.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
-/// Files of other projects: a bag with chunks that are compressed by zstd. `lay_out` adds an SQLite file that is not a
-/// bag.
+/// Files of other projects: a bag with zstd-compressed chunks. `lay_out` adds an SQLite file that is not a bag.
 const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-logs/fixtures/imu_zstd.mcap")];
 
 /// The command lines, the exit code that each must have, and the files that it writes.

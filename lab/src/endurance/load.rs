@@ -13,8 +13,7 @@ use std::time::{Duration, Instant};
 
 const PAGES: u32 = 20;
 const CLIENTS: u32 = 4;
-/// Duration of the first visit. Each further visitor stays [`LONGER`], so that they do not all come and go at the same
-/// time.
+/// Duration of the first visit. Each further visitor stays [`LONGER`], so that they do not come and go together.
 const VISIT: Duration = Duration::from_secs(2);
 const LONGER: Duration = Duration::from_millis(500);
 /// Longest wait for data of the sensor, on a busy machine.
@@ -77,8 +76,7 @@ fn visit(at: u32) -> Duration {
     VISIT + LONGER * at
 }
 
-/// Measures memory and descriptors each second, until the pages have shown `enough_ms` of the sensor's time, or a
-/// visitor has failed.
+/// Measures memory and descriptors each second until the pages have shown `enough_ms`, or a visitor has failed.
 fn wait(
     server: &Server,
     enough_ms: u64,

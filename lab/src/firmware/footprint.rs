@@ -1,5 +1,4 @@
-//! The figures of `docs/reference/footprint.md`: compares them with goals and with the committed figures, and writes
-//! the page.
+//! The figures of `docs/reference/footprint.md`: compares them with goals and committed figures, and writes the page.
 
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;

@@ -1,5 +1,4 @@
-//! A short form of AN-1042 that works on means over 0.1 s: steps 4, 6 and 8 of F-51, without the checks of the real
-//! procedure.
+//! A short form of AN-1042 on means over 0.1 s: steps 4, 6 and 8 of F-51, without the real procedure's checks.
 
 use super::unit::{MEAN_S, Recording};
 use crate::trial::Rig;

@@ -67,8 +67,7 @@ fn hour(spec: &Spec) -> Recording {
     Recording::warm_up(spec, HOUR_S)
 }
 
-/// The reference without temperature correction: the bias was measured once, at the middle of the temperature span,
-/// and is known exactly.
+/// The reference without temperature correction: the bias at the middle temperature is known exactly.
 fn raw(recording: &Recording) -> Correction {
     let middle_c = recording.temps_c()[TEMPS / 2];
     Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)

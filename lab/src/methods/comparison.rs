@@ -28,8 +28,7 @@ impl From<BiasCurve> for MethodResult {
     }
 }
 
-/// The errors of a result at the end of the recording, at temperatures that are spread evenly over the measured span,
-/// the lowest first.
+/// The errors of a result at the end of the recording, at temperatures over the measured span, in ascending order.
 pub struct Comparison {
     errors_dps: [f64; TEMPS],
     u_dps: Option<[f64; TEMPS]>,

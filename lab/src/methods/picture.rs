@@ -8,8 +8,7 @@ use zerorate_view::plot::{Lines, Panel, lines};
 
 const SHARE: &str = "place in the temperatures seen, % from the lowest to the highest";
 
-/// Plots the residual bias over temperature, with a panel for each kind of unit, and a line for each method except the
-/// uncorrected one.
+/// Plots the residual bias over temperature: a panel for each kind of unit, a line for each method but `raw`.
 pub fn residuals(methods: &[Vec<Summary>]) -> String {
     let correcting: Vec<usize> = (0..METHODS.len()).filter(|index| METHODS[*index].name != RAW).collect();
     lines(&Lines {

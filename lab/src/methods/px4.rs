@@ -1,7 +1,6 @@
 //! PX4's thermal calibration from a log, as in its `Tools/process_sensor_caldata.py`. The rate is filtered by a median
-//! over 31 samples and averaged over 2000 intervals of temperature. An unweighted cubic polynomial about the middle of
-//! the temperature span is fitted to the means. The log has ten samples per second (PX4's logging profile "thermal
-//! calibration").
+//! over 31 samples and averaged over 2000 intervals of temperature. An unweighted cubic about the middle of the span
+//! is fitted to the means. The log has ten samples per second (PX4's logging profile "thermal calibration").
 
 use super::least_squares::cubic;
 use super::unit::Recording;

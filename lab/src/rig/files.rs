@@ -28,8 +28,7 @@ impl Files<'_> {
         numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
     }
 
-    /// Checks the exit code of a `zerorate` run in the guest. If the code is wrong, the text includes the errors of
-    /// the run.
+    /// Checks the exit code of a `zerorate` run in the guest. If it is wrong, the text includes the run's errors.
     pub fn ending(&self, name: &str, expected: u8) -> Result<(bool, String)> {
         let ended = self.text(&format!("{name}.code"))?;
         let holds = ended == expected.to_string();

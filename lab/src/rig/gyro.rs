@@ -1,8 +1,6 @@
-//! A simulated HID gyroscope for the guest. `gyro RECORD` creates it through `/dev/uhid`, and records the readings
-//! that it sends.
+//! A simulated HID gyroscope for the guest. `gyro RECORD` creates it through `/dev/uhid`, and records its readings.
 //!
-//! This file is compiled separately and statically, with only the standard library, because the guest has no other
-//! libraries.
+//! This file is compiled separately and statically, with only the standard library; the guest has no other libraries.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -138,8 +136,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
         }
     }
 
-    /// Sends a reading, unless it is too late, the kernel has not requested readings, or the reading is one of the
-    /// withheld ones.
+    /// Sends a reading, unless it is too late, is one of the withheld readings, or was not requested by the kernel.
     fn send(&mut self, number: u32) -> io::Result<()> {
         if self.started.elapsed() > PERIOD * number + LATEST {
             return Ok(());
@@ -163,8 +160,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
     }
 }
 
-/// The codes of a reading about x, y and z. For each axis, 65536 successive readings have all different codes of 16
-/// bits.
+/// The codes of a reading about x, y and z. On each axis, 65536 successive readings have different codes of 16 bits.
 fn codes(number: u32) -> [i16; 3] {
     [(25_173, 13_849), (-20_021, 4_711), (9_377, -30_011)]
         .map(|(factor, first): (i32, i32)| factor.wrapping_mul(number as i32).wrapping_add(first) as i16)

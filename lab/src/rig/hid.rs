@@ -1,5 +1,4 @@
-//! Compares the program's captures, made through the kernel's HID driver, with the readings that the HID gyroscope
-//! sent.
+//! Compares the program's captures, made through the kernel's HID driver, with what the HID gyroscope sent.
 
 use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};

@@ -76,8 +76,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     findings.verdict()
 }
 
-/// Boots the guest, plugs in one part after the other at the request of the guest's script, and collects the data of
-/// both sides.
+/// Boots the guest, plugs in one part after the other when the guest's script asks, and collects all data.
 fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<RigData> {
     let run = folder.join("run");
     if run.exists() {

@@ -1,5 +1,4 @@
-//! The part fails at a random moment of a recording, which is compared with a recording of the same unit without the
-//! fault.
+//! The part fails at a random moment of a recording. A recording of the same unit without the fault is the reference.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::faults::{Fault, fault_of};

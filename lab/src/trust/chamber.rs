@@ -33,8 +33,7 @@ pub const CLASSES: &[Class] = &[
     },
 ];
 
-/// A unit with a self-heating time constant of 10 s, and a plan with two soak points. A measurement takes four minutes
-/// of the part's time.
+/// A unit whose self-heating has a time constant of 10 s, and a plan of two soak points: 4 min of the part's time.
 const UNIT: &str = "warmup_s=10";
 const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";

@@ -49,8 +49,7 @@ pub const CLASSES: &[Class] = &[
     class("calibrate unplug", "the cable is pulled"),
 ];
 
-/// A result is wrong if its error exceeds this many standard uncertainties. Without a fault, that happens to 1 of 16
-/// 000 results.
+/// A result is wrong if its error exceeds this many standard uncertainties, as does 1 of 16 000 without a fault.
 pub const WRONG_U: f64 = 4.0;
 
 fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {

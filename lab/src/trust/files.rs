@@ -70,8 +70,7 @@ fn stretch(whole: &[u8], form: &str, random: &mut StdRng) -> Range<usize> {
     a.min(b)..a.max(b)
 }
 
-/// The verdict on a damaged capture. The program may read it unchanged, refuse it, or read a part of it with a
-/// warning.
+/// The verdict on a damaged capture, which may be read unchanged, refused, or read partially with a warning.
 fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     let verify = bench.run(&["verify", file])?;
     if let Some(wrong) = believed(bench, file)? {
@@ -84,8 +83,7 @@ fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// Returns an error text if `correct` accepts the file without a warning, but with another output than for the
-/// undamaged file.
+/// An error text if `correct` accepts the file without a warning, but with other output than for the undamaged file.
 fn believed(bench: &Bench, file: &str) -> Result<Option<String>> {
     let (run, rows) = bench.corrected(file, &format!("{file}.corrected.csv"))?;
     let silent = run.code == Some(0) && rows != bench.rest.rows && run.stderr.lines().count() <= bench.rest.words;

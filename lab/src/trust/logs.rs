@@ -58,8 +58,7 @@ fn flipped(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     Ok(judged(&analysed(bench, &file)?, &right))
 }
 
-/// Number of bytes, from the start of the file, that a checksum covers. The index at the end of a Parquet file has no
-/// checksum.
+/// Number of bytes, from the start, that checksums cover. The index at the end of a Parquet file has no checksum.
 fn checked(name: &str, whole: &[u8]) -> usize {
     let index = |at: usize| whole[at..].first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
     match name.ends_with(".parquet") {

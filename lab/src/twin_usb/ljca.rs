@@ -49,8 +49,7 @@ const MODE_3: u8 = 0b11;
 
 /// The hardware behind the adapter.
 pub trait Board {
-    /// Transfers one frame of CS with the clock in mode 3. Returns the bytes that were received while the bytes of
-    /// `mosi` were sent.
+    /// Transfers one frame of CS with the clock in mode 3. Returns the bytes received while `mosi` was sent.
     fn frame(&mut self, mosi: &[u8]) -> Vec<u8>;
     /// True if RDY is high.
     fn rdy_high(&mut self) -> bool;
@@ -125,7 +124,7 @@ impl Ljca {
         Some(message(GPIO, GPIO_EVENT, 0, &[1, RDY_PIN, 0]))
     }
 
-    /// Number of events for the host so far.
+    /// Number of events for the host since the adapter was last reset.
     pub fn events(&self) -> u32 {
         self.events
     }
@@ -136,8 +135,7 @@ impl Ljca {
         line.interrupt && line.unmasked
     }
 
-    /// The event for an edge that came while the line was masked, with the current level; `None` if no event is
-    /// pending.
+    /// The event for an edge that came while the line was masked, with the current level; `None` without such an edge.
     fn held_back(&mut self, board: &mut impl Board) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !(line.pending && line.unmasked) {
@@ -190,8 +188,7 @@ impl Ljca {
         }
     }
 
-    /// Transfers bytes over SPI. In any mode other than 3, the part samples on the wrong clock edges and decodes
-    /// nothing.
+    /// Transfers bytes over SPI. In any mode but 3, the part samples on the wrong clock edges and decodes nothing.
     fn transfer(&self, indicator: u8, mosi: &[u8], board: &mut impl Board) -> Vec<u8> {
         let miso = if self.spi_mode == MODE_3 { board.frame(mosi) } else { vec![0xFF; mosi.len()] };
         let mut packet = vec![indicator, miso.len() as u8];

@@ -12,8 +12,7 @@ const KEPT: usize = 4096;
 const SHOWN: usize = 200;
 /// Longest time between two checks of the time limit.
 const SLICE: Duration = Duration::from_millis(20);
-/// How long the pipes are read after the command ended. A process that the command left behind may keep the pipes
-/// open.
+/// How long the pipes are read after the command ended: a process that the command left behind may hold them open.
 const AFTERMATH: Duration = Duration::from_secs(1);
 
 #[derive(Debug, thiserror::Error)]

@@ -155,8 +155,7 @@ impl Source for PolledChannels {
 struct BufferedScans {
     device: Device,
     scans: File,
-    /// The byte offset and layout of each rate in a scan. `temp` and `time` are those of the temperature and of the
-    /// timestamp.
+    /// The byte offset and layout of each rate in a scan; `temp` and `time` are those of temperature and timestamp.
     rates: Vec<(usize, Element)>,
     temp: Option<(usize, Element)>,
     time: (usize, Element),
@@ -171,8 +170,7 @@ struct BufferedScans {
 impl BufferedScans {
     fn open(device: Device, file: &Path, stop: &Stop) -> Result<Self> {
         let folder = device.folder.clone();
-        // Open the device before setting its attributes. The kernel then refuses to open the device for another
-        // program.
+        // open the device before setting its attributes, because the kernel then refuses other programs that open it
         let scans = File::open(file).map_err(|error| why_not_open(file, error))?;
         let time = Element::read(&folder, "in_timestamp")?;
         let time = time.context("its driver stamps no scan with its time; poll it with ?hz=N")?;

@@ -134,8 +134,7 @@ impl<'a> Request<'a> {
 struct Keyword(String);
 
 impl Keyword {
-    /// Converts a word in lower case to upper case. A word in mixed case stays as it is, and does not match any
-    /// keyword.
+    /// Converts lower case to upper case. A word in mixed case stays as it is, and matches no keyword.
     fn of(word: &str) -> Self {
         let is_small = word.bytes().all(|byte| byte.is_ascii_lowercase());
         Self(if is_small { word.to_ascii_uppercase() } else { word.to_owned() })

@@ -1,5 +1,4 @@
-//! Converts rows of the hub to samples of a buffer, which are checked, corrected if possible, and carry a count of
-//! losses.
+//! Converts rows of the hub to samples of a buffer: checked, corrected if possible, and with a count of losses.
 
 use super::correcting::Correcting;
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
@@ -18,8 +17,7 @@ pub struct Scan {
     pub lost: u64,
 }
 
-/// Converts rows to scans, in order. Scans with corrected rates come two rows later, because the checks need two more
-/// rows.
+/// Converts rows to scans, in order. Corrected scans come two rows later, because the checks need two more rows.
 #[derive(Clone, Debug)]
 pub struct Scanner {
     correcting: Option<Correcting>,

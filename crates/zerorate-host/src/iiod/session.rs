@@ -148,8 +148,7 @@ impl<'a> Session<'a> {
         all
     }
 
-    /// Prepares to write. The client sends the value even if the write is refused, so the value must be read in any
-    /// case.
+    /// Prepares to write. Even if the write is refused, the client sends the value, so the value must be read.
     fn write(&mut self, device: &str, place: Place<'_>, attribute: &str, bytes: usize) -> Step {
         if bytes > LONGEST_VALUE {
             return Step::HangUp(refusal(Errno::TOO_LARGE));

@@ -89,8 +89,7 @@ fn a_capture_as_a_table_in_memory_keeps_its_scale_and_its_rate() {
     assert!(read(ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() }).is_err(), "not as codes");
 }
 
-/// Other software has rewritten a capture as an Arrow file. The batches have lost their checks, but the description
-/// remains.
+/// Other software rewrote a capture as an Arrow file. The batches lost their checks, but the description remains.
 #[test]
 fn a_capture_as_an_arrow_file_keeps_its_scale_and_its_rate() {
     let content = capture(Format::Arrows);

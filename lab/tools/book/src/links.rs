@@ -1,5 +1,4 @@
-//! Checks that every link of the book leads to an existing page and anchor, and that no page loads anything from
-//! another site.
+//! Checks that every link of the book leads to an existing page and anchor, and that no page loads foreign files.
 
 use crate::stage::below;
 use anyhow::{Result, ensure};

@@ -1,8 +1,8 @@
 //! Makes pages satisfy a content security policy without inline code, and adds the policy to them.
 //!
-//! mdBook writes a few scripts into its pages. Each script is moved to a file, which all pages with the same script
-//! share. A page loads the file at the position of the script, so that it runs at the same time. Alignments of tables
-//! become classes.
+//! mdBook writes a few scripts into its pages. Each is moved to a file, which all pages with the same script share.
+//! The page loads this file at the same position, so that it runs at the same time. Alignments of tables become
+//! classes.
 
 use crate::stage::below;
 use anyhow::{Context, Result, ensure};

@@ -1,5 +1,4 @@
-//! Prints the header of the C interface, which cbindgen makes from the Rust sources. `cargo xtask codegen` calls this
-//! program.
+//! Prints the C interface's header, which cbindgen makes from the Rust sources. `cargo xtask codegen` calls this.
 
 use anyhow::{Result, anyhow};
 use std::path::Path;
