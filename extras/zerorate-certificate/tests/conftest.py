@@ -1,4 +1,4 @@
-"""Calibrations of the twin, and a laboratory that exists in tests only."""
+"""Fixtures: calibrations of the twin, and an invented laboratory."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Made:
-    """A calibration file, and the program's JSON when it was written."""
+    """A calibration file, and the JSON that the program printed when it wrote the file."""
 
     path: Path
     report: Any
@@ -71,13 +71,13 @@ def measured(made: dict[str, Made], tmp_path_factory: pytest.TempPathFactory) ->
 
 @pytest.fixture(scope="session")
 def example_lab() -> str:
-    """The example file that the command prints."""
+    """The text of the example ``lab.toml`` that the command prints."""
     return subprocess.run([PROGRAM, "--example-lab"], capture_output=True, check=True).stdout.decode("utf-8")
 
 
 @pytest.fixture(scope="session")
 def lab_file(example_lab: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The example with every optional key."""
+    """The file of the example laboratory, with every optional key."""
     return _write(tmp_path_factory.mktemp("lab") / "lab.toml", full(example_lab))
 
 
@@ -88,7 +88,7 @@ def lab(lab_file: Path) -> Lab:
 
 
 def full(example: str) -> str:
-    """The example with its optional keys and tables, which are comments in it."""
+    """The example, with its optional keys and tables no longer commented out."""
     return re.sub(r"^# (?=\[|\w+ = )", "", example, flags=re.MULTILINE)
 
 

@@ -17,7 +17,7 @@ X = ElementMaker(
 
 
 def complaints(document: bytes, schematron: Path) -> list[tuple[str, str]]:
-    """Role and text of each failed assert and each report that is not just information."""
+    """Role and text of each failed assert and each successful report, except those of the role "information"."""
     with PySaxonProcessor(license=False) as saxon:
         program = saxon.new_xslt30_processor().compile_stylesheet(stylesheet_text=_stylesheet(schematron))
         result = program.transform_to_string(xdm_node=saxon.parse_xml(xml_text=document.decode()))

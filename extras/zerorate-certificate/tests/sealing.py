@@ -1,4 +1,4 @@
-"""Makes the check lines of a calibration file, by their description in docs/formats/calibration.md."""
+"""Makes the check lines of a calibration file, as docs/formats/calibration.md describes them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def sealed(text: str) -> str:
 
 
 def as_measured(text: str, created: str = "2026-02-27T23:58:30Z") -> str:
-    """The calibration of the twin, edited to look like that of a real part, which a test cannot measure."""
+    """Edits a calibration of the twin so that it looks like that of a real part, which a test cannot measure."""
     text = re.sub(r'created = "SIMULATED"', f'created = "{created}"', text)
     text = re.sub(r'device = "twin:[^"]*"', 'device = "spi:/dev/spidev0.0?rdy=gpiochip0:25"', text)
     return sealed(text)

@@ -1,4 +1,4 @@
-"""The program `zerorate-certificate`: its contract, and one line for every mistake."""
+"""The program `zerorate-certificate`: its output files, and one line of text for every error."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ else:
 KINDS = ["an1042", "warmup", "cycle", "imu"]
 NS = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}
 
-# BIPM names as the D-SI guide lists them, as far as a certificate may use them.
+# The BIPM names in the D-SI guide that a certificate may use.
 UNITS = {"ampere", "degree", "degreecelsius", "hertz", "kelvin", "metre", "one", "pascal", "percent", "second"}
 UNITS |= {"tesla", "volt"}
 PREFIXES = {"hecto", "kilo", "milli", "micro"}
@@ -50,7 +50,7 @@ def texts(tree: Any, path: str) -> list[str]:
 
 
 def quantities(tree: Any) -> dict[str, tuple[float, float | None]]:
-    """Value and U of each single quantity, by the names of its result and of the quantity."""
+    """Value and U of each single quantity. The key is the name of the result, `/`, and the name of the quantity."""
     found = {}
     for result in tree.iterfind(".//dcc:result", NS):
         title = result.findtext("dcc:name/dcc:content", namespaces=NS)
@@ -107,7 +107,7 @@ def test_units_are_of_the_digital_si(kind: str, made: dict[str, Made], lab: Lab)
 
 
 def factors(unit: str) -> list[tuple[str, float]]:
-    """The factors of a D-SI unit: optional prefix, BIPM name, optional power. Empty if it is not one."""
+    """The BIPM names and powers of the factors of a D-SI unit. Empty if the text is not a D-SI unit."""
     found, rest = [], unit
     while rest:
         words = re.match(r"(?:\\([a-z]+))?\\([a-z]+)(?:\\tothe\{(-?\d+(?:\.\d+)?)\})?", rest)

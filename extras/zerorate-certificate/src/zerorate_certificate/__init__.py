@@ -41,7 +41,7 @@ def certificate_xml(calibration_path: str | os.PathLike[str], lab: Lab) -> bytes
     ValueError
         If the file was edited, was written by hand, lacks what a certificate must state, or contradicts ``lab``.
     OSError
-        If it cannot be read.
+        If the calibration file cannot be read.
     """
     return xml_of(Content.load(calibration_path, lab))
 
@@ -62,7 +62,7 @@ def certificate_pdf(calibration_path: str | os.PathLike[str], lab: Lab) -> bytes
     Raises
     ------
     ImportError
-        If the libraries of Pango are missing; the text names the package.
+        If the libraries of Pango are missing. The error text names the package.
     ValueError
         Also if no font of this machine has a character of the certificate.
     """

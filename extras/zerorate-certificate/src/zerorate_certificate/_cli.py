@@ -15,7 +15,7 @@ FORMS = {
     ".pdf": certificate_pdf,
     ".xml": certificate_xml,
 }
-"""The forms of a certificate, by the ending of its file."""
+"""The function that makes a certificate, by the ending of the output file."""
 
 EPILOG = """\
 examples:
@@ -103,7 +103,7 @@ def _save(content: bytes, output: Path) -> None:
 
 
 def _one_line(error: Exception) -> str:
-    """The error text; for a failed system call, with the file first."""
+    """The error text in one line. For a failed system call it begins with the file name."""
     if isinstance(error, OSError) and error.filename and error.strerror:
         return f"{error.filename}: {error.strerror}"
     return " ".join(str(error).split())

@@ -1,4 +1,4 @@
-"""The content of a certificate. The page and the XML are two forms of it, so that neither says more."""
+"""The content of a certificate. Page and XML are made from the same content, so that both state the same."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ class Content:
     """True if the item was the software twin."""
     serial: str
     begin: date
-    """First day of the measurement. A simulated one has none: the day of issue stands in for it."""
+    """First day of the measurement; the day of issue if the item was simulated."""
     end: date
-    """Last day of the measurement."""
+    """Last day of the measurement; the day of issue if the item was simulated."""
     axes: list[AxisResult]
     statements: list[Statement]
 
@@ -136,7 +136,7 @@ def _words(warning: str) -> str:
 
 
 def is_simulated(calibration: Calibration) -> bool:
-    """True if the software twin was calibrated: by its mark, or by the address that it was read from."""
+    """True if the software twin was calibrated: the file is marked as simulated, or its device is the twin."""
     device = calibration.device or ""
     return calibration.created == SIMULATED or device == "twin" or device.startswith("twin:")
 
@@ -144,7 +144,7 @@ def is_simulated(calibration: Calibration) -> bool:
 def _load(path: str | os.PathLike[str]) -> Calibration:
     text = Path(path).read_text(encoding="utf-8")
     with warnings.catch_warnings():
-        # the only warning is a missing checksum, without which nothing shows that these numbers were measured
+        # the only possible warning is a missing checksum, without which the numbers may not be measured ones
         warnings.simplefilter("error", UserWarning)
         try:
             return Calibration.parse(text)

@@ -27,7 +27,7 @@ PLACES = {
     "customerBranch": "In a branch of the customer",
     "other": "Elsewhere",
 }
-"""Places of performance as DCC 3.3.0 names them, and in words."""
+"""Places of performance: the name in DCC 3.3.0, and a text for the page."""
 
 
 @dataclass(frozen=True)
@@ -87,13 +87,13 @@ class Lab:
     laboratory: Contact
     customer: Contact
     persons: list[Person]
-    """The first one authorises the certificate."""
+    """Responsible persons. The first person authorises the certificate."""
     item: Item
     place: str
     """Place of the calibration: a key of ``PLACES``."""
     issued: date
     deviations: str
-    """Additions to the method, deviations and exclusions from it."""
+    """Additions to the method, deviations from it and exclusions."""
     place_address: str | None = None
     received: date | None = None
     remarks: str | None = None
@@ -148,7 +148,7 @@ def _lab(root: Table) -> Lab:
 
 
 def _place_address(root: Table, place: str) -> str | None:
-    """The address of the place. It may be missing if the place is at the laboratory or the customer."""
+    """The address of the place; None is allowed only if the place is at the laboratory or the customer."""
     address = root.text_or_none("place_address")
     if address is None and place in ("laboratoryBranch", "customerBranch", "other"):
         root.missing("place_address")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 ATTACHMENT = "dcc.xml"
 
 OLDEST_WEASYPRINT = 67
-"""Older versions silently leave out a character that no font has. This version needs Python 3.10."""
+"""Oldest supported version, which needs Python 3.10. Older ones silently omit characters that no font has."""
 
 
 def pdf_of(content: Content) -> bytes:
@@ -81,7 +81,7 @@ class _Complaints(logging.Handler):
         self._texts.append(record.getMessage())
 
     def raise_lost_text(self) -> None:
-        """Raises if a character was lost."""
+        """Raises ValueError if no font has a character of the page."""
         lost = [text.rpartition("(")[2].rstrip(")") for text in self._texts if "notdef" in text]
         if lost:
             raise ValueError(

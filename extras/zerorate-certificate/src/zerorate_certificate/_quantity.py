@@ -55,7 +55,7 @@ CONDITION_UNITS = {
 
 
 def covariance_unit(power: int) -> Unit:
-    """The unit (°/s)² per °C, with this power of °C."""
+    """The unit (°/s)²/°Cⁿ, where n is ``power``."""
     digits = str(power).translate(str.maketrans("123456", "\u00b9\u00b2\u00b3\u2074\u2075\u2076"))
     kelvin = rf"\kelvin\tothe{{-{power}}}"
     return Unit(f"(°/s)²/°C{digits if power > 1 else ''}", rf"\degree\tothe{{2}}\second\tothe{{-2}}{kelvin}")
@@ -63,7 +63,7 @@ def covariance_unit(power: int) -> Unit:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A value with its standard uncertainty in the same unit; None where none is stated."""
+    """A value with its standard uncertainty ``u`` in the same unit; ``u`` is None if none is stated."""
 
     name: str
     value: float
@@ -103,7 +103,7 @@ def place_of(value: float, digits: int) -> int:
 
 def plain(value: float, place: int) -> str:
     """The value, rounded to this power of ten, without an exponent."""
-    # from the shortest decimal form: 2.675 becomes 2.68. The float lies just below, so format() would give 2.67
+    # rounds the shortest decimal form, so 2.675 becomes 2.68; format() would give 2.67, as the float is below 2.675
     return format(Decimal(repr(value)).quantize(Decimal(1).scaleb(place)), "f")
 
 

@@ -24,7 +24,7 @@ from ._quantity import (
 
 COEFFICIENTS = (("PBC", DPS), ("BTC", DPS_PER_C), ("BTC2", DPS_PER_C2), ("BTC3", DPS_PER_C3))
 POINTS = 9
-"""Temperatures of the table, evenly over the measured span, as ``zerorate calibrate --json`` has them."""
+"""Number of temperatures in the table, spread evenly over the measured span as in ``zerorate calibrate --json``."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class AxisResult:
     """None for the only axis of a part."""
     coefficients: list[Quantity]
     t3: Quantity
-    """The temperature at which PBC holds. It is defined by the file, so it has no uncertainty of its own."""
+    """The temperature at which PBC holds. The file defines it, so it has no uncertainty of its own."""
     covariances: list[Quantity]
     curve: list[Point]
     noise: list[Quantity]
@@ -51,13 +51,13 @@ class AxisResult:
 
     @property
     def formula(self) -> str:
-        """The formula that applies the coefficients. All of them are added."""
+        """The formula of the corrected rate, with the coefficients of this axis."""
         terms = ["PBC", "d · BTC", "d² · BTC2", "d³ · BTC3"][: len(self.coefficients)]
         return f"corrected rate = rate + {' + '.join(terms)}, with d = temperature − T3"
 
 
 def axis_result(axis: CalibratedAxis, validity: Validity, *, alone: bool) -> AxisResult:
-    """The results of this axis."""
+    """Collects the results of an axis. ``alone`` is True for the only axis of a part."""
     covariance = _covariance(axis)
     values = _polynomial(axis.correction)
     # a curve averaged over several orders states an uncertainty even for a term that is zero
@@ -144,7 +144,7 @@ def _measured_noise(noise: NoiseRecord | None) -> list[Quantity]:
 
 
 def typical_noise(noise: NoiseRecord | None) -> list[str]:
-    """Kinds of noise that were not measured but taken from a source. They are part of the uncertainties."""
+    """Kinds of noise that were not measured, with the source of each value. The uncertainties include them."""
     if noise is None:
         return []
     return [f"{name}: {source}" for name, _, source in _noise_rows(noise) if source != "measured"]

@@ -39,14 +39,14 @@ METHODS = {
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement, with its name."""
+    """A statement of the certificate."""
 
     name: str
     text: str
     traceable: bool | None = None
     """True or False for the statement on traceability; None for all others."""
     own_words: bool = False
-    """True if the text is the laboratory's, in a language that nobody stated."""
+    """True if the laboratory wrote the text, whose language is therefore unknown."""
 
 
 def method_of(calibration: Calibration) -> tuple[str, str]:

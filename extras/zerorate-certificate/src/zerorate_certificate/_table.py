@@ -18,11 +18,11 @@ else:
 if TYPE_CHECKING:
     import os
 
-# Characters that XML 1.0 or a line of text cannot contain.
+# Control characters except tab and line feed, and two other characters that XML 1.0 forbids.
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ufffe\uffff]")
 
 MAX_CHARACTERS = 2000
-"""The longest text that is accepted. It bounds the pages of a certificate."""
+"""The longest text that is accepted, which limits the number of pages of a certificate."""
 
 
 class Problems(ValueError):
@@ -30,7 +30,7 @@ class Problems(ValueError):
 
 
 class Table:
-    """A table of the file. A missing or wrong key is noted, and a placeholder is returned."""
+    """A table of the file. Its methods note a missing or wrong key and return a placeholder."""
 
     def __init__(self, content: dict[str, Any], path: str, problems: dict[str, list[str]]) -> None:
         self._content = content
@@ -40,7 +40,7 @@ class Table:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Table:
-        """The root of the file."""
+        """Reads the file and returns its root table."""
         try:
             content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
         except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -97,7 +97,7 @@ class Table:
         return value
 
     def table(self, key: str) -> Table:
-        """A table below this one. If it is missing, all its keys are reported as missing."""
+        """A table inside this table. If the table is missing, all its keys are reported as missing."""
         self._asked.append(key)
         value = self._content.get(key, {})
         if not isinstance(value, dict):
@@ -131,7 +131,7 @@ class Table:
                 self._problems["unknown"].append(self._name(key) + advice)
 
     def raise_problems(self) -> None:
-        """Raises everything that was noted in this file, in one line."""
+        """Raises `Problems` with everything that was noted about this file, in one line."""
         lists = [(kind, found) for kind, found in self._problems.items() if found]
         if lists:
             texts = [f"{kind}: {', '.join(found)}" if kind else "; ".join(found) for kind, found in lists]

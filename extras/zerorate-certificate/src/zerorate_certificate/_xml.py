@@ -34,7 +34,7 @@ D = ElementMaker(namespace=DCC, nsmap={"dcc": DCC, "si": SI, "xsi": XSI})
 S = ElementMaker(namespace=SI, nsmap={"si": SI})
 
 Element = Any
-"""An element of lxml, which has no type hints."""
+"""An element of lxml. The type is Any, because lxml has no type hints."""
 
 
 def xml_of(content: Content) -> bytes:
@@ -229,12 +229,12 @@ def _identification(issuer: str, value: str, name: str) -> Element:
 
 
 def _text(tag: str, text: str, language: str | None = None, *, name: str | None = None) -> Element:
-    """A text, in a language if it is known; ``name`` is its heading."""
+    """A text element. ``language`` is None if unknown; ``name`` is the heading of the text."""
     attributes = {} if language is None else {"lang": language}
     heading = [] if name is None else [_text("name", name, LANGUAGE)]
     return D(tag, *heading, D.content(text, **attributes))
 
 
 def _number(value: float) -> str:
-    """All digits of a double, as the decimal type of D-SI allows them."""
+    """A double with all its digits, in a form that the decimal type of D-SI allows."""
     return repr(float(value))
