@@ -14,7 +14,7 @@ pub(crate) fn text() -> String {
     now().map_or_else(String::new, to_second)
 }
 
-/// The host name; `None` if there is none or it is not UTF-8.
+/// The host name; `None` if there is none, if it is not UTF-8, or on systems other than Linux.
 pub(crate) fn host() -> Option<String> {
     #[cfg(target_os = "linux")]
     return rustix::system::uname().nodename().to_str().ok().map(str::to_owned).filter(|name| !name.is_empty());

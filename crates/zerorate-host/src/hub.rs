@@ -386,7 +386,7 @@ impl Worker {
         !all.is_empty()
     }
 
-    /// Sends the error to lossless readers. Watchers can ask the hub.
+    /// Sends the error to lossless readers, and stores it for watchers ([`Hub::failure`]).
     fn fail(&self, error: &DeviceError) {
         *lock(&self.failure) = Some(error.again());
         for subscriber in std::mem::take(&mut *lock(&self.subscribers)) {

@@ -146,7 +146,7 @@ fn specs(part: &Part) -> Vec<ColumnSpec> {
     part.axes.iter().map(axis).chain([temp]).collect()
 }
 
-/// The quantity and unit from the column's name, or from the column name in the part file.
+/// The quantity and its unit, in °/s or °C, that the column's name states, or else the column name in the part file.
 fn stated(column: &str, spec: &ColumnSpec) -> Option<(Quantity, f64)> {
     let by_part = || spec.without_unit().and_then(|_| Quantity::of_column(&spec.name));
     Quantity::of_column(column).or_else(by_part)

@@ -1,4 +1,4 @@
-"""The PDF of a certificate: PDF/A-3b, the attachment, the marks on each page, the same bytes twice."""
+"""The PDF of a certificate: its conformance to PDF/A-3b, attachment, marks on each page, and reproducibility."""
 
 from __future__ import annotations
 

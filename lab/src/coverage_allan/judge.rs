@@ -81,7 +81,7 @@ impl std::fmt::Display for Score {
 impl Score {
     pub fn misses<'a>(&'a self, scenario: &'a Scenario, which: usize) -> impl Iterator<Item = String> + 'a {
         let Bounds { coverage, rms, identified, .. } = &scenario.bounds;
-        // if the truth is zero, an interval can miss it on one side only
+        // if the truth is zero, an interval can miss the truth on one side only
         let most = if self.error.truth > 0.0 { coverage.1 } else { 100.0 };
         let covers = self.inside >= coverage.0 - scatter(coverage.0, self.records)
             && self.inside <= most + scatter(most, self.records);

@@ -111,7 +111,7 @@ pub fn scenarios() -> Vec<Scenario> {
     [terms(), filtered(), disturbed()].concat()
 }
 
-/// Records of the model's own terms, alone and combined.
+/// Records whose noise consists of terms of the fitted model, alone and combined.
 fn terms() -> Vec<Scenario> {
     let goal = Bounds { rms: [0.13, 9.8, 38.0], identified: [99.0, 95.0], ..OTHER };
     let white = Scenario { b: 0.0, k: 0.0, ..HOUR };

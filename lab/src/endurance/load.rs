@@ -19,7 +19,7 @@ const LONGER: Duration = Duration::from_millis(500);
 /// Longest wait for data of the sensor, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// The counts of what the visitors received.
+/// Counts of the visits, and of the data that the visitors received.
 #[derive(Debug, Default)]
 pub struct Visits {
     pages: u64,
@@ -51,7 +51,7 @@ impl Visits {
     }
 }
 
-/// Opens and closes visitors until a page has shown this many hours of the sensor.
+/// Lets pages and clients connect and disconnect until a page has shown `hours` of the sensor's time.
 pub fn run(server: &Server, hours: f64, gauge: &mut Gauge) -> Result<Visits> {
     let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
     let clients = if tools::available(&[tool], "clients of libiio that come and go")? { CLIENTS } else { 0 };

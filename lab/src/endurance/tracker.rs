@@ -1,4 +1,4 @@
-//! Runs the bias tracker for as many hours of the sensor's time as the server, as fast as possible.
+//! Runs the bias tracker for as many hours of the sensor's time as the server ran, but as fast as possible.
 
 use super::gauge::Gauge;
 use crate::venv::done;

@@ -25,8 +25,8 @@ pub struct Report {
     pub bytes: BTreeMap<String, u64>,
 }
 
-/// Runs an image to its end, with `arguments` as its command line, and returns its output. A failure of the image is
-/// returned as an error, by its exit code.
+/// Runs an image to its end, with `arguments` as its command line, and returns its output. Returns an error if the
+/// image exits with a failure code.
 pub fn run(image: &Path, arguments: &[String]) -> Result<String> {
     let arguments: String = arguments.iter().map(|argument| format!(",arg={argument}")).collect();
     let mut qemu = Command::new("qemu-system-arm");

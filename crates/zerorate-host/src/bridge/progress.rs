@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// The time that the host waits for samples before it checks the progress of the bridge's clock.
 const WINDOW: Duration = Duration::from_secs(2);
-/// The largest allowed ratio of host time to bridge time. A bridge in an emulator is slow, but faster than this.
+/// The largest allowed ratio of host time to bridge time. A bridge in an emulator runs slowly, but within this limit.
 const SLOWEST: u32 = 64;
 
 /// Compares the timestamps of the samples with the time that the host spent waiting for the samples.

@@ -1,7 +1,7 @@
 """Calibration certificates: a calibration as HTML, as PDF/A-3 and as a Digital Calibration Certificate (DCC).
 
 =====================  =========================================================================
-`Lab`                  facts beside the measurement: laboratory, customer, persons, dates (`lab.toml`)
+`Lab`                  facts from `lab.toml`: laboratory, customer, persons, dates
 `certificate_html`     one page without network access, for the screen and for paper
 `certificate_pdf`      PDF/A-3b of that page, with the XML attached
 `certificate_xml`      DCC 3.3.0 of PTB with D-SI 2.2.1 units

@@ -122,7 +122,7 @@ class Content:
 
     @property
     def warnings(self) -> list[str]:
-        """Every warning of the measurement, without the codes of the program."""
+        """The text of each warning of the measurement, without its code."""
         of_axes = [
             _words(warning) if result.name is None else f"axis {result.name}: {_words(warning)}"
             for axis, result in zip(self.calibration.axes, self.axes)

@@ -1,4 +1,4 @@
-"""The laboratory's part of a certificate: facts that the measurement does not know, read from ``lab.toml``."""
+"""The laboratory's part of a certificate: facts that a calibration file does not state, read from ``lab.toml``."""
 
 from __future__ import annotations
 
