@@ -43,7 +43,7 @@ const TOOLS: [Tool; 8] = [
 const SLOW_HZ: &str = "105000";
 /// MCLK, Hz, at which the guest cannot keep up: 996 pairs a second.
 const FAST_HZ: &str = "1050000";
-/// A short calibration that a busy host cannot disturb, because its means do not need all samples.
+/// A short calibration that accepts the losses of a busy host (`--max-lost`).
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05 --max-lost 0.95";
 /// Time constant of the self-heating for that calibration, s, in place of the 600 s of M-03. The capacitor of F-04
 /// prevents the aliasing of noise at 100 Hz.
