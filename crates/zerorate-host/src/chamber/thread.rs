@@ -12,8 +12,8 @@ const PERIOD: Duration = Duration::from_secs(5);
 /// Period of the checks that the thread still runs.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// A chamber in its own thread. The thread reads the chamber every 5 s, and then sets a changed set point; it sets the
-/// first set point at once. [`Chamber::read_c`] returns each reading once. A failure of the chamber is returned by a
+/// A chamber in its own thread, which sets the first set point at once. Every 5 s, the thread sets a changed set point
+/// and reads the chamber. [`Chamber::read_c`] returns each reading once. A failure of the chamber is returned by a
 /// later call of [`Chamber::set`] or [`Chamber::read_c`].
 pub struct ChamberThread {
     shared: Arc<SharedState>,
