@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub struct Seconds(pub f64);
 
 impl Seconds {
-    /// The duration in whole nanoseconds, saturating.
+    /// The duration in whole nanoseconds, rounded down and limited to `u64::MAX`.
     pub fn nanos(self) -> u64 {
         (self.0 * 1e9) as u64
     }
@@ -52,7 +52,7 @@ impl fmt::Display for Seconds {
     }
 }
 
-/// The longest duration, s: ten years. That is far beyond any measurement, and 64-bit nanoseconds do not overflow.
+/// The longest accepted duration, s: ten years. It is far beyond any measurement and fits 64-bit nanoseconds.
 const MAX_S: f64 = 10.0 * 365.25 * 86_400.0;
 
 #[cfg(test)]

@@ -3,13 +3,13 @@
 use crate::plot::{number, superscript};
 use core::fmt;
 
-/// `value` ± `half` in the same unit, with two significant digits of `half`: `+0.2578 ± 0.0053`. Without a finite
-/// `half` above zero, it shows the value alone, with five decimals.
+/// A value with its uncertainty, in the same unit. It is shown with two significant digits of `half`:
+/// `+0.2578 ± 0.0053`. If `half` is not finite or not above zero, only the value is shown, with five decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlusMinus {
     /// The value, shown with its sign.
     pub value: f64,
-    /// Half width of its 95 % interval.
+    /// Half width of the value's 95 % interval.
     pub half: f64,
 }
 
@@ -31,8 +31,9 @@ impl fmt::Display for PlusMinus {
     }
 }
 
-/// A value with limits that may be asymmetric, in the same unit: `0.5591 [0.5543, 0.5639]`, with two significant
-/// digits of half the interval. If both limits equal the value, it shows the value alone, with three digits.
+/// A value with limits that may be asymmetric, in the same unit. All three numbers are shown with two significant
+/// digits of half the interval: `0.5591 [0.5543, 0.5639]`. If both limits are equal, only the value is shown, with
+/// three significant digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// The estimate.

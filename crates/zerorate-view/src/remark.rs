@@ -8,7 +8,7 @@ pub fn remark(code: &str, text: &str) -> Option<String> {
     standing_place(code).map(|place| format!("{place} ({code}): {text}"))
 }
 
-/// Separates standing remarks from warnings; both come as lines `code: text`. Returns the remarks first.
+/// Separates lines `code: text` into standing remarks and other warnings. Returns the remarks first.
 #[must_use]
 pub fn remarks_apart<S: AsRef<str>>(lines: &[S]) -> (Vec<String>, Vec<String>) {
     let (mut remarks, mut warnings) = (Vec::new(), Vec::new());

@@ -15,18 +15,18 @@ pub enum SessionWarning {
     /// The bias differs between warming and cooling in a chamber. The text is from
     /// [`wide_loop`](crate::report::wide_loop).
     WideLoop(String),
-    /// Frames of a bridge arrived damaged. The number counts them.
+    /// Frames of a bridge arrived damaged: their number.
     Damaged(u64),
     /// A serial number is missing, so it is uncertain whether the calibration belongs to the device or the capture
     /// `name`. `advice` tells how to state it.
     UnknownSerial { cal: String, calibrated: String, name: String, advice: &'static str },
-    /// The calibration does not state the serial number of its part.
+    /// The calibration does not state the serial number of its sensor.
     NoSerial { cal: String },
-    /// Samples did not reach the live page. The number counts them.
+    /// Samples did not reach the live page: their number.
     Missed(u64),
-    /// The device was opened again, and the calibration does not belong to it.
+    /// The device was opened again, and the calibration does not belong to it. The text is the error.
     NotApplied(String),
-    /// A file in the folder of calibrations cannot be read.
+    /// A file in the folder of calibrations cannot be read. The text is the error.
     LeftOut(String),
     /// The session has no folder for calibrations.
     NoFolder,
@@ -34,13 +34,13 @@ pub enum SessionWarning {
     NotKept { id: String, why: String },
     /// The file of a calibration cannot be removed from the folder.
     NotRemoved { id: String, why: String },
-    /// The recording was ended by an error.
+    /// An error ended the recording. The text is the error.
     NotRecorded(String),
     /// The libiio port is in use by another server.
     LibiioUnserved { address: SocketAddr, why: String },
-    /// The calibration cannot be applied for libiio clients.
+    /// The calibration cannot be applied for libiio clients. The text is the reason.
     LibiioUncorrected(String),
-    /// The server for libiio clients failed.
+    /// The server for libiio clients failed. The text is the error.
     LibiioEnded(String),
     /// The program was built without its live page.
     NoPage,

@@ -1,5 +1,5 @@
-//! A preview of the twin, the simulated sensor, from a small module that loads fast. The session continues from it
-//! once loaded.
+//! A preview of the twin, the simulated sensor, from a small module that loads fast. The session takes over when its
+//! own module is loaded.
 
 use crate::live::Pace;
 use crate::message::DeviceState;

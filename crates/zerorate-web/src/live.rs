@@ -34,10 +34,10 @@ impl Live {
         Ok(live)
     }
 
-    /// Continues the session with another device. Stored calibrations stay, and a running one ends without a result.
+    /// Continues the session with another device. Stored calibrations stay. A running calibration ends without result.
     ///
     /// # Errors
-    /// Returns an error if the device cannot be opened; the session then keeps the old one.
+    /// Returns an error if the new device cannot be opened. The session then keeps the old device.
     pub fn instead(&mut self, open: Open, now_ms: f64) -> Result<(), String> {
         let source = open(now_ms)?;
         self.session.abort_calibration("another device was opened");
@@ -134,7 +134,7 @@ impl Live {
         self.session = before.reopened(about);
     }
 
-    /// Marks a simulated or recorded part as ready. A real part reports that itself.
+    /// Marks a simulated or recorded device as being read. A real device is marked when its source was opened.
     fn begun(&mut self) {
         if self.pace.is_simulated {
             self.session.state(DeviceState::Reading);
@@ -206,7 +206,7 @@ impl Pace {
         self.is_simulated && self.factor > 0.0 && gone_ms > (now_ms - from_ms) * self.factor
     }
 
-    /// Restarts the pace when the page was too slow, so that it does not have to catch up.
+    /// Restarts the pace when the page was too slow, so that the session does not have to catch up.
     fn fell_behind(&mut self) {
         (self.since, self.begun_s) = (None, 0.0);
     }

@@ -202,8 +202,9 @@ pub struct Frame {
     pub calibrations: Option<Vec<CalibrationEntry>>,
 }
 
-/// Consecutive bins of one axis at one level. The payload has rate_min_dps, rate_max_dps, corrected_min_dps,
-/// corrected_max_dps, temp_min_c, temp_max_c, each as `count` numbers (f32, little endian). NaN means unknown.
+/// Consecutive bins of the plots over time, of one axis at one level. The payload has rate_min_dps, rate_max_dps,
+/// corrected_min_dps, corrected_max_dps, temp_min_c, temp_max_c, each as `count` numbers (f32, little endian). NaN
+/// means unknown.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Strip {
@@ -419,7 +420,7 @@ pub struct SampleCounts {
     pub rate_hz: f64,
     /// Rate of data-ready edges, Hz.
     pub rdy_hz: f64,
-    /// Time since which the readings are frozen, s after the first sample; null if they are not.
+    /// Time since which the readings are frozen, s after the first sample; null if they are not frozen.
     pub frozen_since_s: Option<f64>,
     /// Time from the first to the newest sample, s.
     pub duration_s: f64,
@@ -433,8 +434,8 @@ pub struct Notice {
     pub code: String,
     /// The observation, its consequence and the remedy.
     pub text: String,
-    /// Time at which it first occurred, s after the first sample.
+    /// Time at which the event first occurred or the condition first started, s after the first sample.
     pub at_s: f64,
-    /// Number of times that it occurred or started.
+    /// Number of times that the event occurred or the condition started.
     pub count: u32,
 }

@@ -4,8 +4,8 @@ use crate::message::{Field, Register};
 use adis16130::registers::{self, Address, ConversionTime, Meaning, RateStatus, Register as _, TempStatus};
 use adis16130::{Config, MCLK_HZ, RateCode, TempCode, Width};
 
-/// Describes every register with its fields. `config` is what was written before; a field that reads back
-/// differently is marked as wrong.
+/// Describes every register with its fields. `config` was written before. A field that reads back differently is
+/// marked as wrong.
 #[must_use]
 pub fn described(config: &Config, values: &[(Address, u32)]) -> Vec<Register> {
     values.iter().map(|(address, value)| register(config, *address, *value)).collect()
@@ -89,7 +89,7 @@ mod tests {
         let registers = described(&Config::new(), &AFTER_F30);
         assert!(registers.iter().flat_map(|register| &register.fields).all(|field| !field.wrong));
         assert_eq!(meanings(&registers, "RATECONV")[1], "a conversion takes 87.83 µs at 6 MHz (F-31)");
-        // F-40, F-41: 23488 codes are 1 °/s, 14093 are 1 °C, 25 °C at the zero code
+        // F-40, F-41: 23488 codes are 1 °/s, 14093 codes are 1 °C, and the zero code is 25 °C
         assert_eq!(meanings(&registers, "RATEDATA"), ["+1.0000 °/s, uncorrected"]);
         assert_eq!(meanings(&registers, "TEMPDATA"), ["24.000 °C"]);
         assert_eq!(meanings(&registers, "MODE")[0], "all enabled channels are converted in turn");

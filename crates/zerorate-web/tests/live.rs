@@ -122,7 +122,7 @@ fn opening_again_begins_anew_and_a_fault_is_reported() {
     assert!(Replay::open("x.csv", b"1,2\n".to_vec().into()).is_err());
 }
 
-/// The port of a bridge whose other end is a page.
+/// A page that reads a bridge. The firmware of the bridge uses it as its serial port.
 struct Page {
     live: Live,
     now_ms: f64,
@@ -236,7 +236,7 @@ fn a_window_that_is_blocked_for_a_while_loses_nothing() {
     assert!(state["why"].as_str().is_some_and(|why| why.contains("the window that reads its port")), "{state}");
 }
 
-/// The device is opened when that is requested, and once more when the part has answered.
+/// The session opens the device when the calibration is requested, and again when the part has answered.
 #[test]
 fn a_part_behind_a_bridge_is_calibrated() {
     let spec = Spec::parse_keys("seed=7,warmup_s=3").expect("keys");

@@ -274,7 +274,7 @@ fn requests_that_make_no_sense_are_answered() {
     }
 }
 
-/// The simulated oven follows the profile of F-57, as a person does who sets a chamber by the plan `f57`.
+/// The simulated oven follows the profile of F-57, like a person who sets a chamber by the plan `f57`.
 #[test]
 fn a_chamber_is_set_by_hand() {
     let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "chamber", "plan": "f57" }));
@@ -339,7 +339,7 @@ fn a_cycle_is_finished_by_hand() {
 
 const ON_FILE: &str = include_str!("../../zerorate-cli/tests/golden/short.toml");
 
-/// The angle restarts, because the earlier integral belongs to another rate.
+/// The angle restarts when a calibration is applied, because the earlier integral is of the raw rate.
 #[test]
 fn an_angle_is_of_one_correction() {
     let (mut session, mut device) = (Session::new(about()), Device::open("seed=3,bias_dps=5"));
@@ -403,7 +403,7 @@ fn a_calibration_of_another_part_is_not_applied() {
     let (all, _) = read(&other.snapshot());
     assert!(all["now"]["axes"][0]["corrected_dps"].is_null(), "{}", all["now"]);
     assert!(all["calibrations"].as_array().unwrap().iter().all(|one| one["applied"] == false));
-    // nobody knows whether a part without a number is the right one
+    // a part without a serial number may be another part than the calibrated one
     let mut unknown = other.reopened(about());
     unknown.apply(Some(&own)).unwrap();
     assert!(says(&unknown, "unknown-serial"));

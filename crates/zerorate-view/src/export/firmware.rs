@@ -60,7 +60,7 @@ pub(super) fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     written(&C, export, functions, constants)
 }
 
-/// The Rust module. Without a prefix, only the module's name tells units apart.
+/// The Rust module. Without a prefix, the modules of all sensors have the same names inside.
 pub(super) fn rust(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     let functions = prefix.map_or_else(String::new, Prefix::of_functions_in_rust);
     let constants = prefix.map_or_else(String::new, Prefix::of_constants);
@@ -104,7 +104,7 @@ fn fill(template: &str, entries: &[(&'static str, String)]) -> String {
     entries.iter().fold(template.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value))
 }
 
-/// Makes an identifier of each axis name. Two axes must not get the same one.
+/// Makes an identifier of each axis name. Returns an error if two axes get the same identifier.
 fn names(axes: &[AxisCodes]) -> Result<Vec<String>> {
     let mut names: Vec<String> = Vec::new();
     for AxisCodes { axis, .. } in axes {
@@ -344,7 +344,7 @@ fn millionths(value: f64) -> Result<i32> {
     Ok(scaled as i32)
 }
 
-/// The value in millionths. Returns an error if it is not a whole number of them.
+/// The value in millionths of its unit. Returns an error if the result is not a whole number.
 fn whole_millionths(what: &str, value: f64) -> Result<i32> {
     let whole = millionths(value)?;
     ensure!(

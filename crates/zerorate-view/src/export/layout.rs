@@ -11,8 +11,8 @@ const STEPS_UC: [u32; 8] = [20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000
 /// Largest number of steps on each side of T3 in a table of default size: 1025 rows, 4.1 kB of flash.
 const MOST_STEPS: u32 = 512;
 
-/// Half of the range that is assumed if a calibration states none, °C. The part warms by 8 ± 1 °C (M-03), and T3 is
-/// the temperature at the end of the warm-up.
+/// Half of the temperature range that is assumed if a calibration states none, °C. The sensor warms by 8 ± 1 °C
+/// (M-03), and T3 is the temperature at the end of the warm-up.
 const ASSUMED_C: f64 = 9.0;
 
 /// Step size and span of a table, and the temperature range that it should cover.
@@ -27,7 +27,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Takes the given step and span. A missing one is chosen so that every axis's table covers the calibrated
+    /// Uses the given step and span. If one is missing, it is chosen so that every axis's table covers the calibrated
     /// range, with steps not finer than one temperature code.
     pub(super) fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
         let valid = valid_range(calibration);
@@ -93,7 +93,7 @@ fn reach(valid: &Validity, t3_c: f64) -> f64 {
     (t3_c - valid.temp_min_c).max(valid.temp_max_c - t3_c) + valid.margin_c
 }
 
-/// Rounds the reach up to a whole number of steps, °C. With an invalid step the reach is returned unchanged and
+/// Rounds the distance `reach_c` up to a whole number of steps, °C. With an invalid step, it is returned unchanged and
 /// refused later.
 fn covering(reach_c: f64, step_c: f64) -> f64 {
     let span_c = (reach_c / step_c - 1e-9).ceil() * step_c;

@@ -31,7 +31,7 @@ pub struct Options {
     pub device_id: Option<i32>,
 }
 
-/// The settings are invalid. The text states the reason.
+/// The error for invalid settings of an export. The text states the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidOptions(pub String);
 
@@ -86,8 +86,8 @@ impl Export {
         }
     }
 
-    /// Describes how far a CSV table with a curve is off between its rows, one text per axis. There is none for a
-    /// linear correction, which can be interpolated exactly.
+    /// Describes the largest error of a CSV table between its rows, one text for each axis with a curve. Axes with a
+    /// linear correction have no text, because their tables can be interpolated exactly.
     #[must_use]
     pub fn lost_by_rows(&self) -> Vec<String> {
         let Layout { step_c, span_c, .. } = self.layout;

@@ -6,7 +6,7 @@ use zerorate_allan::{Fit, Line, Prediction};
 use zerorate_imu::{FitReport, Named, Record, coefficients};
 use zerorate_logs::Quantity;
 
-/// Draws all records in one plot. The fit describes Allan deviations, so other statistics are drawn without it.
+/// Draws all records in one plot. The fit describes Allan deviations, so other statistics are drawn without the fit.
 #[must_use]
 pub fn svg(records: &[Record]) -> String {
     let is_of_one_log = are_axes(records);
@@ -97,7 +97,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// The unit of the recorded quantity.
+    /// The unit of the recorded quantity; `unit` if the quantity is unknown.
     #[must_use]
     pub fn unit(&self) -> &'static str {
         self.records.first().and_then(|record| record.quantity).map_or("unit", Quantity::unit)
@@ -145,7 +145,7 @@ impl<'a> Group<'a> {
         Some(plot::spectra(&format!("{}: spectrum", self.heading()), &all, &format!("{unit}/√Hz")))
     }
 
-    /// Draws the records over time, if the data for that were kept.
+    /// Draws the records over time, if all of them kept the data for this plot.
     fn signals(&self) -> Option<String> {
         let signal = |(record, label): (&Record, String)| {
             let steps = record.model().map_or(&[][..], |fit| &fit.cleaned.steps);

@@ -11,7 +11,7 @@ pub fn is_without_misfit(fit: &FitReport) -> bool {
     fit.model_error.is_some_and(|error| error < 0.0005)
 }
 
-/// Formats what was removed from the record before the analysis, in a sentence each.
+/// Describes what was removed from the record before the analysis: skipped time and detrending, one text each.
 #[must_use]
 pub fn removed(report: &AllanReport) -> Vec<String> {
     let skipped = (report.skipped_s > 0.0).then(|| format!("without the first {}", span(report.skipped_s)));
@@ -53,7 +53,7 @@ pub fn holds_below(report: &AllanReport) -> Option<f64> {
     report.fit.as_ref()?.f_max_hz.filter(|hz| *hz < 0.499 * report.rate_hz)
 }
 
-/// The predicted range of deviations of another record of this sensor, in words. `None` without a valid model or
+/// Describes the predicted range of deviations of another record of this sensor. `None` without a valid model or
 /// prediction.
 #[must_use]
 pub fn predicts(report: &AllanReport) -> Option<String> {

@@ -16,11 +16,11 @@ pub struct Curve {
     pub points: Vec<Point>,
     /// The fitted deviations with the band in which this record's deviations are expected; empty without a fit.
     pub model: Vec<Point>,
-    /// The band in which the deviations of another record are expected.
+    /// The band in which the deviations of another record are expected; empty without a prediction.
     pub predicted: Vec<Point>,
     /// The fitted noise coefficients, one line each; empty without a fit.
     pub laws: Vec<PowerLaw>,
-    /// The minimum, where averaging helps most.
+    /// The lowest deviation, which is marked with a ring; `None` to mark none.
     pub minimum: Option<Minimum>,
     /// Remarks on the fit, shown only in plots of several axes.
     pub remarks: Vec<String>,
@@ -128,11 +128,12 @@ const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
 const LAW_COLOURS: [(f64, &str); 4] = [(-0.5, "#c04a00"), (0.0, "#00785a"), (0.5, "#9a3f75"), (-1.0, "#7d6000")];
 /// The colour of lines with any other slope.
 const OTHER_LAW: &str = "#555555";
-/// A band does not extend the axis further than this beyond the deviations, in decades.
+/// Largest extent of the vertical axis beyond the deviations to show a band, decades.
 const BAND_DECADES: f64 = 0.7;
-/// The vertical axis reaches down to the fitted B if B is at most this factor below the smallest deviation.
+/// The vertical axis is extended down to 0.7 times the line of the fitted bias instability B, unless that is more
+/// than this factor below the smallest deviation.
 const FLOOR_DEPTH: f64 = 30.0;
-/// Distance from a curve, in pixels, at which nobody reads a label as that curve's label.
+/// Distance from a curve, in pixels, at which a label is not mistaken for that curve's label.
 const APART: f64 = 60.0;
 const PER_HOUR: f64 = 3600.0;
 
@@ -270,7 +271,7 @@ impl Picture<'_> {
         group
     }
 
-    /// Colour and dash pattern of a model. With several curves it has its curve's colour.
+    /// Colour and dash pattern of a model. With several curves, each model has the colour of its curve.
     fn model_style(&self, of_curve: &'static str) -> (&'static str, &'static str) {
         if self.curves.len() > 1 { (of_curve, "7 3") } else { (INK, "none") }
     }
@@ -319,7 +320,8 @@ impl Picture<'_> {
         format!("minimum {} {unit} at {} s", number(value), number(tau_s))
     }
 
-    /// Label positions along a line, the best first: those just far enough from the curve not to be read as its label.
+    /// Label positions along a line, the best first: the positions at least [`APART`] from the curve, nearest first,
+    /// then the closer positions, farthest first.
     fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<((f64, f64), Anchor)> {
         let track = densely(&self.scales.track(curve));
         let far = |(x, y): (f64, f64)| track.iter().map(|(a, b)| (x - a).hypot(y - b)).fold(f64::MAX, f64::min);

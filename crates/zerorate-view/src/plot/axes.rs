@@ -51,7 +51,7 @@ impl Axis {
         Self { low, high: if high > low { high } else { low + 1.0 }, span, log: false }
     }
 
-    /// This axis in a unit that is smaller by `factor`.
+    /// The same axis in a unit that is smaller by `factor`, so that its values are larger by `factor`.
     pub fn in_unit(&self, factor: f64) -> Self {
         Self { low: self.low * factor, high: self.high * factor, ..*self }
     }
@@ -133,7 +133,7 @@ pub fn round_step(least: f64) -> (f64, usize) {
     (step, usize::try_from(-exponent(step)).unwrap_or(0))
 }
 
-/// A number with three significant digits: 0.0123 or 1.23·10⁻⁵.
+/// Formats a number with three significant digits: 0.0123 or 1.23·10⁻⁵.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return minus(&value.to_string());

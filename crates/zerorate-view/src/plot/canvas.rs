@@ -116,7 +116,7 @@ pub fn paper(size: (u32, u32), title: &str) -> Document {
         .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
 }
 
-/// Stacks several plots of this module in one SVG.
+/// Stacks several plots one below the other in one SVG.
 #[must_use]
 pub fn stacked(pictures: &[String]) -> String {
     let size = |picture: &str, name: &str| -> Option<u32> {
@@ -173,7 +173,7 @@ pub fn path(points: impl IntoIterator<Item = (f64, f64)>) -> Data {
     })
 }
 
-/// A line through points, unfilled.
+/// The outline of the path `data`, without a fill.
 pub fn stroke(data: Data, colour: &str, width: f64) -> Path {
     Path::new()
         .set("d", data)

@@ -7,14 +7,14 @@ use svg::node::element::{Circle, Group, Path};
 /// The correction of a unit over temperature, and the means that it was fitted to.
 #[derive(Clone, Debug)]
 pub struct CorrectionCurve {
-    /// Points of the curve, by temperature.
+    /// Points of the curve, in order of temperature.
     pub points: Vec<CorrectionPoint>,
     /// The means that the curve was fitted to: minus the mean rate at each mean temperature. They are drawn as dots
     /// with intervals.
     pub means: Vec<CorrectionPoint>,
     /// Reference temperature T3, °C.
     pub t3_c: f64,
-    /// Lowest and highest temperature of the measurement, °C.
+    /// Lowest and highest temperature of the measurement, °C; `None` if unknown.
     pub valid_c: Option<(f64, f64)>,
 }
 
@@ -25,7 +25,7 @@ pub struct CorrectionPoint {
     pub temp_c: f64,
     /// The correction, which is added to the rate, °/s.
     pub correction_dps: f64,
-    /// Half the width of its interval, °/s; 0 if it is unknown.
+    /// Half the width of the correction's interval, °/s; 0 if the interval is unknown.
     pub half_dps: f64,
 }
 

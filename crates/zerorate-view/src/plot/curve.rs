@@ -66,8 +66,8 @@ impl Scales {
         self.limits(points).map(dotted).into_iter().fold(Group::new(), Group::add)
     }
 
-    /// The line through the deviations, with a dot at each unless there are many. `dash` distinguishes curves of the
-    /// same colour.
+    /// The line through the deviations, with a dot at each unless there are [`DENSE`] or more. `dash` distinguishes
+    /// curves of the same colour.
     pub fn line(&self, curve: &Curve, colour: &str, dash: &str) -> Group {
         let track = self.track(curve);
         let (dots, width) = if track.len() < DENSE { (&track[..], 2.0) } else { (&[][..], 1.4) };

@@ -25,7 +25,7 @@ impl Labels {
     }
 
     /// Chooses the candidate position at which the text covers the fewest points of lines, and marks it as taken. Of
-    /// equal ones, the earliest is chosen. Returns `None` if all of them leave the frame or cover another label.
+    /// equally good positions, the first is chosen. Returns `None` if all leave the frame or cover another label.
     pub fn place(
         &mut self,
         text: &str,
@@ -57,8 +57,8 @@ impl Labels {
         self.place(text, clear)
     }
 
-    /// The corner of the frame where a box of this size covers no label, if there is one, and the fewest points of
-    /// lines.
+    /// Chooses the corner of the frame where a box of this size covers the fewest labels. Of equal corners, it
+    /// chooses the one where the box covers the fewest points of lines.
     pub fn corner(&self, (width, height): (f64, f64)) -> Area {
         let Area { left, right, top, bottom } = self.area;
         let gap = 12.0;

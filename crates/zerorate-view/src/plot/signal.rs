@@ -1,5 +1,5 @@
-//! Plots of records over time. Each pixel-wide interval shows the range from its smallest to its largest sample; one
-//! panel per axis.
+//! Plots of records over time, one panel per axis. Each short interval of time is drawn as the range from its smallest
+//! to its largest sample.
 
 use super::allan::COLOURS;
 use super::axes::{Axis, number, range_with_margins};

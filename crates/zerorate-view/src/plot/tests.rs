@@ -61,9 +61,9 @@ fn all_labels_are_text() {
     }
 }
 
-/// The frame is 772 pixels wide from 92 on, and 532 high from 40 on, for 960 × 640 without headings.
-/// τ: five decades, 0.01 … 1000 s. Deviations with their intervals, 2.85e-4 … 0.12, widen to 2e-4 … 0.2: three
-/// decades.
+/// In a plot of 960 × 640 without headings, the frame starts at the pixel (92, 40) and is 772 wide and 532 high. The
+/// horizontal axis has five decades, τ = 0.01 … 1000 s. The deviations with their intervals, 2.85e-4 … 0.12, give a
+/// vertical axis of three decades, 2e-4 … 0.2.
 #[test]
 fn points_are_where_their_logarithms_are() {
     let svg = allan(&[white("w")], &Options::default());
@@ -71,7 +71,7 @@ fn points_are_where_their_logarithms_are() {
     assert_eq!(x.len(), 6);
     for (k, (x, y)) in x.into_iter().zip(y).enumerate() {
         let expected_x = 92.0 + 772.0 / 5.0 * k as f64;
-        // log10(0.2 / dev) decades below the upper end; dev = 0.1, 0.0316 …
+        // the point is log10(0.2 / dev) decades below the upper end, with dev = 0.1, 0.0316 …
         let expected_y = 40.0 + 532.0 / 3.0 * (2f64.log10() + 0.5 * k as f64);
         assert!(
             (x - expected_x).abs() < 0.01 && (y - expected_y).abs() < 0.01,
@@ -142,14 +142,14 @@ fn the_correction_is_drawn_over_its_span() {
     for expected in ["temperature, °C", "correction, °/s", "T3", "measured here", "20", "40"] {
         assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
     }
-    // 20 K take 832 pixels, from pixel 100 on: the span begins at a quarter of them and is half as wide
+    // the axis from 20 to 40 °C is 832 pixels wide from pixel 100 on, so 25 to 35 °C starts at 308 and is 416 wide
     assert!(
         attribute(&svg, "rect", "x").contains(&308.0) && attribute(&svg, "rect", "width").contains(&416.0),
         "{svg}"
     );
 }
 
-/// Two pictures in one page do not share the name of a clip path unless they share the frame.
+/// Two plots in one page have different names for their clip paths, unless their frames have the same position.
 #[test]
 fn frames_of_one_page_have_names_of_their_own() {
     let ids = |svg: &str| {

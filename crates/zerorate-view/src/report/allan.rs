@@ -136,7 +136,7 @@ struct Page<'a> {
 /// Makes the page as HTML.
 ///
 /// # Errors
-/// None is expected, because the template is checked when it is compiled.
+/// Returns an error if the template cannot be filled. That is not expected, since the compiler checks the template.
 pub fn allan_page(page: &AllanPage<'_>) -> Result<String> {
     let (records, first) = (page.records, page.records.first());
     let sections = Group::all(records);

@@ -91,7 +91,7 @@ struct Section {
 /// Makes one HTML page of several calibrations, each with its file name. `course` belongs to the first of them.
 ///
 /// # Errors
-/// None is expected, because the template is checked when it is compiled.
+/// Returns an error if the template cannot be filled. That is not expected, since the compiler checks the template.
 pub fn calibration_page(calibrations: &[(Calibration, String)], course: Option<&Course>) -> Result<String> {
     let mut units: Vec<Unit<'_>> = calibrations.iter().map(|(one, file)| unit(one, file)).collect();
     if let (Some(course), Some((calibration, _)), Some(unit)) = (course, calibrations.first(), units.first_mut()) {
@@ -324,7 +324,7 @@ fn means_of(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<CorrectionP
     ]
 }
 
-/// The Earth's rotation that was subtracted, °/s.
+/// The Earth's rotation that was subtracted, °/s; 0 if none was.
 fn earth_dps(calibration: &Calibration) -> f64 {
     calibration.run.as_ref().and_then(|run| run.earth_dps).unwrap_or(0.0)
 }

@@ -103,7 +103,8 @@ fn points(record: &Record, outcome: &ChamberOutcome, axis: usize) -> Vec<Vec<Str
     record.soaks.iter().zip(&outcome.soak_residuals_dps).map(row).collect()
 }
 
-/// The text of the warning `hysteresis`, if the loop is significant. No curve over temperature can correct it.
+/// The text of the warning `hysteresis`, if the difference between warming and cooling is significant. No curve over
+/// temperature can correct hysteresis.
 #[must_use]
 pub fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
     let Branches { half_width_dps, u_dps, .. } = outcome.branches?;

@@ -19,7 +19,7 @@ pub struct UnitNames {
     pub logs: String,
 }
 
-/// Makes a calibration of the gyroscopes. Errors use `names` for the settings.
+/// Makes a calibration of the gyroscopes. Error texts refer to the settings by `names`.
 ///
 /// # Errors
 /// Returns an error if there are no gyroscopes, or more than a calibration can hold.

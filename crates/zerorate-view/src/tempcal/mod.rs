@@ -83,7 +83,7 @@ pub struct AxisCurve {
     pub u_if_on_before: Option<f64>,
     /// Half of the difference between warming and cooling; null if the temperature only rose or only fell.
     pub hysteresis: Option<f64>,
-    /// Standard deviation of the bias from start to start; null with one log.
+    /// Standard deviation of the bias between starts of the sensor, one per log; null with one log.
     pub spread_of_starts: Option<f64>,
     /// Span of the means, largest minus smallest, before the correction.
     pub before: f64,
@@ -132,7 +132,7 @@ pub struct CubicReport {
     pub about_c: f64,
     /// The coefficients, the constant first.
     pub terms: [f64; 4],
-    /// Largest distance between the polynomial and the curve.
+    /// Largest distance between the polynomial and the curve, in the unit of the axis.
     pub left: f64,
 }
 

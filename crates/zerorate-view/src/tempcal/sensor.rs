@@ -51,7 +51,8 @@ impl Sensors {
     /// Adds all IMUs of the next log.
     ///
     /// # Errors
-    /// The inner result is an error text if the log has other axes than the earlier ones.
+    /// Returns an error if too many samples are missing. The inner result is an error text if the log has other axes
+    /// than the earlier logs.
     pub fn take(&mut self, log: &Path, imus: Vec<ImuColumns>) -> Result<std::result::Result<(), String>> {
         for mut imu in imus {
             for column in std::mem::take(&mut imu.columns) {
@@ -70,7 +71,8 @@ impl Sensors {
     /// this way.
     ///
     /// # Errors
-    /// The inner result is an error text if the earlier logs do not have the axis.
+    /// Returns an error if too many samples are missing. The inner result is an error text if the earlier logs do not
+    /// have the axis, or contain the same samples.
     pub fn take_axis(
         &mut self,
         log: &Path,
@@ -118,7 +120,7 @@ fn is_same(one: &LogMeans, other: &LogMeans) -> bool {
     !one.blocks().is_empty() && one.blocks() == other.blocks()
 }
 
-/// The samples of a column in the unit of results. Missing ones are NaN. Messages call the log `log`.
+/// The samples of a column in the unit of results; missing samples are NaN. Error texts contain the path `log`.
 ///
 /// # Errors
 /// Returns an error if too many samples are missing.
@@ -139,7 +141,7 @@ const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
 /// Largest share of implausible temperatures that are treated as missing.
 const MOST_IMPOSSIBLE: f64 = 0.01;
 
-/// Checks temperatures, °C. A few implausible ones, as from transfer errors, become NaN.
+/// Checks temperatures, °C. A few implausible values, as from transfer errors, become NaN.
 ///
 /// # Errors
 /// Returns the lowest and the highest temperature if too many are implausible.
@@ -190,8 +192,8 @@ pub fn number_of_imu(topic: Option<&str>) -> u32 {
     number.parse().unwrap_or(0)
 }
 
-/// A log that starts later than this after switch-on, s, means that the sensor was on before. An autopilot takes
-/// some seconds to start logging.
+/// If a log starts later than this after switch-on, s, the sensor counts as on before the log. An autopilot takes some
+/// seconds to start logging.
 const LATE_S: f64 = 60.0;
 
 impl ImuColumns {
@@ -214,8 +216,8 @@ impl ImuColumns {
         Ok(means.finish())
     }
 
-    /// The last temperature before each sample of an axis, °C; NaN where it is missing. `samples`, `rate_hz` and
-    /// `start_s` are those of the axis.
+    /// The last temperature before each sample of an axis, °C; NaN where it is missing. The axis has `samples` samples
+    /// at `rate_hz`, and starts at `start_s` on the log's clock.
     pub fn temps_of(&self, samples: usize, rate_hz: f64, start_s: Option<f64>) -> impl Iterator<Item = f64> {
         let is_same = self.temps_c.len() == samples;
         let per_sample = self.temps_hz / rate_hz;

@@ -82,5 +82,5 @@ fn row(text: &mut String, axis: &AxisCurve) {
     let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after; {lag}{on}{hysteresis}{starts}");
 }
 
-/// A lag below this is shown as none, s.
+/// A lag shorter than this, s, is shown as no lag.
 const LEAST_LAG_S: f64 = 0.5;

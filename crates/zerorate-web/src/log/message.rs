@@ -16,7 +16,7 @@ pub struct LogSettings {
     pub columns: Option<Vec<String>>,
     /// The topic to read, if a bag has several IMUs.
     pub topic: Option<String>,
-    /// The rows to read, as `SensorId=1` or `bus=0,sensor=1`: those in which the columns have these values.
+    /// The condition for rows to read, such as `SensorId=1` or `bus=0,sensor=1`; null: all rows.
     #[serde(rename = "where")]
     pub only: Option<String>,
     /// Samples per second, Hz.
@@ -157,7 +157,7 @@ pub struct LogSummary {
     pub pictures: Vec<LogPicture>,
     /// Warnings about several axes at once.
     pub warnings: Vec<String>,
-    /// The reason why no file for a filter can be made; null if it can.
+    /// The reason why no file for a filter can be made; null if a file can be made.
     pub no_noise_file: Option<String>,
 }
 
@@ -175,7 +175,7 @@ pub struct LogBias {
     pub files: Vec<Download>,
     /// The reasons why other files cannot be made.
     pub no_files: Vec<String>,
-    /// The reason why there are no curves; null if there are. With a reason, all else is empty.
+    /// The reason why there are no curves; null if there are curves. With a reason, all other fields are empty.
     pub why_not: Option<String>,
 }
 

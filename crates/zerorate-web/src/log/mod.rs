@@ -42,7 +42,7 @@ mod reader {
     }
 
     impl LogReader {
-        /// Reads the log of this name. Returns its content or a question. `open` returns all its bytes at each call.
+        /// Reads the log of this name. Returns its content or a question. `open` opens the log from its start.
         pub fn look(name: &str, open: impl Fn() -> Input, said: &LogSettings) -> (LogInspection, Option<Self>) {
             let path = Path::new(name);
             match read(path, &open, said) {
@@ -135,7 +135,7 @@ mod reader {
         }
     }
 
-    /// Adds to a question about the time the question that would follow it, so that the user answers both at once.
+    /// Appends the next question to a question about the time, so that the user answers both at once.
     fn with_next(text: String, path: &Path, open: &impl Fn() -> Input, said: &LogSettings) -> String {
         let of_time = [LogSetting::RateHz, LogSetting::TimeColumn, LogSetting::TimeUnit];
         if said.rate_hz.is_some() || !asked_for(&text).iter().all(|setting| of_time.contains(setting)) {

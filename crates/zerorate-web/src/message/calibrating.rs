@@ -50,8 +50,8 @@ pub struct Running {
     pub pending_refusals: Vec<String>,
     /// Temperatures, °C: at the start, now, the lowest and the highest.
     pub temps_c: Option<[f64; 4]>,
-    /// The uncertainties if the calibration had ended at the last check; only for `warmup` and `cycle`, null if it
-    /// would be refused.
+    /// The uncertainties that an end at the last check would have given; null if the calibration would be refused.
+    /// Only for `warmup` and `cycle`.
     pub forecast: Option<Forecast>,
     /// True if `finish-calibration` is allowed now.
     pub can_finish: bool,
@@ -77,9 +77,9 @@ pub struct Forecast {
 pub struct Step {
     /// The name that the page shows.
     pub name: String,
-    /// Start of the step, s.
+    /// Start of the step, s after the start of the calibration.
     pub from_s: f64,
-    /// End of the step, s.
+    /// End of the step, s after the start of the calibration.
     pub to_s: f64,
 }
 
@@ -117,9 +117,9 @@ pub struct AxisResult {
     pub t3_c: f64,
     /// The correction over the temperatures that were measured.
     pub curve: Vec<CurvePoint>,
-    /// Uncorrected mean rate over the last minute, °/s.
+    /// Uncorrected mean rate over the last minute, °/s; null if unknown.
     pub before_dps: Option<f64>,
-    /// Corrected mean rate over the last minute, °/s.
+    /// Corrected mean rate over the last minute, °/s; null if unknown.
     pub after_dps: Option<f64>,
 }
 
@@ -131,7 +131,7 @@ pub struct CurvePoint {
     pub temp_c: f64,
     /// The correction, which is added to the rate, °/s.
     pub correction_dps: f64,
-    /// Standard uncertainty, °/s.
+    /// Standard uncertainty of the correction, °/s; null if unknown.
     pub u_dps: Option<f64>,
     /// The result of a perfect measurement, °/s; null unless the part is simulated.
     pub truth_dps: Option<f64>,
@@ -155,7 +155,7 @@ pub struct CalibrationEntry {
     pub btc_dps_per_c: f64,
     /// T3 of the first axis, °C.
     pub t3_c: f64,
-    /// The valid temperature range, °C.
+    /// Lowest and highest valid temperature, °C; null if not stated.
     pub range_c: Option<[f64; 2]>,
     /// True if the calibration is applied to the readings.
     pub applied: bool,

@@ -20,7 +20,7 @@ pub struct Statistics {
     pub marks: Vec<SpectrumMark>,
     /// The bias over temperature.
     pub temperature: OverTemperature,
-    /// A remark if the deviations contain signals other than noise.
+    /// A remark if the deviations contain signals other than noise; otherwise null.
     pub caution: Option<String>,
 }
 
@@ -36,7 +36,7 @@ pub struct AllanPoint {
     pub lo_dps: f64,
     /// Upper end of the one-sigma interval, °/s.
     pub hi_dps: f64,
-    /// The deviation that the model predicts, °/s.
+    /// The deviation that the model predicts, °/s; null without a model.
     pub model_dps: Option<f64>,
 }
 
@@ -58,8 +58,8 @@ pub struct Coefficient {
     pub unit: String,
     /// True if the value differs significantly from zero.
     pub identified: bool,
-    /// Estimated time until the value differs significantly from zero, s, if the noise is as the model says. Null if
-    /// unknown or already identified.
+    /// Estimated time until the value differs significantly from zero if the model is right, s. Null if unknown or
+    /// already identified.
     pub identified_in_s: Option<f64>,
 }
 

@@ -7,15 +7,16 @@ use zerorate::health::stationarity::{Verdict, judge};
 use zerorate::health::{Health, Judged};
 use zerorate::{Axis, Calibration, CodeSum, NamedAxis, Reading};
 
-/// Length of a block, ns. The function `judge`, which detects rest, needs this length.
+/// Length of a block of averaged samples, ns. The function `judge`, which detects rest, needs this length.
 pub const BLOCK_NS: u64 = 100_000_000;
-/// Length of a block, s.
+/// Length of a block, s: [`BLOCK_NS`].
 pub const BLOCK_S: f64 = 0.1;
 /// Number of blocks in the displayed mean: one second.
 const SHOWN: usize = 10;
 /// Number of blocks for the verdict on rest: 10 s.
 const JUDGED: usize = 100;
-/// Number of blocks that are kept: one minute. Their mean is shown before and after a correction.
+/// Number of blocks that are kept: one minute. The result of a calibration shows their mean rate with and without the
+/// correction.
 const KEPT: usize = 600;
 
 /// The means over a block.
@@ -243,7 +244,8 @@ impl Angle {
         (self.deg, self.over_s) = (0.0, 0.0);
     }
 
-    /// Standard uncertainty due to angle random walk and the correction's error, °: √(d²t/2 + u²t²).
+    /// Standard uncertainty due to angle random walk and the correction's error, °: √(d²t/2 + u²t²), with the noise
+    /// density d, the standard uncertainty u of the correction and the time t.
     fn u_deg(&self, white_dps_per_rt_hz: f64, u_correction_dps: Option<f64>) -> f64 {
         let walk = white_dps_per_rt_hz * (self.over_s / 2.0).sqrt();
         walk.hypot(u_correction_dps.unwrap_or(0.0) * self.over_s)

@@ -12,7 +12,7 @@ use zerorate_allan::{self as allan, FitOptions, Input, Options, Stream, interval
 const SPECTRUM: usize = 1 << 17;
 /// Number of octaves of averaging times that use single readings. Longer averages use blocks.
 const OCTAVES: usize = 16;
-/// Number of block means at which neighbouring ones are merged in pairs.
+/// Number of block means at which adjacent means are merged in pairs.
 const MOST_MEANS: usize = 1 << 19;
 /// Smallest number of means for which coefficients are reported.
 const FEWEST_MEANS: usize = 300;
@@ -249,7 +249,7 @@ const MOST_MISSING: f64 = 0.001;
 /// Change of the temperature above which there is a remark, °C.
 const WARMED_C: f64 = 0.5;
 
-/// Means over blocks. When there are too many, pairs are merged, so that they become longer.
+/// Means over blocks. When there are too many means, adjacent means are merged in pairs.
 #[derive(Debug, Default)]
 struct Means {
     values: Vec<f64>,
@@ -284,7 +284,7 @@ impl Means {
     }
 }
 
-/// The mean of the values; NaN if one of them is.
+/// The mean of the values; NaN if one of them is NaN.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }

@@ -124,7 +124,7 @@ impl Default for Level {
 }
 
 impl Level {
-    /// Adds values to the bin of this number. Returns the previous bin if that completes it.
+    /// Adds values to the bin with this number. If they start a new bin, returns the previous bin, which is complete.
     fn push(&mut self, number: u64, bin: &Bin) -> Option<(u64, Bin)> {
         match &mut self.open {
             Some((open, values)) if *open >= number => {

@@ -52,7 +52,7 @@ pub trait Source {
         Vec::new()
     }
 
-    /// Passes on bytes that the serial port received. `now_ms` is the page's time.
+    /// Passes on bytes that the serial port received. `now_ms` is the time of the page's clock, ms.
     fn received(&mut self, bytes: &[u8], now_ms: f64) {
         let _ = (bytes, now_ms);
     }

@@ -8,7 +8,7 @@ use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Roa, Spec, Truth, Twin, TwinSpi};
 use zerorate_record::Row;
 
-/// The twin, the simulated sensor. Its time advances with its readings.
+/// The twin, the simulated sensor. Its simulated time advances with each reading.
 pub struct TwinSource {
     about: About,
     twin: Twin,
@@ -41,7 +41,8 @@ impl TwinSource {
         Ok(Self { about, twin, part, sampler, alive_ns })
     }
 
-    /// Handles a failed reading. A single one counts as lost; a fault of the part or a long silence is an error.
+    /// Handles a failed reading. A single failed reading counts as lost. A fault of the part or a long silence is an
+    /// error.
     fn require_alive(&mut self) -> Result<(), String> {
         match self.part.diagnose() {
             Ok(Some(fault)) => Err(fault.to_string()),

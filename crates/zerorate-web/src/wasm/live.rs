@@ -42,7 +42,7 @@ impl LiveSession {
         opened(twin(keys))
     }
 
-    /// A session with a bridge. Its bytes go through `received` and `to_send`.
+    /// A session with a bridge. The page transfers the bridge's bytes by `received` and `to_send`.
     pub fn of_bridge() -> Result<LiveSession, JsError> {
         opened(bridge())
     }

@@ -12,7 +12,7 @@ use std::task::Poll;
 use std::time::Duration;
 use zerorate_record::Row;
 
-/// The state that the communication shares with its owner.
+/// The state that the future of the communication shares with its owner.
 pub type SharedWire = Rc<RefCell<Wire>>;
 
 /// The buffers of a port in both directions, and what is known about the bridge.
@@ -21,7 +21,7 @@ pub struct Wire {
     pub client: Client,
     pub received: VecDeque<u8>,
     pub to_send: Vec<u8>,
-    /// The page's time.
+    /// The time of the page's clock.
     pub now: Duration,
     /// The firmware that the bridge reported; `None` before its answer.
     pub firmware: Option<String>,
