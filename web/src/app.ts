@@ -7,7 +7,7 @@ import type { Reply } from "./protocol";
 export interface App {
   model: Model;
   link: Link;
-  /** The same object as `link`, if the session runs in this browser. */
+  /** The same object as `link` if the session runs in this browser; otherwise undefined. */
   inside: Inside | undefined;
   /** Sends a command. If it is refused, shows why and returns undefined. */
   ask(command: Command): Promise<Reply | undefined>;
@@ -18,7 +18,7 @@ export interface App {
 /** One of the four pages. */
 export interface Page {
   readonly element: HTMLElement;
-  /** Shows changes, at most once per animation frame and only while the page is visible. `all`: it just became visible. */
+  /** Shows changes, at most once per animation frame and only while the page is visible. `all`: it was just opened. */
   update(changed: ReadonlySet<Part>, all: boolean): void;
   /** Shows the page in a new theme or unit. */
   restyle(): void;

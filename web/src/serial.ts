@@ -14,7 +14,7 @@ export const NO_SERIAL =
 /** Baud rate of a UART, enough for the full rate with every temperature. USB ignores it. */
 export const DEFAULT_BAUD = 3_000_000;
 
-/** What happens at an open port: bytes arrive, or the port is gone. */
+/** The callbacks of an open port: bytes arrived, or the port is gone. */
 export interface PortEvents {
   received(bytes: Uint8Array): void;
   gone(why: string): void;

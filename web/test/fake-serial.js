@@ -15,7 +15,7 @@
               try {
                 control.error(new DOMException("The device has been lost.", "NetworkError"));
               } catch {
-                // it was cancelled before
+                // the stream was cancelled before
               }
               port.readable = null;
             };

@@ -7,7 +7,7 @@ const FIXTURES = new URL("../../crates/zerorate-logs/fixtures/", import.meta.url
 
 /** Samples per second, Hz. */
 export const RATE_HZ = 100;
-/** Standard deviation of a sample, °/s. N is that over the square root of the rate: 0.01 °/√s. */
+/** Standard deviation of a sample, °/s. Divided by √RATE_HZ, it is N = 0.01 °/√s. */
 export const SD_DPS = 0.1;
 
 /** Normal numbers, the same on every machine. */

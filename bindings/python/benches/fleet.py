@@ -1,6 +1,6 @@
 """``cargo xtask bench-fleet``: times `zerorate.fleet` against a plain loop over the same commands.
 
-Loop and fleet are timed one after the other, three times. The ratio is that of their best times.
+Loop and fleet are timed one after the other, three times. The printed ratio is that of their best times.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def record(program: str, path: Path, seed: int) -> None:
     """Records a capture of a simulated sensor: 89 s, thinned by a divider."""
     twin = ["--device", f"twin:seed={seed}", "--divider", "20", "--serial", f"SN{seed}"]
     command = [program, "calibrate", *twin, *PLAN, "--log", str(path), "--no-save"]
-    subprocess.run(command, capture_output=True)  # one of fifty is refused, which is work as well
+    subprocess.run(command, capture_output=True)  # about one of fifty is refused; the fleet handles that file as well
 
 
 def loop(program: str, source: Path, workers: int) -> float:
@@ -76,7 +76,7 @@ def loop(program: str, source: Path, workers: int) -> float:
 
 
 def through_fleet(source: Path, workers: int, engine: Any) -> float:
-    """Returns the seconds of a run into a new folder."""
+    """Returns the seconds of a run of the fleet into a new folder."""
     with tempfile.TemporaryDirectory() as out:
         ended = fleet.run(str(source), out, RECIPE, engine, workers=workers)
     files = len(list(source.iterdir()))
@@ -85,7 +85,7 @@ def through_fleet(source: Path, workers: int, engine: Any) -> float:
 
 
 def compare(program: str, source: Path, workers: int, engine: Any) -> None:
-    """Prints a line of the table."""
+    """Prints the times of fleet and loop for one engine, a line of the table in the documentation."""
     pairs = [(loop(program, source, workers), through_fleet(source, workers, engine)) for _ in range(ROUNDS)]
     plain, ours = (min(times) for times in zip(*pairs))
     name = "Dask" if engine else "threads"
@@ -113,7 +113,7 @@ def overhead(source: Path, name: str, make: Optional[Callable[..., Any]]) -> Non
 
 
 def memory(program: str) -> None:
-    """Prints the peak memory of the commands on an hour at the full rate, beside what the fleet reserves for them."""
+    """Prints the peak memory of the commands on an hour at the full rate, and the memory that the fleet reserves."""
     with tempfile.TemporaryDirectory() as folder:
         for ending in ("arrows", "parquet"):
             path = Path(folder) / f"hour.{ending}"

@@ -31,7 +31,7 @@ impl Model {
         slf
     }
 
-    /// Unpickling in another process restores the numbers, but not this model.
+    /// Pickles the model as `None`. Another process gets the numbers of a result, but not its model.
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, Bound<'py, PyTuple>) {
         (PyNone::get(py).get_type(), PyTuple::empty(py))
     }
@@ -60,13 +60,13 @@ impl Times {
     }
 }
 
-/// The deviation with its limits at each averaging time, the times that could not be computed, and the noise model.
+/// Computes the deviation with its limits at each averaging time, and fits a noise model.
 ///
-/// ``asked`` says whether glitches and steps are removed before the fit, and up to which frequency the model holds,
-/// Hz; None makes no fit. ``settling`` holds the temperature, and the treatment of the temperature and of the
-/// beginning. Messages call the record ``name``.
+/// ``asked`` is (remove glitches, remove steps, highest frequency of the model in Hz or None); without it, no model
+/// is fitted. ``settling`` has the temperature and the options ``detrend`` and ``skip``. Messages call the record
+/// ``name``. Other threads run meanwhile.
 ///
-/// Other threads run meanwhile. Raises ValueError for arguments with which nothing can be computed.
+/// Raises ValueError for arguments with which nothing can be computed.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of zerorate.allan")]
 pub fn analyse<'py>(
@@ -125,8 +125,8 @@ pub fn analyse<'py>(
     Ok(result)
 }
 
-/// The model at each averaging time, and its bands for this record and for another (NaN where it does not predict);
-/// nothing for statistics that the model does not cover.
+/// Adds the model's deviations and its bands for this record and for another one (NaN where the model predicts
+/// nothing). Adds nothing for statistics that the model does not cover.
 fn expected(result: &Bound<'_, PyDict>, analysis: &Analysis, fit: &Fit) -> PyResult<()> {
     let py = result.py();
     let points: Option<Vec<Prediction>> = analysis.points.iter().map(|point| fit.expected(analysis, point)).collect();
@@ -162,7 +162,7 @@ fn columns(result: &Bound<'_, PyDict>, analysis: &Analysis) -> PyResult<()> {
     result.set_item("unavailable", unavailable)
 }
 
-/// Deviations alone, and the terms in each, at the averaging lengths ``m``; NaN and 0 where there is none.
+/// Computes deviations and their numbers of terms for averages of ``m`` samples; NaN and 0 if there is no deviation.
 #[pyfunction]
 pub fn deviations<'py>(
     py: Python<'py>,
@@ -179,7 +179,7 @@ pub fn deviations<'py>(
     Ok((PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n)))
 }
 
-/// Every statistic: its name, and its name in words.
+/// All statistics: the name that selects each, and its title.
 #[pyfunction]
 pub fn statistics() -> Vec<(&'static str, &'static str)> {
     Stat::ALL.into_iter().map(|stat| (stat.name(), stat.title())).collect()

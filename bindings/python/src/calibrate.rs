@@ -16,8 +16,8 @@ use zerorate_jobs::calibrate::{Files, OutputOptions, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
 use zerorate_view::Seconds;
 
-/// The arguments of ``zerorate.calibrate``. Where a setting of the plan is None, its default
-/// holds. Any other None was not given.
+/// The arguments of ``zerorate.calibrate``. A setting of the plan that is None has its default value. Any other
+/// argument is None if it was not given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct CalibrateOptions {
@@ -86,8 +86,8 @@ impl Watch for Caller {
 
 /// Runs the procedure on a device. Returns the object that ``zerorate calibrate --json`` prints, and the calibration.
 ///
-/// Other threads run meanwhile. Ctrl-C ends it. Messages of the device become warnings. ``progress`` is called with
-/// the step in words, the seconds that are done, and the seconds in total.
+/// Other threads run meanwhile. Ctrl-C ends the procedure. Messages of the device become warnings. ``progress`` is
+/// called with the step in words, the elapsed seconds and the total seconds.
 #[pyfunction]
 pub fn calibrate<'py>(
     py: Python<'py>,

@@ -34,7 +34,7 @@ impl Calibration {
 impl Calibration {
     /// Reads a calibration from the text of its file.
     ///
-    /// Raises ValueError, which names the wrong line.
+    /// Raises ValueError if the text is not a valid calibration. The error names the wrong line.
     #[new]
     fn new(text: String) -> PyResult<Self> {
         let parsed = zerorate::Calibration::parse(&text);
@@ -48,7 +48,7 @@ impl Calibration {
         self.known.id()
     }
 
-    /// The numbers as arguments of the data classes, in one form for all schemas.
+    /// The fields of the file as arguments of the data classes. They are the same for all schemas of the file.
     #[getter]
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut fields =
@@ -61,7 +61,7 @@ impl Calibration {
         Ok(pythonize(py, &fields)?)
     }
 
-    /// The warning if temperatures from ``low_c`` to ``high_c`` leave the span of the calibration.
+    /// The warning if the temperatures ``low_c`` to ``high_c`` leave the span of the calibration, else None.
     fn extrapolation(&self, low_c: f64, high_c: f64) -> Option<String> {
         let warning = self.known.validity.and_then(|validity| validity.warning(low_c, high_c));
         warning.map(|warning| warning.to_string())

@@ -14,7 +14,7 @@ use zerorate_record::CaptureWarning;
 /// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id``
 /// and ``warning``.
 ///
-/// Raises ValueError if the file is not a whole capture, and OSError if it cannot be read.
+/// Raises ValueError if the file is not a complete capture, and OSError if it cannot be read.
 #[pyfunction]
 pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let recording = py.detach(|| capture::read_capture(&path)).map_err(|error| exception(&error))?;
@@ -32,7 +32,7 @@ pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>
     Ok(capture)
 }
 
-/// Marks a temperature that was not read, where −1 may be a code.
+/// The mark for a temperature that was not read, in parts other than the ADIS16130, for which −1 may be a code.
 const NOT_READ: i64 = i64::MIN;
 
 /// Adds the data of each axis. An ADIS16130 has columns in the type of its codes. Another part has tables with a

@@ -48,10 +48,10 @@ impl Corrector {
         Ok(Self { inner: inner.map_err(|error| PyValueError::new_err(error.to_string()))? })
     }
 
-    /// Corrects rates, °/s, with the temperatures, °C, that were read at the same times; NaN means none.
+    /// Corrects rates, °/s, with the temperatures, °C, that were read at the same times. NaN marks a missing value.
     ///
     /// The rates hold all axes for each time, one time after the other. Returns the corrected rates, the temperatures
-    /// used, and whether these lie outside the span.
+    /// used, and whether these temperatures lie outside the span of the calibration.
     ///
     /// Raises ValueError if there is not a rate of each axis for each temperature.
     fn take<'py>(
@@ -78,11 +78,11 @@ impl Corrector {
         Ok((PyArray1::from_vec(py, corrected), PyArray1::from_vec(py, used), PyArray1::from_vec(py, outside)))
     }
 
-    /// The warning if a temperature left the span.
+    /// The warning if a temperature left the span of the calibration; None if none did.
     fn warning(&self) -> Option<String> {
         self.inner.warning().map(|warning| warning.to_string())
     }
 }
 
-/// Corrected rates, the temperatures used, and whether they lie outside the span.
+/// Corrected rates, the temperatures used, and whether these temperatures lie outside the span of the calibration.
 type CorrectedArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);

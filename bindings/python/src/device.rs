@@ -56,7 +56,7 @@ impl DeviceOptions {
 }
 
 impl Device {
-    /// Returns how to read the device. Makes sure that no output is the recording that is replayed.
+    /// The settings for reading the device. Returns an error if an output is the recording that is replayed.
     pub fn setup(&self, outputs: &mut Outputs) -> anyhow::Result<Setup> {
         self.spec.file().map_or(Ok(()), |file| outputs.reads(file))?;
         Ok(Setup { sampling: self.sampling, part: self.part(outputs)?, names: argument, ambient: None })
@@ -93,7 +93,7 @@ pub fn argument(setting: Setting) -> SettingName {
     }
 }
 
-/// Changes the arguments in the report's warnings and remarks to the form of Python.
+/// Rewrites the arguments in the report's warnings and remarks as Python writes them.
 pub fn in_words(mut report: Value) -> Value {
     for key in ["warnings", "remarks"] {
         for warning in report.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten() {
@@ -124,7 +124,7 @@ pub enum Duration {
 }
 
 impl Duration {
-    /// The seconds of the argument ``name``. Raises ValueError.
+    /// Converts the argument ``name`` to seconds. Raises ValueError if it is not a duration.
     pub fn s(&self, name: impl std::fmt::Display) -> PyResult<Seconds> {
         let text = match self {
             Self::Seconds(seconds) => seconds.to_string(),

@@ -31,7 +31,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     }
     match error.chain().find_map(|cause| cause.downcast_ref()).map(DeviceError::cause) {
         Some(Cause::Refused(_)) => return Refused::new_err(text),
-        // the error of a recording that is read in place of a device is that of a file
+        // a recording that is read in place of a device fails like any other file
         None | Some(Cause::Request | Cause::File) => {}
         Some(_) => return ZerorateError::new_err(text),
     }

@@ -1,7 +1,7 @@
 //! `zerorate._zerorate`: the Rust part of the Python package.
 //!
-//! It converts numbers and turns errors into exceptions. Names, defaults and data classes are in `python/zerorate`,
-//! and the computations are in the other crates of the project.
+//! This crate converts numbers, and errors to exceptions. Names, defaults and data classes are in `python/zerorate`.
+//! The computations are in the other crates of the project.
 
 mod allan;
 mod calibrate;

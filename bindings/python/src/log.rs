@@ -36,7 +36,7 @@ pub enum Cells<'py> {
     Codes(PyReadonlyArray1<'py, i32>),
     Numbers(PyReadonlyArray1<'py, f64>),
     Times(PyReadonlyArray1<'py, i64>),
-    /// This many rows without numbers.
+    /// A column without numbers: its number of rows.
     Other(usize),
 }
 
@@ -86,8 +86,8 @@ pub fn argument(setting: Setting) -> SettingName {
     }
 }
 
-/// Reads the named columns of a log, all columns with ``every``, or the only one with ``None``. Returns a dictionary
-/// for each.
+/// Reads the named columns of a log, all columns with ``every``, or the only column with ``None``. Returns a
+/// dictionary for each column.
 ///
 /// ``points`` asks for a number for each sample, even if the log has codes.
 #[pyfunction]
@@ -120,7 +120,7 @@ pub fn read_columns<'py>(
 
 /// Reads the temperature of each sample, °C, and returns it with the name of its column; ``None`` if there is none.
 ///
-/// It is the column ``name``, or one with a name that `temperatures` lists.
+/// The temperature is the column ``name``. Without a name, it is the first column found of those in `temperatures`.
 #[pyfunction]
 pub fn read_temperature<'py>(
     py: Python<'py>,
@@ -193,7 +193,7 @@ pub fn read_imu<'py>(
     Ok((columns.collect::<PyResult<_>>()?, topic, texts(&warnings)))
 }
 
-/// The axes of an IMU as the readers take them.
+/// Converts the arguments about the axes of an IMU to options of the readers.
 pub fn imu_options(
     columns: Option<Vec<String>>,
     gyro: OfKind,
@@ -208,7 +208,7 @@ pub fn imu_options(
     Ok(ImuOptions { columns, gyro, accel, log, ..ImuOptions::default() })
 }
 
-/// The scales of integer codes as the readers take them.
+/// Converts the arguments about the scales of integer codes to options of the readers.
 pub fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOptions> {
     let wrong = |why: String| refused("part", why);
     let read = |named: &String| {
@@ -260,7 +260,7 @@ impl Options {
     }
 }
 
-/// Parses the time of a log at which its beginning or end is left out.
+/// Parses the time up to which, or from which on, a log is left out.
 fn cut_time(text: &Option<String>, name: &str) -> PyResult<Option<CutTime>> {
     text.as_deref().map(str::parse).transpose().map_err(|why| refused(name, why))
 }
@@ -368,7 +368,8 @@ pub fn label(unit: Unit) -> &'static str {
     if unit == Unit::Dps { Quantity::AngularRate.unit() } else { unit.name() }
 }
 
-/// The unit in which the value of a step is one; None if there is no such unit.
+/// The unit of the numbers in the column: the one whose factor to the unit of results is the column's scale. None if
+/// there is no such unit.
 fn unit_of(column: &Column) -> Option<Unit> {
     let quantity = column.quantity?;
     Unit::ALL.into_iter().find(|unit| unit.quantity() == quantity && unit.in_results() == column.scale)

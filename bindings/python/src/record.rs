@@ -13,7 +13,7 @@ pub enum Record<'py> {
 }
 
 impl Record<'_> {
-    /// The record as the core takes it, without a copy. `gaps` belong to codes; numbers have NaN.
+    /// The record as the core takes it, without a copy. `gaps` are the gaps in codes. Missing numbers are NaN.
     pub fn input<'a>(&'a self, phase: bool, gaps: &'a [Gap]) -> PyResult<Input<'a>> {
         Ok(match self {
             Self::Codes(_) if phase => return Err(PyValueError::new_err("give phase as floating-point numbers")),

@@ -46,7 +46,8 @@ impl CaptureOptions {
 
 /// Records raw codes. Returns the object that ``zerorate capture --json`` prints.
 ///
-/// Other threads run meanwhile. Ctrl-C ends it, and the file is complete. ``progress`` is called as by `calibrate`.
+/// Other threads run meanwhile. Ctrl-C ends the recording early, with a complete file. ``progress`` is called as by
+/// `calibrate`.
 #[pyfunction]
 pub fn capture<'py>(
     py: Python<'py>,

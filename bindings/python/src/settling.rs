@@ -24,7 +24,8 @@ pub struct Settling<'py> {
 }
 
 impl Settling<'_> {
-    /// Applies the options to a record. Returns the rest of the record, and what was done.
+    /// Applies the options to a record. Returns the rest of the record, the result of detrending, and the length of
+    /// the skipped beginning, s.
     pub fn apply(
         &self,
         py: Python<'_>,

@@ -26,7 +26,7 @@ enum Item {
     Warning(String),
 }
 
-/// Hands on rows, and waits while the program does not take them.
+/// Sends rows to the program, and waits while the queue is full.
 struct RowSender(SyncSender<Item>);
 
 impl Listener for RowSender {
@@ -120,7 +120,7 @@ impl Stream {
     fn close(&self, py: Python<'_>) {
         self.stop.ask();
         let worker = self.worker.try_lock().ok().and_then(|mut held| held.take());
-        // a device that does not answer is given up after seconds
+        // waits for the thread, which gives up a silent device after some seconds
         py.detach(move || drop(worker));
     }
 }
@@ -128,7 +128,7 @@ impl Stream {
 /// Stack level, for warnings, of the user's line that calls `Stream.__next__`.
 const OF_ROW: i32 = 2;
 
-/// Waits for the next row or the opening. Warnings become Python's, for the line `calls` stack levels up.
+/// Waits for the next row or the opening. Raises warnings in Python for the line `calls` stack levels up.
 fn next(worker: &mut Worker<Item, ()>, py: Python<'_>, calls: i32) -> PyResult<Option<Item>> {
     loop {
         match worker.wait(py)? {

@@ -12,12 +12,12 @@ use zerorate_jobs::tempcal::{Tempcal, TempcalOptions, UnitLog, tempcal as found}
 use zerorate_logs::{Names, Setting};
 use zerorate_view::tempcal::{AxisCurve, Points, ardupilot, px4};
 
-/// The name of the part in the calibration, as the program has it.
+/// The name of the part in the calibration, the same as in `zerorate tempcal`.
 const PART: &str = "gyroscope";
 
-/// Fits the bias over temperature of all axes. Returns a dictionary for each axis, the warnings about the logs, and
-/// the calibration, the parameters of PX4 and those of ArduPilot, each with the reason in its place if it cannot be
-/// made.
+/// Fits the bias over temperature of all axes. Returns a dictionary: ``axes``, ``warnings``, and the files
+/// ``calibration``, ``px4`` and ``ardupilot``. Each file is a pair of the file and the reason why it cannot be made;
+/// one of the two is None.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of zerorate.tempcal")]
 pub fn tempcal<'py>(
@@ -71,7 +71,7 @@ fn calibration(found: &Tempcal, serial: Option<String>, logs: &[UnitLog]) -> (Op
     made(calibration.map_err(|error| joined(&format!("{error:#}"))))
 }
 
-/// What was made, or the reason why not.
+/// Splits a result into its value and its error text. One of them is None.
 fn made<T>(result: Result<T, String>) -> (Option<T>, Option<String>) {
     match result {
         Ok(made) => (Some(made), None),
@@ -79,7 +79,7 @@ fn made<T>(result: Result<T, String>) -> (Option<T>, Option<String>) {
     }
 }
 
-/// The keys of an axis in `zerorate tempcal --json`, with arrays for its curve, and its means.
+/// The dictionary of an axis: the keys of `zerorate tempcal --json`, with the curve and the means as arrays.
 fn axis<'py>(py: Python<'py>, axis: &AxisCurve, points: &Points) -> PyResult<Bound<'py, PyAny>> {
     let result = pythonize(py, axis)?;
     let values: Vec<(f64, f64, f64)> = axis.curve.iter().map(|point| point.values()).collect();

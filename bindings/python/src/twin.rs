@@ -13,7 +13,7 @@ pub fn twin_device(keys: &str) -> PyResult<String> {
     Ok(format!("twin:{keys}"))
 }
 
-/// The keys of a twin: name, default and allowed values in words, and what it is.
+/// The keys of a twin: name, default and allowed values in words, and description.
 #[pyfunction]
 pub fn twin_keys() -> Vec<(&'static str, &'static str, String, &'static str)> {
     KEYS.iter().map(|key| (key.name, key.default, Key::allowed(key), key.help)).collect()

@@ -1,4 +1,4 @@
-//! Work in a thread of its own, while the thread of Python listens to Ctrl-C.
+//! Runs work in a thread of its own, while the thread of Python listens to Ctrl-C.
 
 use crate::error::exception;
 use pyo3::exceptions::{PyRuntimeError, PyUserWarning};
@@ -14,7 +14,7 @@ use zerorate_host::Stop;
 /// Longest time until Ctrl-C is noticed, and between two reports of progress.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// A thread that works with a device and runs no Python. It ends when this is dropped.
+/// A thread that works with a device and runs no Python. Dropping the worker ends the thread.
 pub struct Worker<E, T> {
     events: Option<Receiver<E>>,
     thread: Option<JoinHandle<anyhow::Result<T>>>,
@@ -33,7 +33,7 @@ impl<E: Send + 'static, T: Send + 'static> Worker<E, T> {
         Self { events: Some(events), thread: Some(thread), stop }
     }
 
-    /// The request by which the work ends early.
+    /// The stop request, by which the work ends early.
     pub fn stop(&self) -> &Stop {
         &self.stop
     }
@@ -49,7 +49,7 @@ impl<E: Send + 'static, T: Send + 'static> Worker<E, T> {
         Ok(heard)
     }
 
-    /// The result of the work, which has no more events.
+    /// Waits for the end of the work, and returns its result. Call it when there are no more events.
     pub fn end(mut self, py: Python<'_>) -> PyResult<T> {
         let Some(thread) = self.thread.take() else { return Err(PyRuntimeError::new_err("the work has ended")) };
         let done = py.detach(|| thread.join()).unwrap_or_else(|panic| resume_unwind(panic));
@@ -66,7 +66,7 @@ impl<E, T> Drop for Worker<E, T> {
     }
 }
 
-/// Tells what happens during work: warnings, and the latest progress.
+/// Reports the warnings and the latest progress of the work to the thread of Python.
 #[derive(Clone)]
 pub struct Reporter {
     warnings: Sender<String>,
@@ -77,7 +77,7 @@ pub struct Reporter {
 #[derive(Clone, Default)]
 struct Latest(Arc<Mutex<Option<Step>>>);
 
-/// A step in words, how much is done, and how much there is in all.
+/// The step in words, the amount of work done, and the total amount.
 type Step = (String, f64, f64);
 
 impl Reporter {
@@ -86,7 +86,7 @@ impl Reporter {
         let _ = self.warnings.send(text);
     }
 
-    /// Replaces the progress. It never waits for the reader.
+    /// Replaces the progress. Never waits for the thread of Python.
     pub fn show(&self, step: String, done: f64, total: f64) {
         *self.latest.lock() = Some((step, done, total));
     }
@@ -102,7 +102,7 @@ impl Latest {
     }
 }
 
-/// Does the work in a thread, and returns its result. Warnings become Python's, and `progress` is called with each
+/// Does the work in a thread, and returns its result. Raises its warnings in Python, and calls `progress` with each
 /// step, at most ten times a second. Ctrl-C and an exception of `progress` end the work.
 pub fn supervised<T: Send + 'static>(
     py: Python<'_>,

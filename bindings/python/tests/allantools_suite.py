@@ -1,8 +1,7 @@
-"""Runs allantools' own tests against `zerorate.allantools_compat`: python allantools_suite.py SOURCE, an
-unpacked source distribution.
+"""Runs allantools' own tests against `zerorate.allantools_compat`: python allantools_suite.py SOURCE
 
-Prints the names of the tests that pass, and of those that need a function that is not offered. Fails if any other
-test does not pass.
+SOURCE is an unpacked source distribution of allantools. The script prints the names of the tests that pass, and of
+those that need a function that is not offered. It fails if any other test does not pass.
 """
 
 from __future__ import annotations
@@ -55,7 +54,7 @@ class Outcomes:
 
 
 def noise_of(source: Path) -> ModuleType:
-    """The noise generator of allantools."""
+    """Loads the noise generator of allantools."""
     spec = importlib.util.spec_from_file_location("allantools.noise", source / "allantools" / "noise.py")
     assert spec is not None and spec.loader is not None
     module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)

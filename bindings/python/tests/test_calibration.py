@@ -124,7 +124,7 @@ def test_a_calibration_corrects_the_same_after_pickling(unit: tuple[zerorate.Cal
 def test_the_log_gives_back_what_was_measured(unit: tuple[zerorate.Calibrated, Path]) -> None:
     found, folder = unit
     log = zerorate.read_capture(folder / "unit.arrows")
-    # the sample that ends the last step is in the log, but in no step
+    # the log also has the sample that ends the last step, which belongs to no step
     assert len(log) == found.samples + 1
     assert log.metadata["zerorate.serial"] == "SN17"
     assert log.rate_hz == pytest.approx(found.rate_hz, rel=1e-3)
@@ -293,7 +293,7 @@ def test_twins() -> None:
 
 
 def test_readings_that_are_not_to_be_believed_are_marked(tmp_path: Path) -> None:
-    # 175.667 µs apart; the one in the middle is 11 °/s off, with a bit flipped; the last temperature is 64 °C off
+    # the readings are 175.667 µs apart; bit 18 of reading 20 is flipped (11 °/s), and temperature 30 is off by 64 °C
     codes = [2**23 + (k % 3) for k in range(40)]
     codes[20] ^= 2**18
     rows = [f"{175_667 * (k + 1)},{k},{code},8,{2**23},0" for k, code in enumerate(codes)]

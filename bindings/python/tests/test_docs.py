@@ -1,4 +1,4 @@
-"""The examples in the documentation do what they show."""
+"""The examples in the documentation give the results that they show."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ N_GYRO, N_ACCEL = (1e-4, 2e-4, 3e-4), (1e-3, 2e-3, 1.5e-3)
 
 
 def rest(n: int = 20_000) -> NDArray[np.float64]:
-    """White noise of known densities: σ = N √rate."""
+    """White noise of six axes with known N: the standard deviation of a sample is N √rate."""
     white: NDArray[np.float64] = np.random.default_rng(3).normal(size=(n, 6))
     return np.asarray(white * np.array(N_GYRO + N_ACCEL) * np.sqrt(RATE_HZ), dtype=np.float64)
 

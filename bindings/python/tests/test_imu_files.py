@@ -1,8 +1,8 @@
 """The six files of `zerorate imu`, each read with the parser of its filter.
 
-Kalibr reads with PyYAML; OpenVINS, VINS and ORB-SLAM3 with OpenCV's `FileStorage`, which wants `%YAML 1.0`; KF-GINS
-with yaml-cpp, replaced here by ruamel.yaml (both are YAML 1.2). The places of the numbers are typed again from
-docs/imu.md.
+Kalibr reads with PyYAML. OpenVINS, VINS and ORB-SLAM3 read with OpenCV's `FileStorage`, which needs `%YAML 1.0`.
+KF-GINS reads with yaml-cpp, which ruamel.yaml replaces here (both are YAML 1.2). The keys of the numbers are typed
+again from docs/imu.md.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ruamel.yaml import YAML
 PROGRAM = shutil.which("zerorate", path=sysconfig.get_path("scripts")) or "zerorate is not installed"
 RATE_HZ = 125.0
 FORMATS = ["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
-# °/s/√Hz and m/s²/√Hz, two-sided, by axis; the first gyroscope and the last accelerometer have a random walk as well
+# N by axis, °/s/√Hz and m/s²/√Hz (two-sided). The first gyroscope and the last accelerometer also have a random walk.
 N_GYRO, N_ACCEL = (0.01, 0.02, 0.015), (1e-3, 3e-3, 2e-3)
 
 
@@ -70,7 +70,7 @@ def worst(axes: list[tuple[float, float]], which: int) -> tuple[float, float]:
 
 
 def close(value: float) -> Any:
-    """Equal to seven digits, as many as the files have."""
+    """Approximately `value`, because the numbers in the files are rounded."""
     return pytest.approx(value, rel=2e-6)
 
 
@@ -147,7 +147,7 @@ def test_orbslam3(log: Path, axes: list[tuple[float, float]]) -> None:
         ("IMU.AccWalk", worst(axes, 1)[1]),
     ]:
         assert node(key).real() == close(expected), key
-    # ORB-SLAM3 takes a number with a point for the rate as well as one without
+    # ORB-SLAM3 reads the rate with or without a decimal point
     assert node("IMU.Frequency").real() == pytest.approx(RATE_HZ, rel=1e-6)
 
 

@@ -1,4 +1,4 @@
-"""The names of arguments, and the messages about wrong names."""
+"""The names of arguments, and the error texts about wrong names."""
 
 from __future__ import annotations
 

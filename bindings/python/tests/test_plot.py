@@ -1,4 +1,4 @@
-"""Pictures: what is drawn, read from the axes."""
+"""The plots, checked by the lines and texts in the axes of matplotlib."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ def test_an_index_of_instants_tells_rate_and_gaps() -> None:
         of_array: Any = zerorate.allan(array, **options)
         np.testing.assert_array_equal(of_array["gx_dps"].dev, by_column.dev)
     assert zerorate.allan(array, rate_hz=1.0, columns=["a [g]", "b"])["a [g]"].unit == "g"
-    # without rows 1000 to 1099
+    # rows 1000 to 1099 are missing
     kept = np.r_[0:1000, 1100:4096]
     gapped = zerorate.allan(pandas.Series(rate[kept], index=stamps[kept]))
     assert (gapped.samples, gapped.missing) == (4096, 100)

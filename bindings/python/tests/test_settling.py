@@ -39,7 +39,7 @@ def codes(texts: list[str]) -> list[str]:
 
 
 def same(result: zerorate.Allan, report: Any) -> None:
-    """Compares with the command line, except for how the log was read."""
+    """Checks that K is the same as in the report of the command line."""
     assert result.fit is not None
     k = report["fit"]["k"]
     assert (result.fit.k.value, result.fit.k.lo, result.fit.k.hi) == pytest.approx((k["value"], k["lo"], k["hi"]))

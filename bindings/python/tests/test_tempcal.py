@@ -22,7 +22,7 @@ CUBICS = {"gx_dps": (0.1, 2e-3, 3e-5, 1e-6), "gy_dps": (-0.2, -1e-3, 5e-5, 0.0),
 """Coefficients of the bias in powers of T − 25 °C, °/s and °C."""
 ACCEL = {"ax_mps2": (0.0, 1e-3, 0.0, 0.0), "ay_mps2": (0.3, -2e-3, 2e-5, 0.0), "az_mps2": (9.8, 5e-4, 0.0, 1e-6)}
 WHITE = 0.02
-"""Noise of a sample, °/s and m/s²."""
+"""Standard deviation of the noise of a sample, °/s and m/s²."""
 
 Table = dict[str, NDArray[np.float64]]
 
@@ -32,7 +32,7 @@ def truth(terms: tuple[float, ...], temp_c: NDArray[np.float64]) -> NDArray[np.f
 
 
 def record(seed: int = 1, low_c: float = 5.0, high_c: float = 45.0) -> Table:
-    """A sensor that warms, and cools again, without lag."""
+    """A record of a sensor that warms and cools again. Its bias follows the temperature without lag."""
     rng, t_s = np.random.default_rng(seed), np.arange(SAMPLES) / RATE_HZ
     temp_c = low_c + (high_c - low_c) * (0.5 - 0.5 * np.cos(2 * np.pi * t_s / t_s[-1]))
     axes = {**CUBICS, **ACCEL}

@@ -41,7 +41,7 @@ export class Notices {
   }
 }
 
-/** One notice. There is one for each code; its text and count change. */
+/** The row of a notice. There is one row for each code. Its text and count change. */
 class Row {
   readonly element: HTMLElement;
   readonly #at = h("time", {});

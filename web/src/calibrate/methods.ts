@@ -1,6 +1,6 @@
 import type { MethodName } from "../protocol";
 
-/** A way to calibrate, in plain words. */
+/** A calibration method, described in plain words. */
 export interface Method {
   name: MethodName;
   title: string;
@@ -64,7 +64,7 @@ export const METHODS: readonly Method[] = [
 /** The method that is selected first, because it suits everybody who has no reason to take another one. */
 export const PRESELECTED: Method = METHODS.find((method) => method.name === "warmup")!;
 
-/** Tells what happens to the session if its page is closed. `inside`: the session runs in this browser. */
+/** The text about closing the page during a calibration. `inside` is true if the session runs in this browser. */
 export function meanwhile(inside: boolean): string {
   if (!inside) return "The page may be closed meanwhile: the session goes on without it.";
   return "Keep this page open and the computer awake: the session runs in this browser, and ends with it.";

@@ -26,7 +26,7 @@ const KINDS: readonly StripKind[] = [
   },
 ];
 
-/** A running calibration: what to do now, the next steps, and what would be refused. */
+/** The view of a running calibration: the advice, the steps, and the refusals if it ended now. */
 export class Run implements Stage {
   readonly element: HTMLElement;
   readonly #title = h("h1", {});
@@ -108,7 +108,7 @@ export class Run implements Stage {
         ...steps.map((step) => h("li", {}, h("span", { class: "name" }, step.name), h("span", { class: "time" }))),
       );
     }
-    // at a set point the sensor decides: a step whose time is over goes on until the sensor has settled
+    // a step at a set point of the chamber goes on after its time until the sensor has settled
     const isOver = ({ to_s }: Step) => (method === "chamber" ? elapsed_s > to_s : elapsed_s >= to_s);
     const now = steps.findIndex((step) => !isOver(step));
     steps.forEach((step, index) => {

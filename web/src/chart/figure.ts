@@ -4,7 +4,7 @@ import { h, say, table } from "../dom";
 import { settings } from "../settings";
 import { palette, type Palette } from "./palette";
 
-/** The summary of a picture in words, and its numbers as rows. */
+/** The summary of a chart in words, and its numbers as rows. */
 export interface Told {
   summary: string;
   head: string[];

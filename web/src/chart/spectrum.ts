@@ -10,7 +10,7 @@ export interface Spectral {
   marks: SpectrumMark[];
 }
 
-/** The short words of a mark in the picture; the list below has the full text. */
+/** The label of each kind of mark in the chart. The list below the chart has the full texts. */
 const SHORT: Record<SpectrumMark["kind"], string> = {
   bandwidth: "−3 dB",
   nyquist: "½ rate",

@@ -20,9 +20,9 @@ export interface StripKind {
 /** The state that all strips share. */
 export interface Shared {
   window: TimeWindow;
-  /** Cursors that were set, s since the first sample. */
+  /** Positions of the cursors, s since the first sample; undefined for a cursor that is not set. */
   cursors: { A: number | undefined; B: number | undefined };
-  /** The time under the pointer, s since the first sample. */
+  /** The time under the pointer, s since the first sample; undefined if the pointer is elsewhere. */
   hover: number | undefined;
   changed(): void;
 }
@@ -78,9 +78,7 @@ export class Strip {
     this.#resized.observe(this.#box);
   }
 
-  /**
-   * True if the strip shows a rate. Otherwise it shows the temperature: it is the lowest strip, with the time axis.
-   */
+  /** True if the strip shows a rate. The temperature strip is the lowest, and has the numbers of the time axis. */
   get #isRate(): boolean {
     return this.kind.column !== "temp";
   }

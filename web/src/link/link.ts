@@ -17,7 +17,7 @@ export type LinkState =
 
 /** The connection to the session, wherever the session runs. */
 export interface Link {
-  /** Sends a command. A refusal fails with the session's own text. */
+  /** Sends a command. If the session refuses it, the promise is rejected with the session's error text. */
   ask(command: Command): Promise<Reply>;
   onframe: (bytes: ArrayBuffer) => void;
   onstate: (state: LinkState) => void;

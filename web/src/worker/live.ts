@@ -21,7 +21,7 @@ type Hello = Extract<ToLive, { do: "hello" }>;
 const windows = new Set<Window>();
 let serial: Window | undefined;
 let session: LiveSession | undefined;
-/** The twin as the small first module shows it, until there is a session. */
+/** The preview of the twin by the small first module, until there is a session. */
 let look: FirstLook | undefined;
 let unusable: string | undefined;
 
@@ -82,7 +82,7 @@ function handOver(before: LiveSession, after: LiveSession): void {
   if (before.is_calibrating()) after.note("The calibration ended without a result, because a recording was opened");
 }
 
-/** Opens the first device. If it is no longer available, opens the twin, which says why. */
+/** Opens the first device. If that fails, opens the twin, with a notice that states the reason. */
 async function first(what: Opening): Promise<LiveSession> {
   try {
     return await begin(what);
@@ -94,7 +94,7 @@ async function first(what: Opening): Promise<LiveSession> {
   }
 }
 
-/** Opens the device that a window asks for. The window that asks for a bridge has the port. On failure, nothing changes. */
+/** Opens the device that a window asks for. A bridge is at that window's port. On failure, the old device stays. */
 async function open(window: Window, what: Opening): Promise<void> {
   try {
     session = session === undefined ? await begin(what) : await instead(session, what);
@@ -108,7 +108,7 @@ async function open(window: Window, what: Opening): Promise<void> {
   for (const one of windows) tellFrame(one, session.snapshot());
 }
 
-/** Puts the calibrations on file that the page kept. Damaged ones are left out. */
+/** Adds the calibrations that the page stored to the session, without damaged ones. Applies the applied one again. */
 function take(open: LiveSession, calibrations: string[], applied: string | null): void {
   for (const toml of calibrations) {
     try {
@@ -120,16 +120,14 @@ function take(open: LiveSession, calibrations: string[], applied: string | null)
   if (applied !== null && calibrations.length > 0) open.apply(applied);
 }
 
-/**
- * Shows the twin by the first module, except to a page with stored calibrations: its cache has the session's module.
- */
+/** Shows the preview of the twin. A page with stored calibrations needs none: its cache has the session's module. */
 function lookFirst(window: Window, said: Hello): void {
   if (said.open.is !== "twin" || said.calibrations.length > 0) return;
   try {
     look ??= new FirstLook(said.open.keys);
     tellFrame(window, look.snapshot());
   } catch {
-    // the session says why
+    // the session will report the reason
   }
 }
 
@@ -203,7 +201,7 @@ function turn(): void {
   }
 }
 
-/** The requests of all windows, one after the other, so that a session is opened only once. */
+/** Completes after the last request. Requests are handled one by one, so that a session is opened only once. */
 let heard: Promise<void> = ready.then(() => {});
 
 async function answer(window: Window, said: ToLive): Promise<void> {

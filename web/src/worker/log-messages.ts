@@ -1,9 +1,8 @@
-// The messages between the page and the worker that reads a log. It is the same worker on a static and on a served
-// page.
+// The messages between the page and the worker that reads a log. Static and served pages have the same worker.
 
 import type { Download, LogAxis, LogBias, LogSettings, LogSummary, LogInspection, NoiseFileCommand } from "../protocol";
 
-/** Messages to the worker. A worker that is ended while it works leaves nothing behind. */
+/** Messages to the worker. The page can end the worker at any time. */
 export type ToLog =
   | { do: "look"; file: File; settings: LogSettings }
   | { do: "analyse" }

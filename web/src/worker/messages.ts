@@ -23,7 +23,7 @@ export type FromLive =
   | { is: "frame"; bytes: ArrayBuffer }
   | { is: "answer"; text: string }
   | { is: "serial-send"; bytes: Uint8Array }
-  /** Another window opened another device. */
+  /** Another window opened another device, so the session no longer reads the port of this window. */
   | { is: "serial-release" }
   /** The module does not run here, so there will be no session. */
   | { is: "failed"; why: string };

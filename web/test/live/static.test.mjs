@@ -37,7 +37,7 @@ test("the policy is in force, and nothing comes from elsewhere", async () => {
     prepare: (page) => page.on("request", (request) => hosts.add(new URL(request.url()).origin)),
   });
   for (const name of PAGES) await page.click(`nav a[href="#${name}"]`);
-  // without page.evaluate of the script itself, because the debugger's scripts bypass the policy
+  // the script is an element of the page, because a script that page.evaluate runs bypasses the policy
   const refused = await page.evaluate(
     () =>
       new Promise((done) => {

@@ -16,14 +16,14 @@ def main() -> int:
     """Runs the command line of this process. Returns the exit code: 0 done, 1 failed, 2 usage, 3 refused."""
     if sys.argv[1:2] == ["fleet"]:
         return run_fleet(sys.argv[2:])
-    # Python only notes a Ctrl-C until its next instruction, and none comes while the command runs.
+    # Python handles a Ctrl-C only at its next instruction, and runs none until the native command has ended.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _zerorate.main(["zerorate", *sys.argv[1:]])
 
 
 def run_fleet(arguments: list[str]) -> int:
-    """Runs ``zerorate fleet``; where its libraries are missing, says how to install them."""
-    # Workers of Dask are new interpreters, which from Python 3.11 on then import nothing from the current folder.
+    """Runs ``zerorate fleet``. If its libraries are missing, prints how to install them."""
+    # Workers of Dask are new interpreters. From Python 3.11 on, they then import nothing from the current folder.
     os.environ["PYTHONSAFEPATH"] = "1"
     try:
         from .fleet import _cli

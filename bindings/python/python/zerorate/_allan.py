@@ -132,37 +132,38 @@ def allan(
     confidence
         Probability with which `Allan.lo` and `Allan.hi` enclose the true deviation.
     scale
-        The value of one step, in `unit`; 1 unless given.
+        The value of the number 1 in the record, in `unit`; 1 unless given.
     unit
-        Unit of the rate and of the results: ``rad/s``, ``m/s²``, ``g`` …; for arrays any other as well. Unless given,
-        it is the unit that the name of a column or the log states; for values without a name, °/s.
+        Unit of the rate and of the results: ``rad/s``, ``m/s²``, ``g`` …; for arrays, any other text as well. Unless
+        given, it is the unit that the name of a column or the log states; for values without a name, °/s.
     fit
-        Fit a noise model. Without it, nothing is taken out of the record.
+        Fit a noise model. If false, no glitches and steps are removed from the record.
     glitches
-        ``cut``: before the fit, samples that cannot be noise are replaced. ``keep`` them.
+        ``cut``: samples that cannot be noise are replaced before the fit. ``keep``: they stay.
     steps
-        ``remove``: before the fit, up to three jumps of the level are taken out. ``keep`` them.
+        ``remove``: up to three jumps of the level are removed before the fit. ``keep``: they stay.
     max_freq_hz
         The frequency up to which the noise model holds, Hz. Unless given, the data choose it: `Fit.f_max_hz`.
     temp_c
-        The temperature of each sample, °C, NaN where it was not read; for a log or table, the name of its column. A
-        `Capture` has it. In a log or table, a column named ``temp_code``, ``temp_c``, ``temp`` or ``temperature`` is
-        taken. A rate that follows the temperature is not noise: see ``follows-temperature`` in `Fit.warnings`.
+        The temperature of each sample, °C, NaN where it was not read; for a log or table, the name of its column.
+        Unless given, it is the temperature of a `Capture`, or the column ``temp_code``, ``temp_c``, ``temp`` or
+        ``temperature`` of a log or table. A rate that follows the temperature is not noise: see
+        ``follows-temperature`` in `Fit.warnings`.
     detrend
         Subtract a polynomial of this order, 1 to 3, over the temperature before anything else; `Allan.detrended` holds
-        it. The intervals of long averages and of K are widened by the noise that it may have removed.
+        the polynomial. The intervals of long averages and of K allow for the noise that it may have removed.
     skip
-        Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``; of a log also all
-        before a clock time, see `read_log`.
+        Length of the beginning to leave out while the sensor warms: seconds, or a duration such as ``"45m"``; for a
+        log also a clock time, see `read_log`.
     until
-        Leave out what follows in a log or table: see `read_log`.
+        The time after which a log or table is left out: see `read_log`.
     force_unit, time_column, time_unit, increments, decimal, raw, max_bad, topic, where
         See `read_log`.
 
     Returns
     -------
     Allan or AllanAxes
-        `Allan` for one column, `AllanAxes` for several. (To a type checker an array without `columns` is one.)
+        `Allan` for one column, `AllanAxes` for several. For type checkers, an array without `columns` is one column.
 
     Raises
     ------
@@ -175,8 +176,8 @@ def allan(
 
     Notes
     -----
-    NIST SP 1065, equations 10, 11, 14, 15, 17, 18, 25; limits from χ² with the degrees of freedom of Greenhall and
-    Riley (PTTI 2003). ``import zerorate; help(zerorate)`` lists the other functions.
+    Deviations by NIST SP 1065, equations 10, 11, 14, 15, 17, 18, 25. Limits from χ² with the degrees of freedom of
+    Greenhall and Riley (PTTI 2003). ``import zerorate; help(zerorate)`` lists the other functions.
 
     Examples
     --------

@@ -29,7 +29,7 @@ Taus = Union[str, Sequence[float], "NDArray[np.float64]"]
 """Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N``, or seconds."""
 
 LONG = 50_000
-"""Number of samples above which the thread that watches for Ctrl-C costs nothing in comparison."""
+"""Number of samples above which an analysis takes much longer than starting the thread that watches for Ctrl-C."""
 
 _Of = TypeVar("_Of")
 _To = TypeVar("_To")

@@ -1,4 +1,4 @@
-"""A calibration of one unit. The file is specified in docs/formats/calibration.md of the project."""
+"""A calibration of one sensor. The file is specified in docs/formats/calibration.md of the project."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Correction:
-    """corrected rate = RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3.
+    """The coefficients of a correction over temperature.
 
-    BTC2 and BTC3 are 0 for a line.
+    corrected rate = RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3.
     """
 
     pbc_dps: float
     """PBC, °/s: the negative of the bias at T3."""
     btc_dps_per_c: float
-    """BTC, °/s/°C."""
+    """BTC, °/s/°C: the change of the correction with the temperature at T3."""
     t3_c: float
-    """T3, °C."""
+    """T3, °C: the temperature at which the correction is PBC."""
     btc2_dps_per_c2: float = 0.0
     """Quadratic term BTC2, °/s/°C²; 0 for a line."""
     btc3_dps_per_c3: float = 0.0
@@ -80,7 +80,7 @@ class Uncertainties:
     cov_btc_t3_dps: float
     """Covariance of BTC and T3, °/s."""
     u_curvature_dps_per_c: float
-    """The part of the uncertainty of BTC that allows for curvature, °/s/°C."""
+    """The part of the uncertainty of BTC that allows for curvature and hysteresis, °/s/°C."""
     u_b1_dps: float
     """Standard uncertainty of B1, °/s."""
     u_t1_c: float
@@ -90,7 +90,8 @@ class Uncertainties:
     u_t2_c: float
     """Standard uncertainty of T2, °C."""
     drift_dps: float | None = None
-    """A part of the uncertainty of PBC with a known sign: PBC is this much above its value at T3, °/s."""
+    """A part of `u_pbc_dps` with a known sign, °/s: PBC is this much above its value at T3, because it belongs to the
+    mean temperature of step 8."""
 
 
 @dataclass(frozen=True)
@@ -112,9 +113,9 @@ class CurveRecord:
     play_c: float
     """Half width of the backlash between temperature and bias, °C."""
     steps: list[list[float]]
-    """Steps that were taken out: time, s, and size, °/s."""
+    """Steps of the rate that were removed before the fit: time, s, and size, °/s."""
     sources: dict[str, float] | None = None
-    """Parts of the uncertainties of PBC and BTC, as ``curve.sources`` of the file; the rest is noise."""
+    """Parts of the uncertainties of PBC and BTC that are not noise, as ``curve.sources`` of the file."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ class Validity:
     temp_max_c: float
     """Highest temperature, °C."""
     margin_c: float = 0.5
-    """How far a temperature may leave the range without a warning, °C."""
+    """Distance by which a temperature may leave the range without a warning, °C."""
 
 
 @dataclass(frozen=True)
@@ -224,14 +225,14 @@ class Run:
 
 @dataclass(frozen=True)
 class Calibration:
-    """A calibration, as its file holds it. Only part and ``axes`` are always present.
+    """A calibration, as its file holds it. Only ``part`` and ``axes`` are always present.
 
     With one axis, ``correction``, ``measured``, ``uncertainty`` and ``noise`` belong to this axis. With several axes,
     take one of them as ``calibration["x"]``.
     """
 
     schema: int
-    """Version of the file form."""
+    """Version of the file format."""
     part: str
     """The type of the sensor, such as ``ADIS16130``."""
     axes: list[CalibratedAxis]
@@ -239,29 +240,29 @@ class Calibration:
     id: str
     """Short identifier of the calibration: 12 hexadecimal digits."""
     serial: str | None = None
-    """Serial number of the unit."""
+    """Serial number of the sensor."""
     created: str | None = None
     """Time at which the samples were recorded, RFC 3339; ``SIMULATED`` for the software twin."""
     method: str | None = None
     """The method, such as ``an1042``."""
     software: str | None = None
-    """The program that measured it."""
+    """The program that made the calibration, with its version."""
     device: str | None = None
     """The device from which the samples came."""
     config: str | None = None
-    """Registers and reading scheme."""
+    """Registers of the sensor, and the way in which it was read."""
     capture_sha256: str | None = None
     """SHA-256 of the samples."""
     supply_note: str | None = None
-    """Note about the supply."""
+    """The user's note about the supply."""
     ambient_note: str | None = None
-    """Note about the surroundings."""
+    """The user's note about the surroundings."""
     operator: str | None = None
     """Name of the person who measured."""
     host: str | None = None
     """Name of the computer; None for the software twin."""
     warnings: list[str] = field(default_factory=list)
-    """Warnings of the measurement; with several axes, those that concern all."""
+    """Warnings of the measurement; with several axes, only warnings about all of them."""
     temp: Scale | None = None
     """The scale of the temperature's codes."""
     validity: Validity | None = None
@@ -282,7 +283,7 @@ class Calibration:
         ValueError
             If the file is not a calibration, was edited, or ends early; the text names the line.
         OSError
-            If it cannot be read.
+            If the file cannot be read.
         """
         try:
             return cls.parse(Path(path).read_text(encoding="utf-8"))
@@ -329,7 +330,7 @@ class Calibration:
         Raises
         ------
         KeyError
-            If there is none.
+            If there is no such axis.
         """
         for axis in self.axes:
             if axis.name == name:
@@ -385,12 +386,12 @@ class Calibration:
         FileExistsError
             If a file exists that must not be overwritten.
         OSError
-            If it cannot be written.
+            If the file cannot be written.
         """
         _zerorate.save_text(path, self.text, force)
 
     def pictures(self) -> list[str]:
-        """The correction of each axis over temperature, as SVG: the pictures of ``zerorate report``."""
+        """Plots of the correction over temperature as SVG, one for each axis, as in ``zerorate report``."""
         return self._core.pictures()
 
     @overload
@@ -450,7 +451,7 @@ class Calibration:
 
 @dataclass(frozen=True)
 class Corrected:
-    """Rates after a `Corrector`."""
+    """The result of `Corrector.take`."""
 
     rate_dps: NDArray[np.float64]
     """The corrected rates, °/s; NaN before the first temperature."""
@@ -461,7 +462,7 @@ class Corrected:
 
 
 class Corrector:
-    """Corrects a stream of rates, block by block: a rate without a temperature takes the last one that was read.
+    """Corrects a stream of rates, block by block. A rate without a temperature uses the last temperature read.
 
     ``zerorate stream`` and ``zerorate correct`` use the same corrector.
 
@@ -489,15 +490,14 @@ class Corrector:
         Parameters
         ----------
         rate_dps
-            Rates, °/s: one for each time, or an array of times by axes if there are several. NaN marks an invalid
-            rate.
+            Rates, °/s: one for each time, or for several axes an array of times by axes. NaN marks an invalid rate.
         temp_c
-            The temperature read at each time, °C; NaN where none was.
+            The temperature read at each time, °C; NaN where none was read.
 
         Raises
         ------
         ValueError
-            If the shapes do not fit.
+            If the shapes of rates, temperatures and axes do not fit together.
         """
         rates = np.ascontiguousarray(rate_dps, dtype=np.float64)
         temps = np.ascontiguousarray(temp_c, dtype=np.float64)
@@ -530,7 +530,7 @@ def _correct(
 
 
 def _tables(fields: dict[str, Any]) -> dict[str, Any]:
-    """The fields with a data class for each table."""
+    """Replaces each table among the fields by its data class."""
     known = {name: kind(**fields[name]) for name, kind in _TABLES.items() if fields.get(name) is not None}
     return {**fields, **known}
 

@@ -44,7 +44,7 @@ class Capture:
     width_bits: int
     """Width of the rate codes. For an ADIS16130 it is 16 or 24, and the temperature codes have the same width."""
     metadata: dict[str, str] = field(repr=False)
-    """The description in the file: device, serial number, registers, …"""
+    """The description of the recording in the file: device, serial number, registers, …"""
     calibration_id: str | None = None
     """The calibration that was applied, if the file is corrected; its raw columns are unchanged."""
     warning: str | None = None
@@ -58,7 +58,7 @@ class Capture:
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:
-        """True for each valid rate."""
+        """True for each rate that is possible, in range and not frozen."""
         return np.asarray((self.flags & 7) == 0, dtype=np.bool_)
 
     def __repr__(self) -> str:
@@ -161,7 +161,7 @@ def read_capture(path: str | os.PathLike[str], /) -> Capture:
     ValueError
         If the file is not a capture, or is damaged; the text says where.
     OSError
-        If it cannot be read.
+        If the file cannot be read.
     """
     capture = Capture(**_zerorate.read_capture(os.fspath(path)))
     if capture.warning is not None:

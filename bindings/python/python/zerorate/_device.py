@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from . import _zerorate
 
 Device = Union[str, Twin]
-"""A device as ``zerorate help device`` lists them, such as ``"spi:/dev/spidev0.0?rdy=gpiochip0:25"``, or a `Twin`."""
+"""An address as in ``zerorate help device``, such as ``"spi:/dev/spidev0.0?rdy=gpiochip0:25"``, or a `Twin`."""
 
 
 class Progress(NamedTuple):
@@ -21,9 +21,9 @@ class Progress(NamedTuple):
     step: str
     """The step, in words."""
     done: float
-    """Seconds since the first sample, of the part's time; with ``samples=``, the samples so far."""
+    """Time since the first sample, s of the sensor's time; with ``samples=``, the number of samples so far."""
     total: float
-    """Value of `done` at the end."""
+    """The value that `done` has at the end."""
 
 
 OnProgress = Callable[[Progress], object]

@@ -8,5 +8,4 @@ class ZerorateError(Exception):
 
 
 class Refused(ZerorateError, ValueError):
-    """The measurement was refused: there are numbers, but they must not become a result. The text says why and what
-    to do."""
+    """The measurement was refused: its numbers are not a valid result. The text says why and what to do."""

@@ -17,7 +17,7 @@ Format = Literal["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
 """The filter that reads the file."""
 
 Combine = Literal["worst", "mean"]
-"""The value for several axes: the worst, or the mean."""
+"""The value for several axes: the worst of their values, or the mean."""
 
 
 def file(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def with_figure(result: object, plot: Callable[[], Figure]) -> str:
-    """The text of a result, and its figure if there is something to draw and matplotlib to draw it."""
+    """The text of a result as HTML, with its figure if there is something to draw and matplotlib is installed."""
     try:
         figure = plot()
     except (ImportError, ValueError):

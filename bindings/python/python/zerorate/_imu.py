@@ -75,8 +75,8 @@ class Imu:
         path
             The file to write. Without it, the text is only returned.
         format
-            The filter: ``kalibr``, ``openvins``, ``vins``, ``orbslam3``, ``kf-gins``, ``ros``. Which number goes
-            where, and why: docs/imu.md.
+            The filter: ``kalibr``, ``openvins``, ``vins``, ``orbslam3``, ``kf-gins``, ``ros``. docs/imu.md explains
+            the numbers of each file.
         combine
             The value for all axes of a kind, if the filter takes one number: the ``worst``, or their ``mean``.
         horizon_s
@@ -86,18 +86,18 @@ class Imu:
         as_fitted
             Give N and K as they were fitted.
         inflate
-            Factor on all noise, for effects that a record at rest does not show.
+            Factor on all noise numbers, for effects that a record at rest does not show.
         topic
             The topic that the file names; unless given, the topic of the bag.
         force
             Overwrite an existing file.
         accept_rejected
-            Make the file also from rejected noise models; it says so inside.
+            Make the file from rejected noise models too. The file then says so.
 
         Returns
         -------
         str
-            The text.
+            The text of the file.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Imu:
         ValueError
             For a format that does not take this number of axes.
         FileExistsError
-            If the file exists.
+            If the file exists, without ``force``.
         """
         axes, topic = list(self.axes.values()), self.topic if topic is None else topic
         asked = (horizon_s, as_fitted, inflate, topic, force, accept_rejected)
@@ -166,12 +166,13 @@ def imu(
 ) -> Imu:
     """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
-    Gravity does no harm, because the mean of a column does not matter. Other Python threads run meanwhile.
+    Gravity does not disturb the analysis, because the mean of a column does not matter. Other Python threads run
+    meanwhile.
 
     Parameters
     ----------
     log
-        The path of a log in any form that `read_log` reads, read once: a ``sensor_msgs/Imu`` topic of a bag, or the
+        The path of a log in any format that `read_log` reads: a ``sensor_msgs/Imu`` topic of a bag, or the
         columns whose names and units say what they are (``gyro_x``, ``wx``, ``ax [m/s^2]``). Or a DataFrame or a
         dictionary of such columns, in which a block of three columns is x, y and z:
         ``{"gyro": w, "accel": a}``. Or the result of `read_log` or `read_capture`, or an array with times along axis 0
@@ -191,7 +192,7 @@ def imu(
         Unit of the columns, if their names do not state it, and of the results: ``rad/s``, ``°/s``, ``m/s²``,
         ``g``, ``mg`` …
     force_unit
-        Take these units where the names of columns state others, which is an error otherwise.
+        Use these units even if the names of columns state other ones, which is an error otherwise.
     gyro_scale, accel_scale
         The value of the number 1 in a column, in `gyro_unit` or `accel_unit`.
     part
@@ -219,7 +220,7 @@ def imu(
     ValueError
         If there is no axis, or the log does not state enough; the text says what to give.
     Refused
-        If the numbers are there, but must not become a result.
+        If the numbers of the log are not a valid result.
     OSError
         If the log cannot be read.
 

@@ -18,7 +18,7 @@ _MEANT = {
     "statistic": "stat=",
     "tau": "taus=",
 }
-"""Keywords of other packages, and our keywords for them."""
+"""Our keywords for the keywords of other packages."""
 
 
 def checked(function: _F) -> _F:

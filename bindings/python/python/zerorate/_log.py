@@ -104,10 +104,10 @@ def read_log(
     skip: CutTime | None = None,
     until: CutTime | None = None,
 ) -> Log:
-    """Reads columns of a log, in every form that ``zerorate allan`` reads, in one pass.
+    """Reads columns of a log, in every format that ``zerorate allan`` reads, in one pass.
 
-    Captures, CSV and text of any dialect, Parquet, Arrow, NumPy, MATLAB, HDF5, bags of ROS 1 and 2 (files and
-    folders), PX4 ULog; packed or not. docs/logs.md describes each form.
+    Formats: captures, CSV and text of any dialect, Parquet, Arrow, NumPy, MATLAB, HDF5, bags of ROS 1 and 2 (files and
+    folders), PX4 ULog; compressed or not. docs/logs.md describes each format.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def read_log(
     unit
         Unit of the columns: ``°/s``, ``rad/s``, ``m/s²``, ``g`` …; otherwise as each column states.
     force_unit
-        Take `unit` where the name of a column states another, which is an error otherwise.
+        Use `unit` even if the name of a column states another one, which is an error otherwise.
     scale
         The value of the number 1 in a column, in `unit`.
     increments
@@ -142,8 +142,8 @@ def read_log(
         Read only the rows in which a column has this value, as in ``"SensorId=1"``, or several columns have theirs,
         as in ``"bus=0,sensor=1"``: for a table or text with the rows of several sensors.
     skip, until
-        Leave out the beginning, and what follows a time: seconds since the first sample, a duration such as
-        ``"45m"``, or a clock time or date of the log's stamps, as in ``"12:30:00"`` (UTC where they state no zone).
+        Leave out everything before, or after, this time: seconds since the first sample, a duration such as ``"45m"``,
+        or a clock time or date of the log's timestamps, as in ``"12:30:00"`` (UTC if they state no time zone).
 
     Returns
     -------
@@ -154,13 +154,13 @@ def read_log(
     ValueError
         If the log does not state enough, or has no such column; the text says what to give.
     Refused
-        If the numbers are there, but must not become a result.
+        If the numbers of the log are not a valid result.
     OSError
-        If it cannot be read.
+        If the log cannot be read.
     """
     given = options(locals())
     found = columns_of(_records.table(log), column, True, given)
-    # without a unit, the last warning says so, and so does `Log.units`
+    # the last warning of a column without a unit is about the missing unit, which `Log.units` shows as well
     said = [text for one in found for text in one["warnings"][: None if one["unit"] else -1]]
     for text in said:
         warnings.warn(text, stacklevel=3)
@@ -198,7 +198,7 @@ def options(arguments: Mapping[str, Any]) -> _zerorate._Options:
 
 
 def with_time(source: _records.Source, given: _zerorate._Options) -> _zerorate._Options:
-    """The options. If a table has only one column of times, it is the time column, unless another is given."""
+    """Adds the time column to the options, if a table has one column of times and no time column or rate is given."""
     if isinstance(source, str) or given["rate_hz"] is not None or given["time_column"] is not None:
         return given
     times = [name for name, cells in source[1] if not isinstance(cells, int) and cells.dtype == np.int64]
@@ -210,14 +210,14 @@ def with_time(source: _records.Source, given: _zerorate._Options) -> _zerorate._
 def columns_of(
     source: _records.Source, column: Column | None, points: bool, given: _zerorate._Options
 ) -> list[_zerorate._Column]:
-    """Reads the columns that are asked for."""
+    """Reads the requested columns."""
     names = None if column is None or is_all(column) else [str(name) for name in listed(column)]
     given = with_time(source, given)
     return _zerorate.read_columns(source, names, column is not None and is_all(column), points, given)
 
 
 def is_all(column: Column) -> bool:
-    """True if all columns are asked for."""
+    """True if all columns are requested."""
     return isinstance(column, str) and column == ALL
 
 
@@ -237,7 +237,7 @@ def by_name(found: Iterable[tuple[str, _T]]) -> dict[str, _T]:
     Raises
     ------
     ValueError
-        If two have the same name.
+        If two items have the same name.
     """
     named: dict[str, _T] = {}
     for name, one in found:

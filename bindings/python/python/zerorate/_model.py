@@ -23,7 +23,8 @@ class Coefficient:
     identified: bool
     """True if the record shows this noise at all: zero is outside of the interval."""
     needed_s: float | None
-    """Length of a record that would identify it, s; None if it is identified."""
+    """Length of a record that would identify the coefficient, s; infinite if none would. None if it is identified, if
+    the model is rejected or ambiguous, and for R."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +44,9 @@ class GaussMarkov:
     """Correlated noise: a Gauss–Markov process of first order."""
 
     sigma: Estimate
-    """Its standard deviation, in the unit of the rate."""
+    """Standard deviation, in the unit of the rate."""
     tau_s: Estimate
-    """Its correlation time, s."""
+    """Correlation time, s."""
 
 
 @dataclass(frozen=True)
@@ -60,19 +61,19 @@ class BandShape:
     pole: float | None
     """p, the pole of a first-order low-pass."""
     corner: tuple[float, float] | None
-    """f_c in Hz and c of a second-order low-pass: c is 0 for a Butterworth one and 2 for two equal poles."""
+    """f_c in Hz and c of a second-order low-pass: c is 0 for a Butterworth filter and 2 for two equal poles."""
     of_white: bool
-    """True if the filter shapes the white noise alone, and slow noise is added behind it."""
+    """True if the filter shapes the white noise alone, and the slow noise is not filtered."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A disturbance or resonance, which was left out of the coefficients."""
+    """A disturbance or resonance. The coefficients do not include it."""
 
     frequency_hz: float
     """Frequency, or the frequency to which it folds, Hz."""
     width_hz: float
-    """Width, Hz."""
+    """Width of the spectral line, Hz."""
     rms: float
     """Root mean square, in the unit of the rate."""
 
@@ -84,16 +85,16 @@ class WarmUp:
     size: Estimate
     """Size, in the unit of the rate."""
     tau_s: float
-    """Time constant, one of a few that are tried, s."""
+    """Time constant, s, chosen from a few fixed values."""
 
 
 Term = Union[GaussMarkov, BandShape, Line, WarmUp]
-"""A term of the model beside N, B, K, Q and R."""
+"""A term of the model other than N, B, K, Q and R."""
 
 
 @dataclass(frozen=True)
 class Cleaned:
-    """The samples and steps that were taken out of the record before the fit, and so out of the deviations."""
+    """The samples and steps that were removed from the record before the fit. The deviations do not include them."""
 
     glitches: int
     """Glitches whose samples were replaced by the line between their neighbours."""
@@ -105,7 +106,7 @@ class Cleaned:
 class Detrended:
     """A polynomial over temperature that was subtracted, by least squares over means of 128 parts of the record.
 
-    `Fit.k` allows for the random walk that it removed, and long averages have fewer degrees of freedom.
+    `Fit.k` allows for the random walk that the polynomial removed, and long averages have fewer degrees of freedom.
     """
 
     order: int
@@ -115,9 +116,9 @@ class Detrended:
     mean_c: float
     """Mean temperature, °C."""
     explained: float
-    """Share of the variance of the slow rate that it explains."""
+    """Share of the variance of the slow rate that the polynomial explains."""
     lost_dof: int
-    """Degrees of freedom that it took, beside the one of the mean."""
+    """Degrees of freedom that the polynomial takes besides the mean."""
     walk_kept: float
     """Share of the variance of a random walk that is left after the subtraction."""
 
@@ -138,22 +139,22 @@ class Fit:
     k: Coefficient
     """Rate random walk K."""
     q: Coefficient | None
-    """Angle quantisation Q, only where significant."""
+    """Angle quantisation Q; None if not significant."""
     r: Coefficient | None
-    """Rate ramp R, only where significant."""
+    """Rate ramp R; None if not significant."""
     model_error: float
-    """The spectrum scatters about the model as if the model were off by this share: 0.016 is 1.6 %."""
+    """Relative error of the model, from the scatter of the spectrum about it: 0.016 is 1.6 %."""
     motion_ratio: float | None
-    """If the sensor moves: the standard deviation of loud windows of ten seconds over that of quiet ones."""
+    """The standard deviation of loud windows of ten seconds over that of quiet ones; None if the sensor is at rest."""
     p_value: float
     """Probability of more scatter than was measured, if the model is right within `model_error`."""
     f_max_hz: float
-    """The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and `Allan.model`
-    is that of the measured spectrum."""
+    """The frequency up to which the model holds, Hz. Above it, the sensor's filter shapes the noise, and `Allan.model`
+    uses the measured spectrum."""
     rejected: bool
-    """True if the model is off by more than 10 % or the sensor moves, so that nothing is identified."""
+    """True if the model is off by more than 10 % or the sensor moves. No coefficient is identified then."""
     terms: list[Term] = field(default_factory=list)
-    """Gauss–Markov terms, the sensor's band, lines and warm-up, if significant."""
+    """The other terms that are significant: Gauss–Markov noise, the sensor's filter, spectral lines, warm-up."""
     warnings: list[str] = field(default_factory=list)
     """Warnings, each ``code: text``: what was seen and what to do."""
 
@@ -165,7 +166,7 @@ class Fit:
 
 
 def fitted(found: _zerorate._Fit, warnings: list[str], unit: str) -> Fit:
-    """The fit of the extension, with the units of its coefficients."""
+    """Converts the fit of the extension, and adds the units of its coefficients."""
     units = {"n": f"{unit}·√s", "b": unit, "k": f"{unit}/√s", "q": f"{unit}·s", "r": f"{unit}/s"}
     coefficients: dict[str, Any] = {name: _coefficient(found.get(name), units[name]) for name in units}
     names = ("model_error", "motion_ratio", "p_value", "f_max_hz", "rejected")
@@ -181,12 +182,12 @@ def _coefficient(found: Any, unit: str) -> Coefficient | None:
 
 
 def cleaned(found: dict[str, Any]) -> Cleaned:
-    """The glitches and steps of the extension."""
+    """Converts the glitches and steps of the extension."""
     return Cleaned(found["glitches"], [(step["at_s"], step["size"]) for step in found["steps"]])
 
 
 def detrended(found: dict[str, Any]) -> Detrended:
-    """The polynomial of the extension."""
+    """Converts the polynomial over temperature of the extension."""
     return Detrended(**{name: found[name] for name in Detrended.__dataclass_fields__})
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ._tempcal import BiasAxis
 
 _FLOOR_PER_B = np.sqrt(2 * np.log(2) / np.pi)
-"""The floor of a curve in units of B, IEEE Std 952-1997 C.1.3."""
+"""The floor of the Allan deviation in units of B, IEEE Std 952-1997 C.1.3."""
 
 _BAND = 1.96
 """Half width of a 95 % band in standard uncertainties."""
@@ -27,7 +27,7 @@ _TITLES = dict(_zerorate.statistics())
 
 
 def curves(axes: Sequence[Allan], ax: Axes | None) -> Figure:
-    """Draws deviations in one picture, each with its limits and its model."""
+    """Draws several deviations in one plot, each with its limits and its model."""
     _check(axes)
     if ax is not None:
         _draw(axes, ax)
@@ -40,7 +40,7 @@ def curves(axes: Sequence[Allan], ax: Axes | None) -> Figure:
 
 
 def kinds(groups: Sequence[Sequence[Allan]]) -> Figure:
-    """Draws a picture for each kind of axis, side by side."""
+    """Draws a plot for each kind of axis, side by side."""
     for group in groups:
         _check(group)
     pyplot = _frame.needed("matplotlib.pyplot", "plot()")

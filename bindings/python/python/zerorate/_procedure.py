@@ -13,7 +13,7 @@ from ._settling import Seconds
 
 @dataclass(frozen=True)
 class Truth:
-    """The result of a perfect measurement at the reported T3; only a twin knows it."""
+    """The result of a perfect measurement at the reported T3; known only for a twin."""
 
     pbc_dps: float
     """Bias correction at T3, °/s."""
@@ -32,25 +32,25 @@ class CurvePoint:
     correction_dps: float
     """The correction that is added to the rate, °/s: minus the bias."""
     u_dps: float | None = None
-    """Its standard uncertainty, °/s."""
+    """Standard uncertainty of the correction, °/s; None if unknown."""
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """The result of a calibration: the keys of ``zerorate calibrate --json``, and the calibration itself.
+    """The result of `calibrate`: the keys of ``zerorate calibrate --json``, and the calibration itself.
 
     corrected rate = RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3. A value ± ``coverage_factor`` ×
     its ``u_…`` covers the truth with the probability ``coverage``.
     """
 
     b1_dps: float | None
-    """Mean rate of step 4, °/s; None for methods other than ``an1042``, like the next three."""
+    """Mean rate of step 4, °/s; None for methods other than ``an1042``."""
     t1_c: float | None
-    """Mean temperature of step 4, °C."""
+    """Mean temperature of step 4, °C; None for methods other than ``an1042``."""
     b2_dps: float | None
-    """Mean rate of step 6, °/s."""
+    """Mean rate of step 6, °/s; None for methods other than ``an1042``."""
     t2_c: float | None
-    """Mean temperature of step 6, °C."""
+    """Mean temperature of step 6, °C; None for methods other than ``an1042``."""
     btc_dps_per_c: float
     """Temperature coefficient of the correction, °/s/°C."""
     pbc_dps: float
@@ -78,7 +78,7 @@ class Calibrated:
     lost_samples: int
     """Rate samples lost."""
     impossible_readings: int
-    """Readings that the part cannot have made (bit errors); no mean includes them."""
+    """Readings that are impossible for the sensor (bit errors). No mean includes them."""
     duration_s: float
     """Time from the first sample to the last, s."""
     temp_min_c: float
@@ -96,9 +96,9 @@ class Calibrated:
     created: str | None
     """Time at which the samples were recorded, RFC 3339; ``SIMULATED`` for a twin."""
     simulated: bool
-    """True if the part was the software twin."""
+    """True if the device was the software twin."""
     calibration_id: str
-    """Short identifier of the calibration; corrected data carry it."""
+    """Short identifier of the calibration. Files with corrected data state it."""
     capture_sha256: str
     """SHA-256 of the samples."""
     warnings: list[str]
@@ -108,33 +108,33 @@ class Calibrated:
     curve: list[CurvePoint]
     """The correction at nine temperatures, evenly spread over the measured range."""
     calibration: Calibration = field(repr=False)
-    """The calibration, to correct with or to save."""
+    """The calibration, which can correct rates and be saved."""
     truth: Truth | None = None
-    """The twin's truth at the end of the last average, or of the recording."""
+    """The twin's true values at the end of the last average, or of the recording; None for a real sensor."""
     order: int = 1
     """Order of the correction over temperature."""
     order_weights: list[float] | None = None
     """Posterior probability of the orders 0 to 3; None for ``an1042``."""
     btc2_dps_per_c2: float = 0.0
-    """Quadratic term over TEMP − T3, °/s/°C²."""
+    """Quadratic term BTC2, °/s/°C²; 0 for a line."""
     btc3_dps_per_c3: float = 0.0
-    """Cubic term, °/s/°C³."""
+    """Cubic term BTC3, °/s/°C³; 0 for a line."""
     lag_s: float | None = None
-    """Time by which the bias lags behind the temperature sensor, s."""
+    """Time by which the bias lags behind the temperature sensor, s; None for ``an1042``."""
     play_c: float | None = None
-    """Half width of the backlash between temperature and bias, °C."""
+    """Half width of the backlash between temperature and bias, °C; None for ``an1042``."""
     bias_instability_dps: float | None = None
-    """Bias instability B of the recording, °/s."""
+    """Bias instability B of the recording, °/s; None for ``an1042``."""
     rate_random_walk_dps_per_rt_s: float | None = None
-    """Rate random walk K of the recording, °/s/√s."""
+    """Rate random walk K of the recording, °/s/√s; None for ``an1042``."""
     steps: list[dict[str, float]] = field(default_factory=list)
-    """Steps of the level that were taken out: ``at_s``, ``size_dps``, ``u_dps``."""
+    """Steps of the rate that were removed before the fit: ``at_s``, ``size_dps``, ``u_dps``."""
     sway_probability: float | None = None
-    """Posterior probability of a slow base motion."""
+    """Posterior probability that the base moved slowly during the recording; None for ``an1042``."""
     budget: list[dict[str, Any]] = field(default_factory=list)
     """Contributions to the uncertainties: ``of`` (PBC or BTC), ``source``, ``u``, ``share`` of the variance."""
     file: str | None = None
-    """The file that holds the calibration."""
+    """The file to which the calibration was written; None without ``output``."""
 
     def __repr__(self) -> str:
         half = self.coverage_factor
@@ -177,7 +177,7 @@ def calibrate(
 ) -> Calibrated:
     """Calibrates a sensor, by default with the procedure of AN-1042.
 
-    That procedure takes 53 minutes on a real sensor, and seconds on a simulated one.
+    The procedure of AN-1042 takes 53 minutes on a real sensor, and seconds on a simulated one.
 
     Other Python threads run meanwhile, and Ctrl-C ends the measurement. ``zerorate calibrate`` has the same options,
     and its help states the defaults.
@@ -185,7 +185,7 @@ def calibrate(
     Parameters
     ----------
     device
-        The sensor as ``zerorate help device`` lists them: ``"spi:/dev/spidev0.0?rdy=gpiochip0:25"``,
+        The address of the sensor, as in ``zerorate help device``: ``"spi:/dev/spidev0.0?rdy=gpiochip0:25"``,
         ``"bridge:/dev/ttyACM0"``, ``"tcp:HOST:PORT"``, ``"iio:NAME"``, ``"replay:FILE"``, ``"twin:seed=7"``; or a
         `Twin`.
     method
@@ -207,12 +207,12 @@ def calibrate(
     max_u_btc
         Largest standard uncertainty of BTC, °/s/°C.
     earth_dps
-        The Earth's rotation on the part's axis, °/s, to be subtracted from the bias.
+        The component of the Earth's rotation along the sensor's axis, °/s, which is subtracted from the bias.
     assume_linear
         Assume that the bias is a straight line over temperature.
     part
-        The properties of a part other than the ADIS16130: a name of ``zerorate parts``, such as ``"icm20948:500"``
-        with its full scale in °/s, or a file.
+        The type of a sensor other than the ADIS16130: a name of ``zerorate parts``, such as ``"icm20948:500"`` with
+        the full scale in °/s, or a part file.
     every_temp
         Read the temperature with every N-th rate sample.
     divider
@@ -220,7 +220,7 @@ def calibrate(
     realtime
         Pace simulated or replayed time to the wall clock.
     serial, supply_note, ambient_note, operator
-        Stored in the calibration and in the log.
+        Texts that are stored in the calibration and in the log.
     log
         Record every sample to this file (`read_capture` reads it).
     output
@@ -244,7 +244,7 @@ def calibrate(
     ValueError
         For invalid options.
     OSError
-        If a file cannot be written. A measured calibration is then kept in another file, which the text names.
+        If a file cannot be written. A measured calibration is then saved to another file, which the text names.
     """
     arguments = locals()
     read = _device.options(device, part, every_temp, divider, realtime)

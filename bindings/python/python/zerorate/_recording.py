@@ -12,7 +12,7 @@ from ._settling import Seconds
 
 @dataclass(frozen=True)
 class Captured:
-    """The result of a recording: the keys of ``zerorate capture --json``. `read_capture` reads its file."""
+    """The result of a recording: the keys of ``zerorate capture --json``. `read_capture` reads the recorded file."""
 
     file: str
     """Path of the file."""
@@ -29,13 +29,14 @@ class Captured:
     interrupted: bool
     """True if the recording was ended early."""
     impossible_readings: int
-    """Readings that the part cannot have made (bit errors)."""
+    """Readings that are impossible for the sensor (bit errors)."""
     impossible_temps: int
-    """Temperatures that the part cannot have measured."""
+    """Temperatures that are impossible for the sensor."""
     out_of_range: int
     """Readings out of range."""
     unjudged: int
-    """Readings so long after the one before that every rate was possible, so that bit errors in them are not found."""
+    """Readings that were not checked for bit errors: their neighbours are too far away in time, or the limits of the
+    sensor are unknown."""
     frozen: bool
     """True if the readings no longer changed at the end; `capture` then raises `Refused`."""
     warnings: list[str]
@@ -63,7 +64,7 @@ def capture(
 ) -> Captured:
     """Records the raw codes of a device with their times, as ``zerorate capture`` does.
 
-    Other threads run meanwhile. Ctrl-C ends it; the file then is complete up to there.
+    Other threads run meanwhile. Ctrl-C ends the recording early. The file then has all samples until Ctrl-C.
 
     Parameters
     ----------
@@ -72,13 +73,13 @@ def capture(
     output
         The file: ``.arrows``, ``.parquet`` or ``.csv``.
     duration
-        The part's time to record: seconds, or a text such as ``"1h30m"``.
+        Duration of the recording in the sensor's time: seconds, or a text such as ``"1h30m"``.
     samples
-        Record this many samples instead.
+        Number of samples to record instead of a duration.
     part, every_temp, divider, realtime, serial, supply_note, ambient_note, operator, progress
         See `calibrate`.
     force
-        Overwrite an existing file, but never the one that is replayed.
+        Overwrite an existing file, but never the recording that is replayed.
 
     Returns
     -------
@@ -87,7 +88,7 @@ def capture(
     Raises
     ------
     ZerorateError
-        If the device cannot be opened or read. The file has the samples up to there.
+        If the device cannot be opened or read. The file has the samples up to the error.
     Refused
         If the readings no longer changed at the end. The file is complete.
     ValueError

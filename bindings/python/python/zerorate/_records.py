@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     """The path of a log, or a table: its name in messages, and its columns."""
 
 TIME_INDEX = "index"
-"""The column name of an index without a name."""
+"""The column name for an index without a name."""
 
 LETTERS = "xyz"
-"""The axes of a block of three columns."""
+"""The names of the axes in a block of three columns."""
 
 
 def is_path(data: Any) -> bool:
@@ -31,7 +31,7 @@ def is_path(data: Any) -> bool:
 
 
 def is_table(data: Any) -> bool:
-    """True if the data has named columns: a dictionary, a DataFrame, a structured array."""
+    """True if the data have named columns: a dictionary, a DataFrame, a structured array."""
     if isinstance(data, np.ndarray):
         return data.dtype.names is not None
     return isinstance(data, Mapping) or _is_lazy(data) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
@@ -46,7 +46,7 @@ def has_time_index(data: Any) -> bool:
 
 
 def is_array(data: Any) -> bool:
-    """True if the data is numbers without names."""
+    """True if the data are numbers without column names."""
     return not is_path(data) and not is_table(data) and np.ndim(data) > 0
 
 
@@ -77,7 +77,7 @@ def record(values: Any, data: str = "rate", what: str = "the record") -> NDArray
 
 
 def table(data: Any, columns: Any = None) -> Source:
-    """Named columns, and the time in the index if there is one.
+    """Converts a path or a table to a source: named columns, with the time in the index if there is one.
 
     `columns` names the columns of a two-dimensional array, whose rows are times.
     """

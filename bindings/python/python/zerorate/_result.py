@@ -1,4 +1,4 @@
-"""Results: a deviation over averaging time, of one column or of several."""
+"""The results of `allan`: the deviation of one column over averaging time, or of several columns."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ class Allan:
     dev: NDArray[np.float64]
     """Deviation, in the unit of the rate; for TDEV, in that unit times s."""
     lo: NDArray[np.float64]
-    """Lower confidence limit, same unit."""
+    """Lower confidence limit of `dev`, in the same unit."""
     hi: NDArray[np.float64]
-    """Upper confidence limit, same unit."""
+    """Upper confidence limit of `dev`, in the same unit."""
     edf: NDArray[np.float64]
     """Equivalent degrees of freedom behind the limits."""
     alpha: NDArray[np.int64]
     """Exponent of the identified noise S_y(f) ∝ f^α: 0 white, −1 flicker, −2 random walk of the rate, 1 and 2
     phase noise."""
     n: NDArray[np.int64]
-    """Number of terms in the deviation."""
+    """Number of terms from which the deviation was computed."""
     m: NDArray[np.int64]
     """Samples in each average."""
     stat: str
@@ -60,13 +60,13 @@ class Allan:
     confidence: float
     """Probability with which the limits enclose the true deviation."""
     unavailable: list[Unavailable] = field(repr=False)
-    """Averaging times without a deviation, with the reason."""
+    """Requested averaging times without a deviation, each with the reason."""
     fit: Fit | None = field(repr=False)
-    """The noise model; None if it was not requested, or there is none: then `no_fit` says why."""
+    """The noise model; None if it was not requested or could not be fitted (`no_fit` has the reason)."""
     no_fit: str | None = field(default=None, repr=False)
-    """The reason why there is no noise model."""
+    """The reason why the noise model could not be fitted; None if it was fitted or not requested."""
     model: NDArray[np.float64] | None = field(default=None, repr=False)
-    """The model's deviations; None without a model, and for statistics that it does not cover."""
+    """The model's deviations; None without a model, and for statistics that the model does not cover."""
     model_lo: NDArray[np.float64] | None = field(default=None, repr=False)
     """Lower end of the band in which the model expects 95 % of the deviations of this record."""
     model_hi: NDArray[np.float64] | None = field(default=None, repr=False)
@@ -105,7 +105,7 @@ class Allan:
 
     @property
     def kind(self) -> Literal["gyroscope", "accelerometer"] | None:
-        """``gyroscope`` or ``accelerometer``, whichever has this unit; None for any other unit."""
+        """The kind of sensor that has this unit, ``gyroscope`` or ``accelerometer``; None for any other unit."""
         return _zerorate.unit_kind(self.unit)
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
@@ -151,7 +151,7 @@ class Allan:
         Raises
         ------
         ValueError
-            If nothing stated the unit, because the assumed °/s could be rad/s.
+            If nothing states the unit, because the assumed °/s could be wrong.
         """
         said = self.warnings + (self.fit.warnings if self.fit else [])
         asked = (horizon_s, as_fitted, inflate, topic, force, accept_rejected)

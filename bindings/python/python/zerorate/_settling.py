@@ -76,7 +76,7 @@ class Settling:
         return _OWN, capture._temps_c(axis, capture.temp_c if given is None else given[1])
 
     def asked(self, name: str, temperature: Temperature | None) -> _zerorate._Settling | None:
-        """The treatment for the extension; None if the column `name` needs none."""
+        """The temperature and the options for the extension; None if the column `name` needs neither."""
         if temperature is None and self.detrend is not None:
             raise ValueError("detrend= needs the temperature of each sample: give temp_c=")
         temps = None if temperature is None or temperature[0] == name else temperature[1]

@@ -14,7 +14,7 @@ from ._settling import Seconds
 
 
 class StreamRow(NamedTuple):
-    """A corrected row."""
+    """A row of a `Stream`: the corrected rates at one time."""
 
     t_s: float
     """Time of the middle of the row's samples, s since the first sample."""
@@ -43,10 +43,11 @@ class StreamRow(NamedTuple):
 
 
 class Stream(Iterator[StreamRow]):
-    """The rows of a device, as `stream` opens it. ``with`` closes it at the end; so does a loop that runs to the end.
+    """Iterates over the corrected rows of a device that `stream` opened. ``with`` closes the stream at its end, and so
+    does a loop over all rows.
 
-    A thread reads the device meanwhile. Rows wait while the program is busy. If that lasts, samples of a real part
-    are lost, and `StreamRow.lost` counts them.
+    A thread reads the device. Rows wait while the program is busy. If it is busy for too long, samples of a real
+    sensor are lost, and `StreamRow.lost` counts them.
     """
 
     def __init__(self, inner: _zerorate.Stream, device: str) -> None:
@@ -72,7 +73,7 @@ class Stream(Iterator[StreamRow]):
         self.close()
 
     def close(self) -> None:
-        """Ends the reading; no more rows follow. A second call does nothing."""
+        """Closes the device; no more rows follow. A second call does nothing."""
         self._inner.close()
 
     def __repr__(self) -> str:
@@ -106,12 +107,12 @@ def stream(
     rate_hz
         Rows per second, each the mean of all samples in its interval; unless given, a row for each sample.
     duration
-        The part's time after which the stream ends: seconds, or a text such as ``"10m"``. Unless given, it does not
-        end, except with a replay.
+        Duration of the stream in the sensor's time: seconds, or a text such as ``"10m"``. Unless given, only the end
+        of a replayed recording ends the stream.
     part, every_temp, divider, realtime
         See `calibrate`.
     serial
-        The serial number of the sensor. A calibration with another one is an error.
+        The serial number of the sensor. A calibration with another serial number is an error.
 
     Returns
     -------

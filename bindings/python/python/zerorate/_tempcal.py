@@ -1,4 +1,4 @@
-"""The bias over temperature of the axes of one unit."""
+"""`tempcal`: the bias over temperature of all axes of an IMU."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ class BiasMeans:
     """The means of the logs from which a curve comes: arrays of equal length."""
 
     at_s: NDArray[np.float64]
-    """Time since the first sample of its log, s."""
+    """Time since the first sample of the log that the mean is from, s."""
     temp_c: NDArray[np.float64]
     """Temperature, °C."""
     bias: NDArray[np.float64]
-    """Mean of the axis, in its unit, without the steps that were removed."""
+    """Mean of the axis after steps were removed, in the unit of the axis."""
     left: NDArray[np.float64]
-    """The mean minus the curve."""
+    """The mean minus the curve, in the unit of the axis."""
     is_warming: NDArray[np.bool_]
     """True if the sensor was warming."""
 
@@ -56,9 +56,9 @@ class BiasCubic:
     """
 
     about_c: float
-    """Temperature about which it is stated, °C."""
+    """Temperature about which the polynomial is expanded, °C."""
     terms: tuple[float, float, float, float]
-    """The terms, the constant first."""
+    """The coefficients, the constant first."""
     left: float
     """Largest distance of the polynomial from the curve, in the unit of the axis."""
 
@@ -90,7 +90,7 @@ class BiasAxis:
     reference_c: float
     """Temperature at which the bias is stated, °C."""
     bias: float
-    """Bias at `reference_c`; 0 for an accelerometer, which sees gravity."""
+    """Bias at `reference_c`; 0 for an accelerometer, whose bias cannot be told from gravity."""
     u_bias: float
     """Standard uncertainty of `bias`."""
     slope_per_c: float
@@ -106,17 +106,17 @@ class BiasAxis:
     play_c: float
     """Half width of the backlash between bias and thermometer, °C."""
     u_if_on_before: float | None
-    """Largest standard uncertainty of the bias if the sensor lags and was on before the log began; None if the log
-    excludes that."""
+    """Largest standard uncertainty of the bias in case the sensor was on before the log began and its bias lags. None
+    if the log shows whether it was on."""
     hysteresis: float | None
-    """Half of the difference between warming and cooling; None with one direction."""
+    """Half of the difference between warming and cooling; None if the temperature only rose or only fell."""
     spread_of_starts: float | None
-    """Standard deviation of the bias from start to start; None with one log."""
+    """Standard deviation of the bias between starts of the sensor, one per log; None with one log."""
     before: float
-    """Span of the means without a correction."""
+    """Span of the means before the correction, largest minus smallest."""
     after: float
-    """Span of the means after a correction. Each part of the record is corrected by a curve from its other
-    parts."""
+    """Span of the means after the correction. Each part of the record is corrected with the curve of the other parts
+    (cross-validation)."""
     noise: BiasNoise = field(repr=False)
     """The noise about the curve."""
     means: BiasMeans = field(repr=False)
@@ -155,7 +155,7 @@ class Tempcal:
 
     @property
     def calibration(self) -> Calibration:
-        """The calibration of the gyroscopes, to correct with or to save.
+        """The calibration of the gyroscopes, which can correct rates and be saved.
 
         Raises
         ------
@@ -180,7 +180,7 @@ class Tempcal:
         Raises
         ------
         ValueError
-            If a sensor has not three axes, or no device id, by which PX4 finds it: give PX4's own log.
+            If a sensor does not have three axes, or has no device id, by which PX4 finds it. Logs of PX4 have the id.
         FileExistsError
             If the file exists.
         """
@@ -199,14 +199,14 @@ class Tempcal:
         Raises
         ------
         ValueError
-            If a sensor has not three axes.
+            If a sensor does not have three axes.
         FileExistsError
             If the file exists.
         """
         return _written(self._ardupilot, path, force)
 
     def plot(self) -> Figure:
-        """Draws a new figure with the means, the curve and its 95 % band of each axis, a row for each sensor.
+        """Draws a new figure: for each axis the means and the curve with its 95 % band, a row for each sensor.
 
         Raises
         ------
@@ -251,23 +251,26 @@ def tempcal(
 ) -> Tempcal:
     """The bias over temperature of all axes in logs of any IMU at rest.
 
-    The sensor lies still while it warms or cools by at least 5 °C, best both. An accelerometer sees gravity, so of its
-    bias only the change over temperature is known. Other threads run meanwhile.
+    The sensor must lie still while it warms or cools by at least 5 °C, or better does both. The bias of an
+    accelerometer cannot be told from gravity, so only its change over temperature is known. Other threads run
+    meanwhile.
 
     Parameters
     ----------
     log
-        A log or table with a temperature, in any form that `imu` takes; of a flight controller, all IMUs are read.
-        Or a list of these, all of one unit: several starts, a cold and a warm day. They are fitted together.
+        A log or table with a temperature, in any form that `imu` takes. Of a flight controller's log, all IMUs are
+        read. Or a list of logs of the same sensors, such as several starts, or a cold and a warm day, which are fitted
+        together.
     temp_column
-        The column with the temperature, °C, by name or by number counted from 0; unless given, the only one whose unit
-        or name says so.
+        The column with the temperature, °C, by name or by number counted from 0. Unless given, the only column whose
+        unit or name states a temperature.
     reference_c
-        The temperature at which the bias is stated, °C; unless given, 25, or the middle of the temperatures.
+        The temperature at which the bias is stated, °C. Unless given, it is 25 °C, or the middle of the temperatures
+        if the logs do not reach 25 °C.
     max_u_dps
         The largest accepted standard uncertainty of a gyroscope's bias over the temperatures of the logs, °/s.
     serial
-        The serial number of the unit, for the calibration.
+        The serial number that the calibration states.
     column, columns, gyro, accel, rate_hz, topic, gyro_unit, accel_unit, force_unit, gyro_scale, accel_scale
         See `imu`.
     part, gyro_range, accel_range, increments, time_column, time_unit
@@ -332,7 +335,7 @@ _ARRAY = (
 
 
 def _listed(log: Any) -> list[Any]:
-    """The logs one by one. A list of numbers is one record."""
+    """Lists the logs. A list of numbers is one log, not several."""
 
     def is_log(one: Any) -> bool:
         return _records.is_path(one) or _records.is_table(one) or isinstance(one, _log.Log)

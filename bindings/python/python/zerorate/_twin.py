@@ -21,12 +21,12 @@ class TwinKey(NamedTuple):
 
 
 class Twin:
-    """A simulated ADIS16130. The same seed gives the same unit, byte for byte, on every machine.
+    """A simulated ADIS16130. The same seed gives the same samples, byte for byte, on every machine.
 
     Parameters
     ----------
     seed
-        Seed of the random numbers: it determines the unit and its noise.
+        Seed of the random numbers, which determine the errors of this sensor and its noise.
     **keys
         Other properties, as `zerorate twin` lists them, for example ``bias_dps=0.8``, ``motion="sway"``,
         ``noise=False``; `Twin.keys` returns the list.

@@ -63,19 +63,19 @@ def adev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = Non
     data_type
         ``phase`` or ``freq``.
     taus
-        Seconds; or ``"octave"`` (1, 2, 4 … samples, also for None and an empty list), ``"decade"`` (1, 2, 4, 10 …),
-        ``"log10"`` (about ten in a decade), ``"all"``.
+        Averaging times, s; or ``"octave"`` (1, 2, 4 … samples, also for None and an empty list), ``"decade"`` (1, 2,
+        4, 10 … samples), ``"log10"`` (about ten in a decade), ``"all"``.
 
     Returns
     -------
     (taus, dev, deverr, n)
-        Averaging times, s; deviations; deviation / √n; terms that entered. Times with a single term or none are left
-        out.
+        Averaging times, s; deviations; deviations / √n; numbers n of terms. Averaging times with fewer than two terms
+        are left out.
 
     Raises
     ------
     UserWarning
-        If nothing is left.
+        If no averaging time is left.
     RuntimeError
         If the rate is zero.
     """

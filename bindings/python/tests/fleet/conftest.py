@@ -17,7 +17,7 @@ from zerorate.fleet._program import _command, version
 
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Captures of eight units, recorded once."""
+    """A folder with captures and calibrations of eight simulated sensors, recorded once for all tests."""
     folder = tmp_path_factory.mktemp("recorded")
     for seed in range(1, UNITS + 1):
         twin = ["--device", f"twin:seed={seed}", "--divider", "20", "--serial", f"SN{seed}"]
@@ -39,7 +39,7 @@ def captures(recorded: Path, tmp_path: Path) -> Path:
 
 @pytest.fixture()
 def wrapped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Wrap]:
-    """Puts lines of shell before the program: ``$*`` are its arguments."""
+    """Returns a function that puts lines of shell before the program. In these lines, ``$*`` are its arguments."""
 
     def wrap(lines: str) -> None:
         program = " ".join(f"'{word}'" for word in _own())

@@ -24,7 +24,7 @@ def wait_for(holds: Callable[[], bool], what: str, timeout_s: float = 60.0) -> N
 
 
 def trapped(folder: Path) -> Path:
-    """A folder whose modules leave a file there if anything imports them."""
+    """Makes a folder of modules that write the file ``ran`` into it if anything imports them."""
     folder.mkdir()
     for name in ("distributed", "fsspec", "json", "multiprocessing", "numpy", "socket", "zerorate"):
         (folder / f"{name}.py").write_text(f"open({str(folder / 'ran')!r}, 'a').write(__file__)\n")
@@ -32,13 +32,13 @@ def trapped(folder: Path) -> Path:
 
 
 def held_until(go: Path) -> str:
-    """Lets the commands on the first file run. The others wait for the file `go`, 60 s at most."""
+    """Lines of shell that run the commands on the first file at once. Others wait for the file `go`, at most 60 s."""
     wait = f"for i in $(seq 600); do [ -e '{go}' ] && break; sleep 0.1; done"
     return f'case "$*" in *--version*|*unit1*) ;; *) {wait};; esac'
 
 
 def in_thread(work: Callable[[], Any]) -> Callable[[], Any]:
-    """Begins `work` in a thread; the result is a function that waits for its end."""
+    """Begins `work` in a thread. Returns a function that waits for its end and returns its result."""
     done: list[Any] = []
     thread = threading.Thread(target=lambda: done.append(work()))
     thread.start()

@@ -1,4 +1,4 @@
-"""Nothing is lost when a worker, the driver or the disk dies. The deaths are real."""
+"""No row is lost if a worker or the driver is killed, or the disk is full. The tests really kill the processes."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ def rows(out: Path) -> int:
 def children(process: int) -> list[int]:
     found = []
     for stat in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):  # it ended meanwhile
+        with suppress(OSError):  # the process ended meanwhile
             parent = int(stat.read_bytes().rpartition(b")")[2].split()[1])
             found += [int(stat.parent.name)] if parent == process else []
     return found
 
 
 def kill_a_worker(name: str) -> bool:
-    """Kills a process below this one whose command line has `name`, if it runs a command; false if there is none."""
+    """Kills a child process that runs a command and has `name` in its command line. Returns false if there is none."""
     for child in children(os.getpid()):
         # A worker may end between the list and the kill: loky ends all workers when one is lost.
         with suppress(OSError):

@@ -18,7 +18,7 @@ from zerorate.fleet._row import AXIS_NAMES, SCHEMA
 
 
 def row(index: int, **other: Any) -> dict[str, Any]:
-    """A calibration of unit ``index``; PBC is drawn from the index alone."""
+    """The row of a calibration of sensor ``index``. PBC is a random number that depends on the index only."""
     pbc_dps = float(np.random.default_rng(index).normal(0.0, 0.5))
     found: dict[str, Any] = dict.fromkeys(SCHEMA.names)
     found.update(key=f"k{index}", url=f"u{index}.arrows", serial=f"SN{index}", part="ADIS16130", state="ok", code="")
@@ -40,7 +40,7 @@ def page_of(folder: Path, **options: Any) -> str:
 
 
 def test_robust_z_by_hand() -> None:
-    # median 3, deviations 2 1 0 1 97, MAD 1
+    # the median is 3, the absolute deviations are 2 1 0 1 97, and their median (MAD) is 1
     z = _population.robust_z(np.array([1.0, 2.0, 3.0, 4.0, 100.0]))
     assert z == pytest.approx(np.array([-2, -1, 0, 1, 97]) / 1.4826)
     assert not _population.robust_z(np.array([1.0, 1.0, 1.0, 2.0])).any()
@@ -94,11 +94,11 @@ def test_the_page_shows_outliers_repeats_and_states(tmp_path: Path) -> None:
     for text in ("SN7", "9 °/s", "SN20", "noisy", "an1042 (", "data sheet", "62 captures of 61 sensors"):
         assert text in page, text
     assert "SIMULATED" not in page and "<svg" in page
-    assert 'src="' not in page and 'href="http' not in page  # it needs no network
+    assert 'src="' not in page and 'href="http' not in page  # the page needs no network
 
 
 def axis(name: str, index: int, **other: Any) -> dict[str, Any]:
-    """An axis of unit ``index``, each with its own level."""
+    """An axis of sensor ``index``, with a noise level that depends on its name and slightly on the index."""
     n = {"x": 0.01, "y": 0.02, "acc": 0.003}[name] * (1 + 0.001 * index)
     unit = "m/s²" if name == "acc" else "°/s"
     return {**dict.fromkeys(AXIS_NAMES), "name": name, "unit": unit, "n": n, "n_lo": n, "n_hi": n, **other}

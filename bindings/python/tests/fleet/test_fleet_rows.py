@@ -321,7 +321,7 @@ def test_each_error_is_named(
 
 @pytest.mark.skipif(shutil.which("xargs") is None, reason="xargs starts the jobs")
 def test_jobs_of_a_scheduler(captures: Path, tmp_path: Path) -> None:
-    """A careless scheduler starts a job for each file twice, and four jobs at once."""
+    """A scheduler that starts two jobs for each file, and four jobs at once, gets one row for each file."""
     recipe = tmp_path / "recipe.toml"
     recipe.write_text(f"[recalibrate]\noptions = {json.dumps(PLAN)}\n[allan]\n")
     job = [sys.executable, "-m", "zerorate", "fleet", "one", "{}", str(tmp_path / "out"), "--recipe", str(recipe)]

@@ -1,4 +1,4 @@
-"""An object store and Dask. Nothing is lost when a worker, the scheduler or the disk dies; the deaths are real."""
+"""Rows on an object store, and Dask. No row is lost if a worker or the scheduler is killed; the tests kill them."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def dask(tmp_path: Path) -> Iterator[Cluster]:
 def test_a_lost_scheduler_and_a_replaced_object(
     dask: Cluster, bucket: str, captures: Path, tmp_path: Path, wrapped: Wrap
 ) -> None:
-    """The rows are on an object store. The scheduler is killed during the run, then started with other workers."""
+    """The rows are on an object store. The scheduler is killed during the run, and started again with new workers."""
     import fsspec
 
     wrapped(held_until(tmp_path / "go"))

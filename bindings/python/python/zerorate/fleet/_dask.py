@@ -10,7 +10,7 @@ LOCAL = "local"
 
 
 class Dask:
-    """Makes executors of a Dask cluster. After the scheduler was lost, the next call connects anew."""
+    """Makes executors of a Dask cluster. If the scheduler was lost, the next call connects to it again."""
 
     def __init__(self, address: str, workers: Optional[int] = None) -> None:
         self.cluster: Any = None
@@ -52,5 +52,5 @@ def _distributed() -> Any:
 
 
 def dask_cluster(address: str = LOCAL, workers: Optional[int] = None) -> Dask:
-    """The engine of a Dask scheduler at `address`, or of a new cluster on this machine."""
+    """Returns an engine for `run`: the Dask scheduler at `address`, or a new cluster on this machine."""
     return Dask(address, workers)

@@ -1,4 +1,4 @@
-"""Folders for downloads, which a killed process leaves behind and the next start removes."""
+"""Folders for downloads. If a process is killed, the next start of any process removes its folder."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 try:
     import fcntl
-except ImportError:  # Windows has no such lock: what is left there stays.
+except ImportError:  # Windows has no such lock, so folders of killed processes stay there.
     fcntl = None  # type: ignore[assignment]
 
 PREFIX = "zerorate-fleet-"
@@ -19,7 +19,7 @@ LOCK = ".lock"
 
 @contextmanager
 def folder() -> Iterator[str]:
-    """A new folder, which is removed at the end. The lock in it lasts as long as this process."""
+    """Makes a folder, and removes it at the end. The lock in the folder lasts as long as this process."""
     path = tempfile.mkdtemp(prefix=PREFIX)
     try:
         with open(os.path.join(path, LOCK), "w") as lock:
@@ -42,7 +42,7 @@ def _remove_if_left(path: str) -> bool:
     try:
         with open(os.path.join(path, LOCK)) as lock:
             is_left = _try_lock(lock.fileno())
-    except OSError:  # of another user, gone by now, or not locked yet
+    except OSError:  # the folder belongs to another user, is gone by now, or is not locked yet
         return False
     if is_left:
         shutil.rmtree(path, ignore_errors=True)

@@ -45,7 +45,7 @@ class Task:
     max_memory: int
     """Memory limit of a command, bytes."""
     program: str
-    """The version that the run expects of every worker."""
+    """The version of the program that the run expects on every worker."""
 
     @property
     def key(self) -> str:
@@ -61,11 +61,11 @@ def needed_memory(file: _store.File) -> int:
 
 
 def one(url: str, out: str, recipe: Recipe = DEFAULT, *, max_memory: Optional[int] = None) -> dict[str, Any]:
-    """Analyses one file, writes its row below `out` and returns it; a row that is there is returned as it is.
+    """Analyses one file, writes its row below `out` and returns the row. If the row exists, only returns it.
 
-    Jobs of Slurm, Snakemake, Ray or Spark run this, and so does ``zerorate fleet one``. `max_memory` (bytes) limits
-    each command; without it, the file's size decides. Raises OSError or `_store.Unreachable` where the file cannot be
-    fetched or the row cannot be written.
+    Jobs of Slurm, Snakemake, Ray or Spark call this function, and so does ``zerorate fleet one``. `max_memory` (bytes)
+    limits each command; without it, the limit follows from the size of the file. Raises OSError or
+    `_store.Unreachable` if the file cannot be fetched or the row cannot be written.
     """
     _downloads.remove_left()
     try:
@@ -78,7 +78,7 @@ def one(url: str, out: str, recipe: Recipe = DEFAULT, *, max_memory: Optional[in
 
 
 def work(task: Task) -> str:
-    """Does a task, unless its row is there; returns the state of the row."""
+    """Does a task, unless its row exists. Returns the state of the row."""
     url = _store.row_url(task.out, task.key)
     if _store.exists(url):
         return str(json.loads(_store.read(url))["state"])
@@ -108,7 +108,7 @@ def nothing() -> None:
 
 
 class NotEnoughMemory(Exception):
-    """The limit of this run is too small for the file; the text says what to give."""
+    """The memory limit of this run is too small for the file. The text says which option to give."""
 
 
 class Replaced(Exception):
@@ -145,7 +145,7 @@ def _analysed(path: str, task: Task) -> dict[str, Any]:
 
 
 def _asked(arguments: list[str], task: Task) -> Answer:
-    """Runs a command, and again if a signal ended it. Returns the answer."""
+    """Runs a command, and repeats it if a signal ended it. Returns the answer."""
     for _ in range(TRIES):
         answer = _program.ask(arguments, task.max_memory, task.recipe.timeout_s)
         if answer.state != "killed":
@@ -156,7 +156,7 @@ def _asked(arguments: list[str], task: Task) -> Answer:
 
 
 def _calibrated(row: dict[str, Any], path: str, task: Task) -> None:
-    """Fills in the calibration of a capture. A log of other software has none, and goes on to the analysis."""
+    """Fills in the calibration of a capture. A log of other software has no calibration, only the later analyses."""
     answer = _asked(["recalibrate", path, *(task.recipe.recalibrate or ())], task)
     if answer.state in ("refused", "failed"):
         verdict = _verdict(path, task)
@@ -177,8 +177,7 @@ def _verdict(path: str, task: Task) -> dict[str, Any]:
 
 
 def _take_stated(row: dict[str, Any], verdict: dict[str, Any]) -> None:
-    """Fills in the facts that a capture states, if no calibration gives them. A log of other software states
-    none."""
+    """Fills in the facts that a capture states, if no calibration gives them. A log of other software states none."""
     created = "SIMULATED" if verdict.get("simulated") else verdict.get("created")
     _take(row, {**verdict, "created": created, "capture_sha256": verdict.get("samples_sha256")}, STATED)
 
@@ -222,8 +221,8 @@ def _of_axis(axis: dict[str, Any]) -> dict[str, Any]:
 
 
 def _merged(calibrated: list[dict[str, Any]], measured: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Merges both lists by the names of the axes. The noise of axis ``x`` of a capture is that of its column
-    ``x_code``."""
+    """Merges both lists by the names of the axes. The noise of axis ``x`` of a capture is listed as ``x_code``, the
+    name of the column."""
     by_name = {axis["name"]: axis for axis in calibrated}
     for axis in measured:
         name = axis["name"][: -len("_code")] if axis["name"].endswith("_code") else axis["name"]

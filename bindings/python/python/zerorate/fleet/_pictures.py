@@ -16,7 +16,7 @@ COLOUR, MARKED, LIMIT = "#3366aa", "#cc3311", "#ee7733"
 
 
 def distribution(values: Numbers, label: str, limits: Sequence[float]) -> str:
-    """A histogram, with the data sheet's typical value or range."""
+    """A histogram, with the data sheet's typical value or range if `limits` has one."""
     figure, ax = _figure()
     bins = int(np.clip(np.ceil(2 * np.cbrt(len(values))), 5, 60))  # Rice's rule
     ax.hist(values, bins=bins, color=COLOUR)
@@ -46,7 +46,7 @@ def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbe
 
 
 def _by_serial(rows: list[dict[str, Any]]) -> list[int]:
-    """The order of serial numbers; numbers in them count as numbers."""
+    """The order of the rows by serial number: by the text before the last digits, then by the digits as a number."""
 
     def key(index: int) -> tuple[str, int]:
         serial = str(rows[index]["serial"] or "")

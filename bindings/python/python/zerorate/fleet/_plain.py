@@ -21,12 +21,12 @@ def is_utf8(name: str) -> bool:
 
 
 def utf8(name: str) -> str:
-    """A file name as text, with all bytes escaped that are not UTF-8."""
+    """A file name as text. Bytes that are not UTF-8 are escaped."""
     return "".join(_shown(letter) if _is_surrogate(letter) else letter for letter in name)
 
 
 def plain(text: Any) -> str:
-    """A text without characters that act on a terminal."""
+    """A text in which characters that act on a terminal are escaped."""
     return "".join(_shown(letter) if _acts(letter) else letter for letter in utf8(str(text)))
 
 

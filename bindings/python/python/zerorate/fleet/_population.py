@@ -14,12 +14,12 @@ Numbers = NDArray[np.float64]
 
 # Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993: a robust z above 3.5 is an outlier.
 OUTLIER = 3.5
-# Of a normal distribution, the standard deviation is this many times the median absolute deviation.
+# The standard deviation of a normal distribution over its median absolute deviation.
 SIGMA_PER_MAD = 1.4826
 
 
 def robust_z(values: Numbers) -> Numbers:
-    """(x − median) / (1.4826 · MAD), which outliers hardly change. Zero if more than half of the values are equal."""
+    """The robust z of each value, (x − median) / (1.4826 · MAD); all 0 if more than half of the values are equal."""
     deviation = values - np.median(values)
     scale = SIGMA_PER_MAD * np.median(np.abs(deviation))
     return np.zeros_like(values) if scale == 0 else deviation / scale
@@ -51,25 +51,25 @@ def trend(x: Numbers, y: Numbers) -> Trend | None:
 
 @dataclass(frozen=True)
 class Disagreement:
-    """Two calibrations of one unit that differ by more than their uncertainty."""
+    """Two calibrations of one sensor that differ by more than their uncertainty."""
 
     serial: str
     axis: Optional[str]
-    """The axis; None for a part with only one."""
+    """The name of the axis; None for a part with only one axis."""
     urls: tuple[str, str]
     temp_c: float
     difference_dps: float
     """Second correction minus first, at `temp_c`, °/s."""
     limit_dps: float
-    """Limit below which 95 % of differences are if the unit did not change, °/s."""
+    """Limit below which 95 % of the differences are if the sensor did not change, °/s."""
 
 
 def disagreements(rows: Sequence[dict[str, Any]]) -> list[Disagreement]:
-    """Pairs of calibrations of one axis of a serial number that disagree where their temperatures meet.
+    """Finds pairs of calibrations of the same axis and serial number whose corrections at a temperature T disagree.
 
-    The correction at T is c = PBC + (T − T3) · BTC, and its variance u²(PBC) + d² u²(BTC) + 2 d cov(PBC, BTC) with
-    d = T − T3 (JCGM 100:2008, 5.2.2). T is the middle of the temperatures that both have seen; if they have none in
-    common, the middle between the two.
+    The correction at T is c = PBC + d · BTC with d = T − T3, and its variance u²(PBC) + d² u²(BTC) + 2 d cov(PBC, BTC)
+    (JCGM 100:2008, 5.2.2). T is the middle of the temperatures that both calibrations cover. If they have none in
+    common, T is the middle of the gap between their temperatures.
     """
     by_axis: dict[tuple[str, str, Optional[str]], list[dict[str, Any]]] = {}
     for row in rows:

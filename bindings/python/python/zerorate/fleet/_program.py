@@ -1,4 +1,4 @@
-"""Runs the native program in its own process: a crash becomes a row of the table, and does not kill the worker."""
+"""Runs the native program in its own process, so that a crash becomes a row and does not kill the worker."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from typing import Any, Optional
 
 from .. import _zerorate
 
-# Loads the extension alone: the package would load NumPy as well, which takes longer than a small file.
+# Loads the extension alone. The package would also load NumPy, which takes longer than the analysis of a small file.
 LAUNCH = """
 import sys, importlib.util
 spec = importlib.util.spec_from_file_location("zerorate._zerorate", sys.argv[1])
@@ -27,7 +27,7 @@ sys.exit(module.main(["zerorate", *sys.argv[2:]]))
 # The environment variable with another program to run: a native `zerorate` starts 30 ms sooner.
 VARIABLE = "ZERORATE_PROGRAM"
 
-# Smallest limit that the program accepts.
+# Smallest memory limit that the program accepts, bytes.
 LEAST_MEMORY = 256 << 20
 
 
@@ -40,7 +40,7 @@ class Answer:
     """The answer of a command."""
 
     found: Optional[dict[str, Any]]
-    """The JSON object that the command printed."""
+    """The JSON object that the command printed; None if it printed none."""
     state: str
     """``ok``, ``refused``, ``failed`` or ``killed``."""
     code: str = ""
@@ -65,14 +65,14 @@ def resume() -> None:
 
 @cache
 def version() -> str:
-    """The line with the version of the program."""
+    """The line that the program prints for ``--version``."""
     done = subprocess.run([*_command(), "--version"], capture_output=True, text=True, check=True)
     return done.stdout.strip()
 
 
 @cache
 def asked_for_part(name: str) -> Optional[dict[str, Any]]:
-    """The data sheet of a part of the catalogue; None for another part."""
+    """The data-sheet values of a part in the program's catalogue; None if the part is not in the catalogue."""
     done = subprocess.run([*_command(), "parts", name, "--json"], capture_output=True, text=True)
     parts = (_object(done.stdout) or {}).get("parts", [])
     return parts[0] if done.returncode == 0 and parts else None
@@ -83,7 +83,7 @@ def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
     if _stopping.is_set():
         raise Stopped
     limited = [*arguments, "--json", "--max-memory", f"{max(max_memory, LEAST_MEMORY) >> 20}M"]
-    # In a session of its own, because a Ctrl-C must not reach it: a command that was interrupted looks like a failure.
+    # The command has its own session, so that Ctrl-C does not reach it: an interrupted command looks like a failure.
     process = subprocess.Popen(
         [*_command(), *limited],
         stdin=subprocess.DEVNULL,
@@ -94,7 +94,7 @@ def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
         start_new_session=True,
     )
     _running.add(process)
-    if _stopping.is_set():  # it was stopped after the first check
+    if _stopping.is_set():  # the run was stopped after the first check
         process.kill()
     try:
         stdout, stderr = process.communicate(timeout=timeout_s)

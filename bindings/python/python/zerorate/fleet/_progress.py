@@ -1,4 +1,4 @@
-"""A progress bar on a terminal; elsewhere a line now and then."""
+"""Shows progress: a bar on a terminal, or elsewhere a line every ten seconds."""
 
 from __future__ import annotations
 

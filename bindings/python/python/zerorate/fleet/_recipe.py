@@ -44,9 +44,10 @@ DEFAULT = Recipe()
 
 
 def load(path: str) -> Recipe:
-    """Reads a recipe: TOML, with a table for each command, and in it the list ``options``.
+    """Reads a recipe from a TOML file. The file has a table for each command, with the list ``options``.
 
-    A command without a table is left out. Raises ValueError, which says what is wrong, or OSError.
+    A command without a table is left out. Raises ValueError if the recipe is invalid, and OSError if it cannot be
+    read.
     """
     with open(path, "rb") as file:
         try:

@@ -20,7 +20,7 @@ from ._plain import plain
 from ._population import Numbers
 from ._table import TABLE
 
-# Largest number of rows of a list on the page, which states how many more there are.
+# Largest number of rows of a list on the page. The page states the number of further rows.
 MOST_LISTED = 50
 MOST_GROUPS = 12
 
@@ -62,7 +62,11 @@ class Outlier:
 
 
 def write(table: str, output: str, *, group: Optional[str] = None, force: bool = False) -> None:
-    """Writes the page about a table, or about the table in a folder. Raises ValueError and OSError."""
+    """Writes the page about a table, or about the table in a folder.
+
+    Raises ValueError if there is no usable table or the page exists (without `force`), and OSError if a file cannot be
+    read or written.
+    """
     if os.path.exists(output) and not force:
         raise ValueError(f"{output} exists; give another name, or --force")
     rows = _rows(table)
@@ -123,7 +127,7 @@ def _shown(value: Any) -> Any:
 
 
 def _apart(rows: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[tuple[str, str]]]:
-    """The rows without copies of a recording, and the address of each copy with that of its original."""
+    """Removes rows of copied recordings. Returns the other rows, and for each copy its address and the original's."""
     first: dict[str, dict[str, Any]] = {}
     kept, copies = [], []
     for row in rows:
@@ -136,7 +140,7 @@ def _apart(rows: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[tuple
 
 
 def _axes(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each axis. An axis that was calibrated is in °/s."""
+    """Splits rows into a row for each axis. The unit of a calibrated axis is °/s."""
 
     def unit(axis: dict[str, Any]) -> Optional[str]:
         return axis["unit"] if axis["pbc_dps"] is None else "°/s"
@@ -148,7 +152,7 @@ def _axes(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _codes(rows: list[dict[str, Any]]) -> list[str]:
-    """The codes of the warnings, each once for a row."""
+    """The codes of the warnings of all rows. A code that a row has several times counts once."""
     return [code for row in rows for code in {warning.split(":")[0] for warning in row["warnings"] or []}]
 
 
@@ -161,8 +165,8 @@ def _values(rows: list[dict[str, Any]], quantity: Quantity) -> tuple[list[dict[s
 
 
 def _outliers(rows: list[dict[str, Any]]) -> list[Outlier]:
-    """The axes with a robust z above 3.5 in any quantity, the farthest first. An axis is compared with the same one of
-    the same type of sensor."""
+    """The axes with a robust z above 3.5 in any quantity, the largest z first. An axis is compared with the axes of
+    the same name in sensors of the same type."""
     found: list[tuple[float, Outlier]] = []
 
     def kind(row: dict[str, Any]) -> tuple[str, str]:
@@ -232,7 +236,7 @@ def _summary(values: Numbers) -> str:
 
 
 def _days(rows: list[dict[str, Any]]) -> Optional[Numbers]:
-    """Days since the first capture; None where a capture has no date, as that of a simulated sensor."""
+    """Days since the first capture; None if any capture has no date, such as one of a simulated sensor."""
     try:
         times = [datetime.fromisoformat(row["created"].replace("Z", "+00:00")).timestamp() for row in rows]
     except (AttributeError, ValueError):

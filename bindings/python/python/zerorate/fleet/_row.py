@@ -1,6 +1,6 @@
 """The row of one file: the columns of the table of a fleet.
 
-Numbers are those of ``zerorate recalibrate --json`` and ``zerorate allan --fit --json``, in the same units: rates in
+The numbers are from ``zerorate recalibrate --json`` and ``zerorate allan --fit --json``, in the same units: rates in
 °/s, temperatures in °C, N in °/√s, B in °/s, K in °/s/√s. ``u_…`` is a standard uncertainty; ``…_lo`` and ``…_hi``
 bound the 95 % interval of a noise coefficient.
 """
@@ -19,7 +19,7 @@ AXIS = pa.struct(
     [("name", pa.string()), ("kind", pa.string()), ("unit", pa.string())]
     + [(name, pa.float64()) for name in COEFFICIENTS + NOISE]
 )
-"""An axis of a part or log with several; ``kind`` and ``unit`` are of its noise."""
+"""An axis of a sensor or log with several axes; ``kind`` and ``unit`` are those of the noise coefficients."""
 
 AXIS_NAMES = [field.name for field in AXIS]
 
@@ -36,7 +36,7 @@ SCHEMA = pa.schema(
 ``failed`` (the file cannot be used) or ``killed`` (the file killed its command or its worker every time). ``code`` and
 ``error`` give the reason.
 
-``version`` tells one content of the address from another: the object's ETag, or a file's size and time. ``created`` is
-the time that the capture states. Where a part has several axes, their numbers stand in ``axes``, and the columns are
-empty.
+``version`` distinguishes contents of the same address: the object's ETag, or a file's size and time. ``created`` is
+the time that the capture states. If a sensor has several axes, their numbers are in ``axes``, and the columns of the
+row are empty.
 """

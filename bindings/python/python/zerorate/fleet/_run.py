@@ -1,7 +1,7 @@
-"""All files of a source, on an engine that may lose workers, schedulers or itself.
+"""Runs the tasks for all files of a source, on an engine that may lose workers or its scheduler, or end itself.
 
-A task writes its own row. So the engine keeps no result, a task that runs twice leaves one row, and a new start does
-only the tasks without a row. The driver only sends tasks, and learns how they ended.
+Each task writes its own row. So the engine keeps no results, and a task that runs twice leaves one row. A new start
+does only the tasks without a row. The driver sends the tasks, and receives only the state of each row.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ from ._recipe import DEFAULT, Recipe
 
 # Number of attempts for a task that raises an exception (a full disk, a store that does not answer).
 TRIES = 3
-# Number of workers that must die, each while it ran one task alone, until the task is given up.
+# A task is given up after this number of workers died, each while it ran only this task.
 DEATHS = 2
-# Time limit for finding a lost engine again, and number of losses in a row without a task done in between.
+# The run ends if a lost engine cannot be reached within this time, s, or if the engine is lost more than this many
+# times in a row without a finished task in between.
 PATIENCE_S = 120.0
 LOSSES = 5
 
-# Endings of other files beside captures: calibrations, recipes, reports, pictures.
+# File extensions of files that are not logs: calibrations, recipes, reports, pictures, unfinished files.
 NOT_LOGS = (".toml", ".json", ".yaml", ".yml", ".html", ".svg", ".png", ".pdf", ".md", ".part")
 
 Engine = Union[Executor, Callable[[], Executor]]
@@ -40,9 +41,9 @@ class Ended:
     """The outcome of a run."""
 
     states: dict[str, int] = field(default_factory=dict)
-    """Rows by state. ``there`` counts the files that had a row before."""
+    """Number of rows in each state. ``there`` counts the files that had a row before."""
     undone: dict[str, str] = field(default_factory=dict)
-    """Files without a row, each with the reason. Another run does them."""
+    """Addresses of files without a row, each with the reason. Another run analyses these files."""
     left_out: int = 0
     """Files that are not logs by their names: calibrations, reports, pictures, hidden files."""
     seconds: float = 0.0
@@ -69,10 +70,11 @@ def run(
 ) -> Ended:
     """Analyses every file of `source` that has no row below `out` yet.
 
-    `source` and `out` are a folder, a glob or a bucket (``s3://…``, any address of fsspec). `executor` is an Executor,
-    or a function that makes one, for an engine that breaks with its workers. Without it, threads of this process each
-    start the native program. `workers` is the number of tasks at once, and `max_memory` (bytes) what all of them may
-    take together [default: half of the machine's]. `again` names states, such as ``failed``, whose rows are made anew.
+    `source` is a folder, a glob or a bucket (``s3://…``, any address of fsspec), and `out` a folder or bucket.
+    `executor` is an Executor, or a function that makes one if the engine breaks when a worker dies. Without it,
+    threads of this process each start the native program. `workers` is the number of tasks at once, and `max_memory`
+    (bytes) the memory of all of them together [default: half of the machine's]. Rows in the states of `again`, such
+    as ``failed``, are made anew.
     """
     began = time.monotonic()
     _downloads.remove_left()
@@ -92,7 +94,7 @@ def run(
 
 
 def _tasks(source: str, out: str, recipe: Recipe, again: set[str]) -> tuple[list[Task], Ended]:
-    """The files without a row, and the count of the others. Rows that are made anew are removed."""
+    """Makes a task for each file without a row, and counts the other files. Removes the rows to be made anew."""
     digest, program, ended = recipe.digest(), _program.version(), Ended()
     found = [file for file in _store.find(source) if not file.url.startswith(_store.inside(out))]
     files = [file for file in found if _may_be_log(file.url)]
@@ -130,7 +132,7 @@ class _Lost(Exception):
 
 
 class _Driver:
-    """Sends tasks to an engine, and follows them."""
+    """Sends tasks to an engine, and handles their ends."""
 
     def __init__(self, engine: Optional[Engine], workers: int, budget: int, ended: Ended, progress: Progress) -> None:
         self.engine = engine
@@ -143,7 +145,7 @@ class _Driver:
         self.losses = 0
 
     def work_through(self, tasks: list[Task]) -> None:
-        """Does all tasks; those during which a worker died come last, one at a time."""
+        """Does all tasks. Tasks during which a worker died are repeated last, one at a time."""
         todo = [self._limited(task) for task in tasks]
         while todo:
             todo = self._round(todo)
@@ -151,7 +153,7 @@ class _Driver:
             self._alone(suspect)
 
     def _limited(self, task: Task) -> Task:
-        """A task with its share of the memory. Threads of this process wait for a task that needs more."""
+        """Sets the memory limit of a task: its share, or without an engine its need if that is larger."""
         share = self.budget // self.workers
         needs = min(task.max_memory, self.budget) if self.engine is None else 0
         return replace(task, max_memory=max(share, needs))
@@ -248,7 +250,7 @@ class _Driver:
             self._done("killed")
 
     def _probe(self) -> None:
-        """Runs an empty task. If even that fails, the engine is at fault and not a file."""
+        """Runs an empty task. Raises `EngineLost` if it fails, because then the engine is at fault and not a file."""
         try:
             with self._pool() as pool:
                 pool.submit(_one.nothing).result()

@@ -16,7 +16,7 @@ ROWS = "rows"
 
 
 class Unreachable(Exception):
-    """A store that cannot be read or written; the text says which, and why."""
+    """A store cannot be read or written. The text names the store and the reason."""
 
 
 @lru_cache(maxsize=8)
@@ -47,7 +47,7 @@ class File:
 
     url: str
     version: str
-    """ETag of an object; size and time of a file."""
+    """ETag of an object; size and modification time of a file."""
     size: int
 
     def key(self, digest: str) -> str:
@@ -75,7 +75,7 @@ def find(source: str) -> list[File]:
 
 
 def _followed(filesystem: Any, info: dict[str, Any]) -> dict[str, Any]:
-    """The target of a link. A broken link counts as a file, so that it is reported and not left out."""
+    """Follows a link to its target. A broken link counts as a file, so that it is reported and not left out."""
     if not info.get("islink"):
         return info
     try:
@@ -91,7 +91,7 @@ def inside(url: str) -> str:
 
 
 def remove_path(out: str, path: str) -> None:
-    """Removes a file of the file system of `out`."""
+    """Removes a file in the file system of `out`."""
     opened(out)[0].rm_file(path)
 
 
@@ -124,7 +124,7 @@ def fetch(file: File, folder: str) -> str:
 
 
 def put(url: str, data: bytes) -> None:
-    """Writes a file whole or not at all."""
+    """Writes a file completely or not at all."""
     filesystem, path = opened(url)
     if not is_local(filesystem):
         filesystem.pipe_file(path, data)
@@ -144,7 +144,8 @@ def put(url: str, data: bytes) -> None:
 
 
 def row_url(out: str, key: str) -> str:
-    """The address of the row with this key. It is in one of 256 folders, so that a million rows list in parts."""
+    """The address of the row with this key. Rows are spread over 256 folders, so that a million rows can be listed in
+    parts."""
     return f"{out.rstrip('/')}/{ROWS}/{key[:2]}/{key}.json"
 
 
@@ -161,7 +162,7 @@ def read(url: str) -> bytes:
 
 
 def row_paths(out: str) -> list[str]:
-    """The paths of all rows in their file system. A file of another ending is a row that was never finished."""
+    """The paths of all rows in their file system. Files with another extension are unfinished rows."""
     return _found(out, ROWS, ".json")
 
 

@@ -18,7 +18,7 @@ from ._row import SCHEMA
 
 TABLE = "rows.parquet"
 PARTS = "parts"
-# Row files are packed into Parquet parts if there are so many of them: listing a million takes a thousand requests.
+# Number of row files from which on they are packed into Parquet parts. To list a million files takes 1000 requests.
 PACK_FROM = 10_000
 ROWS_IN_PART = 20_000
 
@@ -47,7 +47,7 @@ def table(out: str, *, pack_from: int = PACK_FROM) -> Counts:
 
 
 def read(out: str) -> pa.Table:
-    """All rows. Of a row that was made again, only the newer one."""
+    """Reads all rows. If a row was made again, only the newer one is returned."""
     loose = [json.loads(data) for some in _store.contents(out, _store.row_paths(out)) for data in some.values()]
     parts = [pq.read_table(io.BytesIO(data)).cast(SCHEMA) for data in _part_contents(out)]
     rows = pa.concat_tables([*parts, _arrow(loose)])
@@ -70,14 +70,14 @@ def keys_in_state(out: str, states: set[str]) -> set[str]:
 
 
 def forget(out: str, unwanted: set[str]) -> None:
-    """Removes rows, so that they are made anew. A packed row stays until its newer one replaces it."""
+    """Removes the files of rows, so that the rows are made anew. A packed row stays until a newer one replaces it."""
     for path in _store.row_paths(out):
         if path.rsplit("/", 1)[-1][: -len(".json")] in unwanted:
             _store.remove_path(out, path)
 
 
 def _pack(out: str) -> None:
-    """Puts rows into parts, and removes their own files once the part is written."""
+    """Packs row files into parts, and removes the files of a part when it is written."""
     paths = _store.row_paths(out)
     first_part = len(_store.part_paths(out, PARTS))
     for number, first in enumerate(range(0, len(paths), ROWS_IN_PART), first_part):

@@ -1,4 +1,4 @@
-"""Stands in for allantools when its own tests import it, and offers `zerorate.allantools_compat`.
+"""Replaces allantools when its own tests import it, and offers `zerorate.allantools_compat` in its place.
 
 A test that needs a name that is not offered is skipped, and the name is printed. `allantools.allantools` and
 `allantools.dataset` are the modules in which allantools defines its functions and classes.
