@@ -20,8 +20,8 @@ export interface Page {
   readonly element: HTMLElement;
   /** Shows changes, at most once per animation frame and only while the page is visible. `all`: it was just opened. */
   update(changed: ReadonlySet<Part>, all: boolean): void;
-  /** Shows the page in a new theme or unit. */
+  /** Redraws the page after a change of theme or unit. */
   restyle(): void;
-  /** Handles a key that no field took. Returns true if the page took it. */
+  /** Handles a key that was pressed outside of input fields. Returns true if the page uses the key. */
   key?(event: KeyboardEvent): boolean;
 }

@@ -83,7 +83,7 @@ class Whole {
     this.#fresh = true;
   }
 
-  /** Updates the model by a frame. Stores calibrations at once, because a hidden page draws nothing. */
+  /** Updates the model by a frame. Stores calibrations at once, because `#tick` does not run in a hidden page. */
   #take(framed: Framed): void {
     this.#app.model.take(framed);
     const { calibrations } = framed.frame;
@@ -129,7 +129,7 @@ class Whole {
   }
 }
 
-/** Keeps the browser from opening a file that is dropped beside its place. */
+/** Keeps the browser from opening a file that is dropped outside of the drop zone. */
 function keepPage(event: DragEvent): void {
   if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
 }

@@ -37,7 +37,6 @@ class Settings {
     return this.unit === "dps" ? "°/s" : "°/h";
   }
 
-  /** Applies the theme to the page. */
   apply(): void {
     if (this.theme === "auto") delete document.documentElement.dataset.theme;
     else document.documentElement.dataset.theme = this.theme;

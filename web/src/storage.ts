@@ -51,7 +51,7 @@ export const storage = {
     write(TWIN, opening.keys);
   },
 
-  /** True if a serial port was read last. */
+  /** True if the last device was at a serial port. */
   hadPort(): boolean {
     return read(PORT, false);
   },

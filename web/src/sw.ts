@@ -2,7 +2,7 @@
 // show an old page.
 
 declare const FILES: string[];
-/** Files that are kept from their first use on, with their SHA-256. */
+/** Files that are cached when they are first used, with their SHA-256. */
 declare const LATER: Record<string, string>;
 declare const VERSION: string;
 
@@ -32,7 +32,7 @@ async function answer(request: Request): Promise<Response> {
   return sha256 === undefined ? fetch(request) : fetchLater(request, cache, sha256);
 }
 
-/** Fetches a file that is kept from its first use on. The server may have a newer version that does not fit the kept files. */
+/** Fetches a file of `LATER`. A newer version of it on the server does not fit the cached files, and is refused. */
 async function fetchLater(request: Request, cache: Cache, sha256: string): Promise<Response> {
   const answer = await fetch(request, { cache: "no-cache" });
   if (!answer.ok) return answer;

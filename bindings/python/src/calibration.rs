@@ -1,4 +1,4 @@
-//! A calibration as the package holds it.
+//! The compiled part of `zerorate.Calibration`.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -8,7 +8,7 @@ use zerorate::Scale;
 use zerorate::calibration::CalibratedAxis;
 use zerorate_view::report::calibration_picture;
 
-/// Keys of the file that belong to an axis, or have another name in Python.
+/// Keys of the file that `fields` leaves out: they belong to an axis, or have another name in Python.
 const OF_AXES: [&str; 7] = ["axis", "temperature", "correction", "measured", "uncertainty", "curve", "noise"];
 
 /// A calibration and the text of its file.

@@ -1,4 +1,4 @@
-//! Captures, and codes in units.
+//! Reads captures, and converts codes to °/s and °C.
 
 use crate::error::exception;
 use adis16130::Width;

@@ -1,4 +1,4 @@
-//! The device that Python names, and how it is read.
+//! Opens the device that the arguments of Python describe.
 
 use crate::error::joined;
 use crate::worker::Reporter;

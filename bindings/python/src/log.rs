@@ -274,7 +274,7 @@ const TIME_UNITS: [(&str, TimeUnit); 4] =
 const DECIMALS: [(&str, Decimal); 4] =
     [(".", Decimal::Point), (",", Decimal::Comma), ("point", Decimal::Point), ("comma", Decimal::Comma)];
 
-/// Finds the value for one of a few words.
+/// Finds the value for a word. The error lists all words.
 fn chosen<T: Copy>(word: &Option<String>, name: &str, all: &[(&str, T)]) -> PyResult<Option<T>> {
     let Some(word) = word else { return Ok(None) };
     let found = all.iter().find(|(known, _)| known == word).map(|(_, value)| *value);

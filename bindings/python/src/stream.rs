@@ -45,7 +45,7 @@ impl Listener for RowSender {
         let _ = self.0.send(Item::Warning(text(warning)));
     }
 
-    // both are about a tracked bias, and this stream does not track
+    // both functions report a tracked bias, and this stream does not track the bias
     fn kept_again(&mut self, _: &Path) {}
 
     fn learned(&mut self, _: &LearnedAxis<'_>) {}

@@ -10,7 +10,7 @@ use zerorate_allan::rows;
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum SessionWarning {
-    /// The calibration file has a warning of its own.
+    /// A warning about the calibration file itself.
     OfCalibration { cal: String, warning: FileWarning },
     /// The bias differs between warming and cooling in a chamber. The text is from
     /// [`wide_loop`](crate::report::wide_loop).
@@ -18,7 +18,7 @@ pub enum SessionWarning {
     /// Frames of a bridge arrived damaged: their number.
     Damaged(u64),
     /// A serial number is missing, so it is uncertain whether the calibration belongs to the device or the capture
-    /// `name`. `advice` tells how to state it.
+    /// `name`. `advice` says how to state the serial number.
     UnknownSerial { cal: String, calibrated: String, name: String, advice: &'static str },
     /// The calibration does not state the serial number of its sensor.
     NoSerial { cal: String },

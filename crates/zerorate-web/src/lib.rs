@@ -1,5 +1,6 @@
-//! The session behind zerorate's page, for `zerorate serve` and for a browser without a server. Readings and requests
-//! go in, frames and answers come out. It has no socket, clock or thread: the owner of the event loop calls it.
+//! The session behind zerorate's page, for `zerorate serve` and for a browser without a server. The session takes
+//! readings and requests, and returns frames and answers. It has no socket, clock or thread: the owner of the event
+//! loop calls it.
 //!
 //! The messages are in [`message`], and specified in `docs/formats/page.md`.
 

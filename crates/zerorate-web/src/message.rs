@@ -83,13 +83,13 @@ pub struct CalibrateCommand {
     /// Duration of steps 4 and 6 of AN-1042, s.
     #[cfg_attr(feature = "types", ts(optional))]
     pub average_s: Option<f64>,
-    /// Duration of step 5, s.
+    /// Duration of step 5, the warm-up, s.
     #[cfg_attr(feature = "types", ts(optional))]
     pub warmup_s: Option<f64>,
-    /// Duration of step 7, s.
+    /// Duration of step 7, the settling, s.
     #[cfg_attr(feature = "types", ts(optional))]
     pub settle_s: Option<f64>,
-    /// Duration of step 8, s.
+    /// Duration of step 8, the average that gives PBC, s.
     #[cfg_attr(feature = "types", ts(optional))]
     pub offset_s: Option<f64>,
     /// Latitude of the place if the part's axis is vertical, °, north positive.
@@ -305,7 +305,7 @@ pub struct Register {
     pub name: String,
     /// The address in the data sheet.
     pub address: u32,
-    /// The bits of the register.
+    /// The content of the register.
     pub value: u32,
     /// The width of the register in bits.
     pub bits: u32,

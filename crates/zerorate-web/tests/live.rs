@@ -128,7 +128,7 @@ struct Page {
     now_ms: f64,
     until_ms: f64,
     to_bridge: VecDeque<u8>,
-    /// Number of messages of the bridge that will still be lost.
+    /// Number of the bridge's next messages that are lost.
     to_lose: u32,
     /// The time during which the window with the port passes no bytes on, ms.
     blocked_ms: Range<f64>,

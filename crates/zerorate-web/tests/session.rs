@@ -117,7 +117,7 @@ fn a_minute_of_the_twin_fills_the_frames() {
     let checks = frame["device"]["checks"].as_array().unwrap();
     let whats: Vec<&Value> = checks.iter().map(|check| &check["what"]).collect();
     assert_eq!(whats, ["samples", "noise"]);
-    // every 50th edge is too few to tell bit errors from motion, and the check says so
+    // at every 50th edge, readings are too rare to tell bit errors from motion, and the check says so
     assert!(checks[0]["text"].as_str().unwrap().contains("smaller divider"), "{checks:?}");
     assert_eq!(checks[1]["ok"], true, "{checks:?}");
     let statistics = &frame["statistics"][0];

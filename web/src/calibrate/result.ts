@@ -9,7 +9,6 @@ import { settings } from "../settings";
 import type { Stage } from "./calibrate";
 import { titleOf } from "./methods";
 
-/** Shows the result of a calibration. */
 export class Result implements Stage {
   readonly element = h("div", { class: "result" });
   readonly #curve = new Curve("What is added to the rate", 280, "no curve");

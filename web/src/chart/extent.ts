@@ -1,4 +1,4 @@
-/** The range of an axis. It grows at once but shrinks only when much of it is empty, so that a live chart stands still. */
+/** The range of an axis. To keep a live chart still, it grows at once but shrinks only when much of it is empty. */
 export class Extent {
   #min = NaN;
   #max = NaN;

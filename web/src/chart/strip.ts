@@ -264,7 +264,7 @@ export class Strip {
     for (let bin = end - 1; bin >= from; bin--) area.lineTo(x(bin), y(this.#least, bin));
   }
 
-  /** Draws a bin between empty bins, as with a part that is slower than the bins. It needs a width to be visible. */
+  /** Draws a bin between empty bins, as when samples are rarer than bins. It gets a width, so that it is visible. */
   #alone(area: Path2D, x: number, top: number, bottom: number, u: uPlot): void {
     const { window } = this.shared;
     const bin = ((this.#ring?.bin_s ?? 0) / (window.to - window.from)) * u.bbox.width;

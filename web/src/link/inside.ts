@@ -37,7 +37,6 @@ export class Inside implements Link {
     return this.#asking.ask(command, (text) => this.tell({ do: "ask", text }));
   }
 
-  /** Opens another device. */
   open(what: Opening): void {
     if (what.is === "twin") storage.keepOpening(what);
     this.tell({ do: "open", what });

@@ -2,7 +2,6 @@ import { count, duration, significant } from "../digits";
 import { coded, facts, h, table } from "../dom";
 import type { LogAbout } from "../protocol";
 
-/** Shows what a log contains. */
 export class About {
   readonly element = h("section", { class: "card about", "aria-label": "Content of the log" });
 

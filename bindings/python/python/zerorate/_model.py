@@ -13,7 +13,7 @@ class Coefficient:
     """A noise coefficient with its 95 % interval."""
 
     value: float
-    """Best value; never NaN, but see `identified`."""
+    """The most likely value, never NaN. It has a meaning only if `identified` is true."""
     lo: float
     """Lower end of the 95 % interval."""
     hi: float

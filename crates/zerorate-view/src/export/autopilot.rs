@@ -88,7 +88,7 @@ pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> 
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;
     let biases = axes.map(|correction| Bias::of(&correction, ARDUPILOT_C));
-    // ArduPilot also limits the temperature of the offsets to TMIN … TMAX, so it must be within them
+    // ArduPilot also limits CALTEMP to TMIN … TMAX, so it must be within this range
     let offset_c = f64::from(ARDUPILOT_C.clamp(temp_min_c, temp_max_c) as f32);
     let mut text = head(export, &format!("temperature calibration of IMU {sensor} of ArduPilot"));
     text += "# With P = (GYR1 d + GYR2 d^2 + GYR3 d^3) * 1e-6 rad/s and d = TEMP - 35, the rate is corrected by\n\

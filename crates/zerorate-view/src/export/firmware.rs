@@ -13,7 +13,7 @@ use zerorate::{
 /// The keys of a template, each with the text that replaces `@KEY@`.
 type Entries = Vec<(&'static str, String)>;
 
-/// A language's templates and its way to write values into them.
+/// The templates for a language, and the form of values in it.
 struct Language {
     /// The template for the only axis of an ADIS16130.
     one: &'static str,

@@ -118,7 +118,7 @@ mod tests {
         calibration
     }
 
-    /// Every range is covered by at most 1025 rows, with the step of F-52 if that is enough.
+    /// Every range is covered by at most 1025 rows, with the step of F-52 if 1025 such steps suffice.
     #[test]
     fn the_default_covers_the_range_in_bounded_room() {
         for (t3_c, low, high) in

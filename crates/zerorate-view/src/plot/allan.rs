@@ -121,10 +121,9 @@ impl Default for Options {
 
 /// Colours that colour-blind readers can distinguish (Okabe and Ito), the pale ones last.
 pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
-/// Dash patterns of the curves. The next one is used when all colours are used up.
+/// Dash patterns of the curves. After as many curves as there are colours, the next pattern is used.
 const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
-/// Colours of the fitted coefficients by slope, so that each has one colour in all plots. They are dark enough for
-/// text.
+/// Colours of the fitted coefficients by slope, the same in all plots. They are dark enough for text.
 const LAW_COLOURS: [(f64, &str); 4] = [(-0.5, "#c04a00"), (0.0, "#00785a"), (0.5, "#9a3f75"), (-1.0, "#7d6000")];
 /// The colour of lines with any other slope.
 const OTHER_LAW: &str = "#555555";
@@ -320,7 +319,7 @@ impl Picture<'_> {
         format!("minimum {} {unit} at {} s", number(value), number(tau_s))
     }
 
-    /// Label positions along a line, the best first: the positions at least [`APART`] from the curve, nearest first,
+    /// Label positions along a line, the best first: the positions at least `APART` from the curve, nearest first,
     /// then the closer positions, farthest first.
     fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<((f64, f64), Anchor)> {
         let track = densely(&self.scales.track(curve));
@@ -332,7 +331,6 @@ impl Picture<'_> {
     }
 }
 
-/// Colour and dash of each curve.
 fn styles() -> impl Iterator<Item = (&'static str, &'static str)> {
     DASHES.into_iter().cycle().flat_map(|dash| COLOURS.into_iter().map(move |colour| (colour, dash)))
 }

@@ -151,7 +151,7 @@ pub fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
 
-/// The tick label of digit · 10^k. With `plain`, it is written out.
+/// The tick label of digit · 10^k. With `plain`, the number is written out: 100 instead of 10².
 fn power(digit: i32, k: i32, plain: bool) -> String {
     match (plain, digit) {
         (true, _) => {

@@ -49,7 +49,7 @@ impl Area {
     }
 }
 
-/// The point of a text that its position refers to.
+/// The point of a text that is placed at the given position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
     Start,
@@ -80,7 +80,7 @@ pub fn width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * CHARACTER
 }
 
-/// Shortens a text to this many characters. It cuts the middle out, because file names differ at their ends.
+/// Shortens a text to this many characters. The middle is cut out, because file names differ at their ends.
 pub fn shortened(text: &str, characters: usize) -> String {
     let all: Vec<char> = text.chars().collect();
     if all.len() <= characters {

@@ -66,7 +66,7 @@ impl Scales {
         self.limits(points).map(dotted).into_iter().fold(Group::new(), Group::add)
     }
 
-    /// The line through the deviations, with a dot at each unless there are [`DENSE`] or more. `dash` distinguishes
+    /// The line through the deviations, with a dot at each unless there are `DENSE` or more. `dash` distinguishes
     /// curves of the same colour.
     pub fn line(&self, curve: &Curve, colour: &str, dash: &str) -> Group {
         let track = self.track(curve);
@@ -76,7 +76,6 @@ impl Scales {
         dots.iter().map(dot).fold(Group::new().add(line), Group::add)
     }
 
-    /// The ring around the minimum.
     pub fn ring(&self, tau_s: f64, dev: f64, colour: &str) -> Circle {
         circle(self.at(tau_s, dev), 7.0).set("fill", "none").set("stroke", colour).set("stroke-width", 1.6)
     }

@@ -19,7 +19,6 @@ impl Labels {
         self.ink.extend(densely(points).into_iter().filter(|point| self.area.contains(*point)));
     }
 
-    /// Marks an area as taken.
     pub fn take(&mut self, place: Area) {
         self.taken.push(place);
     }

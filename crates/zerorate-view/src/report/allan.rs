@@ -41,7 +41,7 @@ pub struct Table {
     pub note: String,
 }
 
-/// The records of one quantity.
+/// The part of the page about the records of one quantity.
 struct Section {
     /// The heading; no heading if empty.
     name: &'static str,

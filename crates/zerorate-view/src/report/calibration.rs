@@ -67,7 +67,6 @@ struct AxisPart<'a> {
     sections: Vec<Section>,
 }
 
-/// A quantity with its uncertainty.
 struct Quantity {
     name: &'static str,
     value: String,
@@ -88,7 +87,7 @@ struct Section {
     facts: Vec<Fact>,
 }
 
-/// Makes one HTML page of several calibrations, each with its file name. `course` belongs to the first of them.
+/// Makes one HTML page of several calibrations, each with its file name. `course` belongs to the first calibration.
 ///
 /// # Errors
 /// Returns an error if the template cannot be filled. That is not expected, since the compiler checks the template.

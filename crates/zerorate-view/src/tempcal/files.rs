@@ -9,9 +9,9 @@ use zerorate::{Calibration, MAX_AXES, SOFTWARE};
 use zerorate_imu::Kind;
 use zerorate_logs::{Names, Setting};
 
-/// The unit's identity for the calibration file.
+/// The identity of the sensor, for the calibration file.
 pub struct UnitNames {
-    /// The part's type name.
+    /// The type of the sensor.
     pub part: String,
     /// The serial number.
     pub serial: Option<String>,
@@ -56,8 +56,8 @@ pub fn calibration(
     Ok(Calibration::of_log_curves(unit, &axes))
 }
 
-/// The name of an axis or a part in a calibration file: the last 40 characters. What the file does not allow becomes
-/// `_`.
+/// The name of an axis or a part in a calibration file: its last 40 characters. Characters that the file does not
+/// allow become `_`.
 #[must_use]
 pub fn axis_name(name: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };

@@ -260,7 +260,7 @@ pub struct Points {
 /// A mean of an axis over part of a log, with its residual.
 #[derive(Clone, Copy, Debug)]
 pub struct MeanPoint {
-    /// Time in its log, s.
+    /// Time of the mean since the first sample of its log, s.
     pub at_s: f64,
     /// Temperature, °C.
     pub temp_c: f64,

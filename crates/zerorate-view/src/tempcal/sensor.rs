@@ -40,7 +40,7 @@ struct SensorAxis {
     logs: Vec<LogMeans>,
 }
 
-/// The sensors of logs of one unit.
+/// Collects the sensors of several logs of the same hardware.
 #[derive(Default)]
 pub struct Sensors {
     all: Vec<Sensor>,
@@ -197,8 +197,8 @@ pub fn number_of_imu(topic: Option<&str>) -> u32 {
 const LATE_S: f64 = 60.0;
 
 impl ImuColumns {
-    /// True if the sensor was on before the log began. `None` unless the log's clock tells: the clock of an
-    /// autopilot starts at switch-on.
+    /// True if the sensor was on before the log began. `None` if unknown: only the clock of an autopilot is known to
+    /// start at switch-on.
     fn was_on(&self, start_s: Option<f64>) -> Option<bool> {
         let of_autopilot =
             |topic: &String| ["sensor_", "IMU", "GYR", "ACC"].iter().any(|start| topic.starts_with(start));
@@ -226,7 +226,7 @@ impl ImuColumns {
             let at = match later {
                 None if is_same => index as f64,
                 None => (index as f64 + 0.5) * per_sample,
-                // the middle of the sample, so that rounding does not matter
+                // the middle of the sample, so that a rounding error does not select another temperature
                 Some(later) => (index as f64 + 0.5) * per_sample + later,
             };
             let temp_c = if at < 0.0 { None } else { self.temps_c.get(at as usize) };

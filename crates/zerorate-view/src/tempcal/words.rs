@@ -38,7 +38,7 @@ pub fn table(axes: &[AxisCurve]) -> String {
     text
 }
 
-/// The warnings of the axes, each once, with the names of its axes.
+/// The warnings of all axes. Each text occurs once, with the names of the axes that have it.
 #[must_use]
 pub fn warnings_of_axes(axes: &[AxisCurve]) -> Vec<String> {
     let mut lines: Vec<(&str, Vec<&str>)> = Vec::new();

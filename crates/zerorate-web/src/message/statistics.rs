@@ -10,7 +10,7 @@ use ts_rs::TS;
 pub struct Statistics {
     /// Length of the record, s.
     pub duration_s: f64,
-    /// The points of the Allan deviation, by averaging time.
+    /// The points of the Allan deviation, in order of averaging time.
     pub allan: Vec<AllanPoint>,
     /// The noise coefficients; empty before there are enough samples.
     pub coefficients: Vec<Coefficient>,

@@ -12,7 +12,7 @@ use zerorate_record::Row;
 /// The largest speed of simulated time, as a multiple of real time.
 const FASTEST: f64 = 1000.0;
 
-/// Reads the `id` alone from a request that is not understood.
+/// The `id` of a request whose command cannot be parsed.
 #[derive(Deserialize)]
 struct Anonymous {
     id: u32,
@@ -194,7 +194,6 @@ impl Session {
     }
 }
 
-/// The result of carrying out a command.
 enum Outcome {
     Reply(Reply),
     Host(HostCommand),

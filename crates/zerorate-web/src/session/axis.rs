@@ -9,7 +9,7 @@ use zerorate::{Axis, Calibration, CodeSum, NamedAxis, Reading};
 
 /// Length of a block of averaged samples, ns. The function `judge`, which detects rest, needs this length.
 pub const BLOCK_NS: u64 = 100_000_000;
-/// Length of a block, s: [`BLOCK_NS`].
+/// Length of a block, s: `BLOCK_NS`.
 pub const BLOCK_S: f64 = 0.1;
 /// Number of blocks in the displayed mean: one second.
 const SHOWN: usize = 10;
@@ -46,7 +46,6 @@ pub struct AxisState {
     closed: u64,
 }
 
-/// The sums over a block.
 #[derive(Debug, Default)]
 struct Sums {
     rate: CodeSum,

@@ -59,7 +59,7 @@ impl CalibrationStore {
         }
     }
 
-    /// Removes a stored calibration. Refuses if it is unknown or applied.
+    /// Removes a stored calibration. Returns an error if it is unknown or applied.
     pub fn remove(&mut self, id: &str) -> Result<(), String> {
         self.known(id)?;
         if self.is_applied(id) {

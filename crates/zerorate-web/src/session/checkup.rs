@@ -9,7 +9,7 @@ use zerorate_record::{CaptureWarning, valid};
 /// Duration of the samples that are checked, s.
 const DURATION_S: f64 = 5.0;
 
-/// The check of the first seconds, until it is complete.
+/// The check of the first `DURATION_S` seconds of samples.
 #[derive(Debug)]
 pub struct Examination {
     checkups: Vec<Checkup>,
@@ -27,7 +27,7 @@ impl Examination {
         self.checkups[axis].push(judged);
     }
 
-    /// The results, once the duration is reached; `None` before.
+    /// The results, once `DURATION_S` is reached; `None` before.
     pub fn ended(&self, axes: &[AxisState], tally: &Tally, start_ns: u64) -> Option<Vec<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;

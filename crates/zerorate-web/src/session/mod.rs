@@ -186,7 +186,7 @@ impl Session {
         }
     }
 
-    /// Adds a notice.
+    /// Adds a notice of an event. It replaces an older one with the same code and axis.
     pub fn note(&mut self, text: impl Into<NoticeText>) {
         self.live_view.note(&text.into());
     }
@@ -204,7 +204,7 @@ impl Session {
         self.note(SessionWarning::Missed(samples));
     }
 
-    /// Updates the twin's true state at the newest samples.
+    /// Replaces the true values of the twin by those at the newest sample.
     pub fn truths(&mut self, truths: &[Truth]) {
         self.truths.clear();
         self.truths.extend_from_slice(truths);

@@ -21,7 +21,6 @@ const GROWN: f64 = 1.01;
 /// Factor by which the duration grows until the noise model is fitted again.
 const GROWN_FOR_FIT: f64 = 1.1;
 
-/// The statistics of one axis.
 #[derive(Debug)]
 pub struct Statistics {
     axis: Axis,
@@ -89,7 +88,7 @@ impl Statistics {
         }
     }
 
-    /// Computes everything again if there is enough new data. Returns whether it did.
+    /// Computes the results again if there are enough new readings. Returns true if it computed them.
     pub fn refresh(&mut self, rate_hz: f64) -> bool {
         let duration_s = self.means.duration_s();
         if duration_s < GROWN * self.shown.duration_s || duration_s < self.shown.duration_s + 1.0 {

@@ -57,7 +57,6 @@ impl From<Values> for Bin {
     }
 }
 
-/// The strips of one axis.
 #[derive(Debug)]
 pub struct Strips {
     levels: Vec<Level>,
@@ -105,7 +104,6 @@ impl Strips {
     }
 }
 
-/// The bins of one level.
 #[derive(Debug)]
 struct Level {
     bins: VecDeque<Bin>,

@@ -42,7 +42,7 @@ pub trait Source {
     /// Returns an error that states why the device cannot be read any longer, and what to do.
     fn next(&mut self) -> Result<Next, String>;
 
-    /// The twin's true state, now; empty if the part is not a twin.
+    /// The true values of the twin at this time; empty if the device is not a twin.
     fn truths(&self) -> Vec<Truth> {
         Vec::new()
     }

@@ -18,7 +18,7 @@ pub struct TwinSource {
     alive_ns: u64,
 }
 
-/// Time without a reading that is an error, ns.
+/// If there is no reading for this time, ns, the device counts as failed.
 const SILENCE_NS: u64 = 1_000_000_000;
 
 impl TwinSource {
