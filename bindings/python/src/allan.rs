@@ -62,9 +62,9 @@ impl Times {
 
 /// Computes the deviation with its limits at each averaging time, and fits a noise model.
 ///
-/// ``asked`` is (remove glitches, remove steps, highest frequency of the model in Hz or None); without it, no model
-/// is fitted. ``settling`` has the temperature and the options ``detrend`` and ``skip``. Messages call the record
-/// ``name``. Other threads run meanwhile.
+/// ``asked`` is (remove glitches, remove steps, highest frequency of the model in Hz or None); None fits no model.
+/// ``settling`` has the temperature and the options ``detrend`` and ``skip``. Messages call the record ``name``.
+/// Other threads run meanwhile.
 ///
 /// Raises ValueError for arguments with which nothing can be computed.
 #[pyfunction]

@@ -1,4 +1,4 @@
-"""Devices: the procedure, recordings and streams, on the twin. No test has a real part."""
+"""Devices: the procedure, recordings and streams, on the twin. No test needs a real sensor."""
 
 from __future__ import annotations
 

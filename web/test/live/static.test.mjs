@@ -96,7 +96,7 @@ test("a whole calibration, over a reload and in two windows, and its files", asy
   await becomes(page, ".tile.corrected .value", /\d/);
   await second.page.close();
 
-  // the browser stores it: a window without the session still has the calibration
+  // the browser stores the calibration: a window without the session still has it
   await page.click('nav a[href="#device"]');
   await becomes(page, ".on-file", /T-1.*Applied/);
   const stored = await page.evaluate(() => JSON.parse(localStorage.getItem("zerorate.calibrations")));

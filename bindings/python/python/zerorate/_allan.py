@@ -260,7 +260,7 @@ def _of_arrays(
 
 
 def _guessed(found: Allan, stated: str | None) -> Allan:
-    """Marks the result if nothing stated the unit."""
+    """Marks the unit of the result as assumed if nothing stated it."""
     return found if stated else replace(found, _is_unit_assumed=True)
 
 

@@ -64,7 +64,7 @@ class Uncertainties:
     """
 
     coverage: float
-    """Probability of the stated intervals."""
+    """Probability with which the stated intervals contain the true value."""
     coverage_factor: float
     """Half width of the stated intervals in standard uncertainties."""
     u_pbc_dps: float
@@ -99,7 +99,7 @@ class CurveRecord:
     """The uncertainty of a curve over temperature, and its basis."""
 
     coverage: float
-    """Probability of the stated intervals."""
+    """Probability with which the stated intervals contain the true value."""
     coverage_factor: float
     """Half width of the stated intervals in standard uncertainties."""
     order: int
@@ -129,7 +129,7 @@ class NoiseRecord:
     flicker_floor_dps: float
     """Floor of the Allan deviation, °/s: 0.664 times the bias instability."""
     flicker_cutoff_hz: float
-    """The flicker is flat below this frequency, Hz."""
+    """Frequency below which the spectrum of the flicker noise is flat, Hz."""
     flicker_source: str
     """Source of `flicker_floor_dps` and `flicker_cutoff_hz`."""
     rate_random_walk_dps_per_rt_s: float
@@ -161,7 +161,7 @@ class Scale:
     zero_value: float
     """The value at ``zero_code``, °/s or °C."""
     width_bits: int
-    """Bits of a code."""
+    """Number of bits of a code."""
     signed: bool
     """True if codes are two's complement; otherwise they begin at 0."""
 
@@ -179,11 +179,11 @@ class CalibratedAxis:
     rate: Scale | None = None
     """The scale of the axis's rate codes."""
     measured: Measured | None = None
-    """The means from which the correction was computed; only by AN-1042."""
+    """The means from which the correction was computed; None for methods other than AN-1042."""
     uncertainty: Uncertainties | None = None
-    """The uncertainties; only by AN-1042."""
+    """The uncertainties; None for methods other than AN-1042."""
     curve: CurveRecord | None = None
-    """The uncertainty of the curve; only by methods other than AN-1042."""
+    """The uncertainty of the curve; None for AN-1042."""
     noise: NoiseRecord | None = None
     """The noise behind the uncertainty."""
 
@@ -202,17 +202,17 @@ class Run:
     rdy_hz: float
     """Data-ready edges per second."""
     samples: int
-    """Rate samples read."""
+    """Number of rate samples read."""
     lost_samples: int
-    """Rate samples lost."""
+    """Number of rate samples lost."""
     average_s: float
-    """Length of steps 4 and 6, s."""
+    """Length of steps 4 and 6 of AN-1042, s."""
     warmup_s: float
-    """Length of step 5, s."""
+    """Length of step 5, the warm-up, s."""
     settle_s: float
-    """Length of step 7, s."""
+    """Length of step 7, the settling, s."""
     offset_s: float
-    """Length of step 8, s."""
+    """Length of step 8, the average that gives PBC, s."""
     max_lost: float
     """Largest share of lost samples that was accepted."""
     max_u_btc_dps_per_c: float
@@ -344,12 +344,12 @@ class Calibration:
 
     @property
     def measured(self) -> Measured | None:
-        """The means from which the correction of the only axis was computed; only by AN-1042."""
+        """The means from which the correction of the only axis was computed; None for methods other than AN-1042."""
         return self._only("measured").measured
 
     @property
     def uncertainty(self) -> Uncertainties | None:
-        """The uncertainty of the only axis by AN-1042."""
+        """The uncertainty of the only axis; None for methods other than AN-1042."""
         return self._only("uncertainty").uncertainty
 
     @property
@@ -359,7 +359,7 @@ class Calibration:
 
     @property
     def curve(self) -> CurveRecord | None:
-        """The uncertainty of the only axis by a method other than AN-1042."""
+        """The uncertainty of the curve of the only axis; None for AN-1042."""
         return self._only("curve").curve
 
     def _only(self, what: str) -> CalibratedAxis:

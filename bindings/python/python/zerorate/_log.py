@@ -25,7 +25,7 @@ CutTime = Union[float, str]
 _T = TypeVar("_T")
 
 ALL = "all"
-"""All columns that hold numbers."""
+"""The value of `column` for all columns that hold numbers."""
 
 Library = Literal["pandas", "polars"]
 """The library of a DataFrame."""

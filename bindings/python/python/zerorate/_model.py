@@ -59,7 +59,7 @@ class BandShape:
     cosines: list[float]
     """The coefficients a_1, a_2 …"""
     pole: float | None
-    """p, the pole of a first-order low-pass."""
+    """p, the pole of a first-order low-pass; None without one."""
     corner: tuple[float, float] | None
     """f_c in Hz and c of a second-order low-pass: c is 0 for a Butterworth filter and 2 for two equal poles."""
     of_white: bool
@@ -97,7 +97,7 @@ class Cleaned:
     """The samples and steps that were removed from the record before the fit. The deviations do not include them."""
 
     glitches: int
-    """Glitches whose samples were replaced by the line between their neighbours."""
+    """Number of glitches whose samples were replaced by the line between their neighbours."""
     steps: list[tuple[float, float]]
     """Jumps of the level: time, s, and size, in the unit of the rate."""
 

@@ -115,14 +115,14 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
 
 
 def _settle(axes: Sequence[Allan], ax: Axes) -> None:
-    """Sets the limits by the measured points, since a band may reach down to zero."""
+    """Sets the limits of the vertical axis by the measured points, since a band may reach down to zero."""
     points = [axis for axis in axes if len(axis.dev) and (axis.dev > 0).all()]
     if points:
         ax.set_ylim(min(axis.lo.min() for axis in points) / 1.8, max(axis.hi.max() for axis in points) * 1.8)
 
 
 def _free_corner(axes: Sequence[Allan]) -> Literal["lower left", "upper left"]:
-    """The corner below the start of falling curves, or above the start of rising ones."""
+    """The corner for the legend: below the start of falling curves, or above the start of rising curves."""
     falling = sum(float(np.sign(axis.dev[0] - np.median(axis.dev))) for axis in axes if len(axis.dev))
     return "lower left" if falling >= 0 else "upper left"
 

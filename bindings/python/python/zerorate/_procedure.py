@@ -66,7 +66,7 @@ class Calibrated:
     cov_pbc_btc_dps2_per_c: float
     """Covariance of PBC and BTC, (°/s)²/°C."""
     coverage: float
-    """Probability of the stated intervals."""
+    """Probability with which the stated intervals contain the true value."""
     coverage_factor: float
     """Half width of the stated intervals in standard uncertainties."""
     rdy_hz: float
@@ -74,11 +74,11 @@ class Calibrated:
     rate_hz: float
     """Rate samples per second."""
     samples: int
-    """Rate samples read."""
+    """Number of rate samples read."""
     lost_samples: int
-    """Rate samples lost."""
+    """Number of rate samples lost."""
     impossible_readings: int
-    """Readings that are impossible for the sensor (bit errors). No mean includes them."""
+    """Number of readings that are impossible for the sensor (bit errors). No mean includes them."""
     duration_s: float
     """Time from the first sample to the last, s."""
     temp_min_c: float
@@ -90,7 +90,7 @@ class Calibrated:
     part: str
     """The type of the sensor."""
     serial: str | None
-    """Serial number, as given."""
+    """Serial number of the sensor, if the caller gave it."""
     device: str
     """The device from which the samples came."""
     created: str | None

@@ -17,9 +17,9 @@ class Captured:
     file: str
     """Path of the file."""
     samples: int
-    """Rate samples in the file."""
+    """Number of rate samples in the file."""
     lost_samples: int
-    """Rate samples lost."""
+    """Number of rate samples lost."""
     rate_hz: float
     """Rate samples per second."""
     rdy_hz: float
@@ -29,14 +29,14 @@ class Captured:
     interrupted: bool
     """True if the recording was ended early."""
     impossible_readings: int
-    """Readings that are impossible for the sensor (bit errors)."""
+    """Number of readings that are impossible for the sensor (bit errors)."""
     impossible_temps: int
-    """Temperatures that are impossible for the sensor."""
+    """Number of temperatures that are impossible for the sensor."""
     out_of_range: int
-    """Readings out of range."""
+    """Number of readings out of range."""
     unjudged: int
-    """Readings that were not checked for bit errors: their neighbours are too far away in time, or the limits of the
-    sensor are unknown."""
+    """Number of readings that were not checked for bit errors: their neighbours are too far away in time, or the limits
+    of the sensor are unknown."""
     frozen: bool
     """True if the readings no longer changed at the end; `capture` then raises `Refused`."""
     warnings: list[str]

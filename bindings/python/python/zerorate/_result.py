@@ -48,15 +48,15 @@ class Allan:
     n: NDArray[np.int64]
     """Number of terms from which the deviation was computed."""
     m: NDArray[np.int64]
-    """Samples in each average."""
+    """Number of samples in each average."""
     stat: str
     """The statistic, such as ``oadev``."""
     rate_hz: float
     """Samples per second."""
     samples: int
-    """Samples (for phase: points) from the first to the last, including missing ones."""
+    """Number of samples (for phase: points) from the first to the last, including missing ones."""
     missing: int
-    """Missing samples."""
+    """Number of missing samples."""
     confidence: float
     """Probability with which the limits enclose the true deviation."""
     unavailable: list[Unavailable] = field(repr=False)

@@ -53,7 +53,7 @@ def test_a_row_is_what_the_program_says_of_the_file(captures: Path, recorded: Pa
 
 def test_other_files_beside_captures_are_left_out(recorded: Path, tmp_path: Path) -> None:
     ended = fleet.run(str(recorded), str(tmp_path / "out"), RECIPE)
-    assert (ended.states, ended.left_out) == ({"ok": UNITS}, UNITS)  # a calibration beside each capture
+    assert (ended.states, ended.left_out) == ({"ok": UNITS}, UNITS)  # the calibration file of each capture is left out
 
 
 def test_links_are_followed(captures: Path, tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ class Dask:
         return self.client
 
     def __call__(self) -> Executor:
-        """An executor. Equal tasks are all run, and never share one result."""
+        """Makes an executor. It runs equal tasks separately, so that they do not share one result."""
         executor: Executor = self._connect().get_executor(pure=False)
         return executor
 

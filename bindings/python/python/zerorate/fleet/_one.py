@@ -1,4 +1,4 @@
-"""One file becomes one row."""
+"""Analyses one file, and writes its row."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ COLOUR, MARKED, LIMIT = "#3366aa", "#cc3311", "#ee7733"
 
 
 def distribution(values: Numbers, label: str, limits: Sequence[float]) -> str:
-    """A histogram, with the data sheet's typical value or range if `limits` has one."""
+    """Plots a histogram, with the data sheet's typical value or range if `limits` has one."""
     figure, ax = _figure()
     bins = int(np.clip(np.ceil(2 * np.cbrt(len(values))), 5, 60))  # Rice's rule
     ax.hist(values, bins=bins, color=COLOUR)
@@ -31,7 +31,7 @@ def distribution(values: Numbers, label: str, limits: Sequence[float]) -> str:
 
 
 def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbers], unit: str) -> str:
-    """The values over time, or over the serial numbers in their order if the captures have no date."""
+    """Plots the values over time, or in order of the serial numbers if a capture has no date."""
     figure, ax = _figure()
     order = np.argsort(days) if days is not None else np.array(_by_serial(rows))
     x = days[order] if days is not None else np.arange(len(order), dtype=np.float64)
@@ -57,7 +57,7 @@ def _by_serial(rows: list[dict[str, Any]]) -> list[int]:
 
 
 def by_group(groups: dict[str, Numbers], unit: str) -> str:
-    """A box for each group: quartiles, median, and whiskers to the last value within 1.5 quartile distances."""
+    """Plots a box for each group: quartiles, median, and whiskers to the last value within 1.5 quartile distances."""
     figure, ax = _figure()
     ax.boxplot(list(groups.values()), orientation="horizontal")
     ax.set_yticks(range(1, len(groups) + 1), [f"{name} ({len(values)})" for name, values in groups.items()])

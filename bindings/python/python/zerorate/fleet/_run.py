@@ -45,7 +45,7 @@ class Ended:
     undone: dict[str, str] = field(default_factory=dict)
     """Addresses of files without a row, each with the reason. Another run analyses these files."""
     left_out: int = 0
-    """Files that are not logs by their names: calibrations, reports, pictures, hidden files."""
+    """Number of files that are not logs by their names: calibrations, reports, pictures, hidden files."""
     seconds: float = 0.0
 
     def count(self, state: str, more: int = 1) -> None:
@@ -265,7 +265,7 @@ class _Driver:
 
     @contextmanager
     def _pool(self) -> Iterator[Executor]:
-        """An executor, closed at the end without waiting for running tasks."""
+        """Yields an executor, and closes it at the end without waiting for running tasks."""
         if isinstance(self.engine, Executor):
             yield self.engine
             return
