@@ -19,7 +19,7 @@ RATE_HZ = 10.0
 SAMPLES = 18_000
 """Half an hour at `RATE_HZ`."""
 CUBICS = {"gx_dps": (0.1, 2e-3, 3e-5, 1e-6), "gy_dps": (-0.2, -1e-3, 5e-5, 0.0), "gz_dps": (0.05, 4e-3, 0.0, -2e-6)}
-"""Coefficients of the bias in powers of T − 25 °C, °/s and °C."""
+"""The bias of each gyroscope axis, °/s: coefficients of the powers 0 to 3 of T − 25 °C."""
 ACCEL = {"ax_mps2": (0.0, 1e-3, 0.0, 0.0), "ay_mps2": (0.3, -2e-3, 2e-5, 0.0), "az_mps2": (9.8, 5e-4, 0.0, 1e-6)}
 WHITE = 0.02
 """Standard deviation of the noise of a sample, °/s and m/s²."""

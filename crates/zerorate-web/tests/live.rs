@@ -18,7 +18,6 @@ fn twin(keys: &'static str) -> Open {
     Box::new(move |_| Ok(Box::new(TwinSource::open(keys)?) as Box<dyn Source>))
 }
 
-/// The header of a frame.
 fn header(bytes: &[u8]) -> Value {
     let length = u32::from_le_bytes(bytes[..4].try_into().expect("four bytes")) as usize;
     serde_json::from_slice(&bytes[4..4 + length]).expect("JSON")

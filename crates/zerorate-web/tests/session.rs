@@ -57,7 +57,6 @@ fn feed(session: &mut Session, device: &mut Device, seconds: f64) {
     }
 }
 
-/// The header and the payload of a frame.
 fn read(frame: &[u8]) -> (Value, Vec<f32>) {
     let length = u32::from_le_bytes(frame[..4].try_into().unwrap()) as usize;
     let header = serde_json::from_slice(&frame[4..4 + length]).unwrap();
@@ -367,7 +366,6 @@ fn a_part_that_does_not_bear_a_calibration_has_none_applied() {
     assert!(frame["notices"][0]["text"].as_str().unwrap().contains("no longer"), "{}", frame["notices"]);
 }
 
-/// True if there is a notice with this code.
 fn says(session: &Session, code: &str) -> bool {
     let (all, _) = read(&session.snapshot());
     all["notices"].as_array().unwrap().iter().any(|notice| notice["code"] == code)

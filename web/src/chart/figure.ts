@@ -67,7 +67,6 @@ export abstract class Figure<T> {
     this.#draw();
   }
 
-  /** Removes the chart for good. */
   destroy(): void {
     this.#resized.disconnect();
     this.#plot?.destroy();
@@ -189,7 +188,6 @@ function decadeTick(value: number | null): string {
   return `10${superscript(whole)}`;
 }
 
-/** An axis of powers of ten. */
 export const DECADES: uPlot.Axis = { splits: wholeDecades, values: (_, splits) => splits.map(decadeTick) };
 
 /** The label of a number on a linear axis. */

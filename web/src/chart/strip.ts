@@ -95,14 +95,12 @@ export class Strip {
     return this.#isRate ? settings.unitText : "°C";
   }
 
-  /** Rebuilds the chart, after a change of theme or unit. */
   remake(): void {
     this.#plot?.destroy();
     this.#plot = undefined;
     this.#extent.forget();
   }
 
-  /** Removes the chart for good. */
   destroy(): void {
     this.#resized.disconnect();
     this.#plot?.destroy();

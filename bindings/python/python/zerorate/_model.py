@@ -71,7 +71,7 @@ class Line:
     """A disturbance or resonance. The coefficients do not include it."""
 
     frequency_hz: float
-    """Frequency, or the frequency to which it folds, Hz."""
+    """Frequency at which the line is seen, Hz: its own frequency, or the one to which it is aliased."""
     width_hz: float
     """Width of the spectral line, Hz."""
     rms: float

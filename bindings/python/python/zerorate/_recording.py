@@ -35,8 +35,8 @@ class Captured:
     out_of_range: int
     """Number of readings out of range."""
     unjudged: int
-    """Number of readings that were not checked for bit errors: their neighbours are too far away in time, or the limits
-    of the sensor are unknown."""
+    """Number of readings that were not checked for bit errors: their neighbours are too far away in time, or the
+    limits of the sensor are unknown."""
     frozen: bool
     """True if the readings no longer changed at the end; `capture` then raises `Refused`."""
     warnings: list[str]

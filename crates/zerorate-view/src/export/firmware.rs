@@ -330,7 +330,6 @@ fn range(Layout { valid, stated, .. }: &Layout, temp: &Scale) -> Entries {
     ]
 }
 
-/// Describes the codes of a scale in words.
 fn in_words(scale: &Scale) -> String {
     let (first, last) = scale.codes();
     let coding = if scale.signed { "two's complement" } else { "without a sign" };

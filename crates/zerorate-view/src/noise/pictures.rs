@@ -277,7 +277,6 @@ fn valid_coefficients(record: &Record) -> Vec<Named<'_>> {
     }
 }
 
-/// The coefficients of the model, if there is one.
 fn named(record: &Record) -> Vec<Named<'_>> {
     record.model().map_or_else(Vec::new, |fit| coefficients(fit, record.quantity))
 }

@@ -45,7 +45,6 @@ pub fn by_axis(group: &Group<'_>) -> Table {
     }
 }
 
-/// Finds a coefficient of a model, if it has a value.
 fn coefficient(fit: &FitReport, letter: char) -> Option<&CoefficientReport> {
     fit.coefficients().find(|(of, found)| *of == letter && found.value.is_some()).map(|(_, found)| found)
 }
