@@ -76,7 +76,8 @@ impl Acquisition {
         self.hub.facts()
     }
 
-    /// The description of the capture. `notes` replace recorded ones. A given serial number must equal a recorded one.
+    /// The description of the capture. `notes` replace the recorded notes. `serial` must equal the recorded serial
+    /// number, if there is one.
     ///
     /// # Errors
     /// Returns an error if the recording states another serial number.
@@ -101,18 +102,19 @@ impl Acquisition {
         }
     }
 
-    /// Resets the part, initialises it, and reads everything back. Returns the revision if the part has one.
+    /// Resets and configures the part. Returns its revision number; `None` for a recording.
     pub fn initialise(&self) -> Result<Option<u8>> {
         Ok(self.hub.with(|source| source.initialise())?)
     }
 
-    /// Tests the bus, if there is one, and leaves the part configured. Call it before the first sample.
+    /// Tests the bus and leaves the part configured. Call this before the first sample. Returns `None` for a device
+    /// without a bus, such as a recording.
     pub fn try_bus(&self) -> Result<Option<Bus>> {
         Ok(self.hub.with(|source| source.try_bus())?)
     }
 
-    /// Measures the change of the rate under self-test (F-11). Call it before the first sample. Error messages use
-    /// `names` for the settings.
+    /// Measures the change of the rate under self-test (F-11), which the line `gpio` activates. Call this before the
+    /// first sample. Error messages use `names` for the settings.
     pub fn self_test(&self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let gpio = gpio.to_owned();
         Ok(self.hub.with(move |source| source.self_test(&gpio, names))?)
@@ -213,23 +215,23 @@ impl Acquisition {
         self.axes.iter().map(|axis| &axis.health)
     }
 
-    /// The readings of the first axis that is frozen at the end of the samples. A shorter time without change is
-    /// enough there than for [`Acquisition::frozen`].
+    /// The frozen readings of the first axis whose last readings do not change; `None` if there is none. At the end
+    /// of the samples, a shorter time without change is enough than for [`Acquisition::frozen`].
     pub fn frozen_at_end(&self) -> Option<Frozen> {
         self.healths().find_map(Health::frozen_at_end)
     }
 
-    /// The frozen readings of the first axis that is frozen now; `None` if none is.
+    /// The frozen readings of the first axis that is frozen now; `None` if no axis is frozen.
     pub fn frozen(&self) -> Option<Frozen> {
         self.healths().find_map(Health::frozen)
     }
 
-    /// Time of the first sample, ns; 0 before it.
+    /// Time of the first sample, ns; 0 before the first sample.
     pub fn start_ns(&self) -> u64 {
         self.start_ns.unwrap_or_default()
     }
 
-    /// The warnings about all samples. Finishes the checks of the last ones first.
+    /// The warnings about all samples so far. First completes the checks of the last samples.
     pub fn warnings(&mut self) -> Vec<JobWarning> {
         for axis in &mut self.axes {
             while axis.health.finish().is_some() {}
@@ -272,7 +274,7 @@ impl Acquisition {
     }
 }
 
-/// The warning about an aliased resonance assumes means over this time, s.
+/// Averaging time that the warning about an aliased resonance assumes, s.
 const SHORTEST_AVERAGE_S: f64 = 1.0;
 
 /// Returns a warning if the sampling rate is below twice the bandwidth of the axis, so that faster motion aliases

@@ -21,7 +21,7 @@ pub struct AllanOptions {
 
 /// Selects columns of a log.
 pub enum Columns {
-    /// The column that [`AllanOptions::log`] names, or the only one.
+    /// The column that [`AllanOptions::log`] names, or else the rate of a capture, or the only column of a log.
     Single,
     /// The columns with these names.
     Listed(Vec<String>),
@@ -64,7 +64,7 @@ pub(crate) fn analysed(
     columns.into_iter().map(|column| Record::of(column, log, options, temperature).map_err(failed)).collect()
 }
 
-/// Unwraps errors of logs, so that front ends can tell them from errors of the analysis.
+/// Unwraps the errors of logs, so that front ends can distinguish them from errors of the analysis.
 fn failed(error: RecordError) -> anyhow::Error {
     match error {
         RecordError::Log(error) => error.into(),

@@ -28,7 +28,7 @@ pub struct Recording {
     pub lost: Vec<u32>,
     /// The keys and values that describe the capture, sorted by key (docs/formats/capture.md).
     pub metadata: Vec<(String, String)>,
-    /// The id of the applied calibration, if the capture is a corrected one. Its raw columns are unchanged.
+    /// The id of the applied calibration; `None` if the capture is not corrected.
     pub calibration_id: Option<String>,
     /// The warnings about the file: a torn tail, rows without checksums, readings that cannot be trusted.
     pub notes: Vec<CaptureWarning>,
@@ -52,7 +52,8 @@ pub struct RecordedAxis {
 /// Reads a capture in any supported format.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or its content is not valid. It states the place in the file.
+/// Returns an error if the file cannot be read, or its content is not valid. The error states the place in
+/// the file.
 pub fn read_capture(path: &Path) -> Result<Recording> {
     let mut reader = files::capture(path)?;
     let info = reader.info().clone();

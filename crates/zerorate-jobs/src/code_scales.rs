@@ -11,9 +11,9 @@ use zerorate_logs::{Column, LogWarning, Names, Setting, Unit};
 pub struct CodeOptions {
     /// The scales of the part's codes, if a part was named.
     pub part: Option<CodeScales>,
-    /// The full scale of the gyroscope, °/s; `None` means the one of the part after power-up.
+    /// The full scale of the gyroscope, °/s; `None` for the full scale of the part after power-up.
     pub gyro_range_dps: Option<f64>,
-    /// The full scale of the accelerometer, g; `None` means the one of the part after power-up.
+    /// The full scale of the accelerometer, g; `None` for the full scale of the part after power-up.
     pub accel_range_g: Option<f64>,
 }
 
@@ -35,7 +35,7 @@ struct FullScale {
 }
 
 impl CodeScales {
-    /// Reads the scales from a part file. The first full scale is the one after power-up.
+    /// Reads the scales from the text of a part file. The first full scale of the file holds after power-up.
     ///
     /// # Errors
     /// Returns an error if the text is not a part file.
@@ -53,7 +53,7 @@ impl CodeScales {
         }
     }
 
-    /// The scale at the full scale `range`, or at the one after power-up if `range` is `None`.
+    /// The scale of the codes at the full scale `range`. If `range` is `None`, the full scale after power-up applies.
     fn at(&self, kind: Kind, range: Option<f64>, names: Names) -> Result<Option<FullScale>, InvalidOptions> {
         let (name, all) = (&self.name, self.of(kind));
         let Some(range) = range else { return Ok(all.first().copied()) };
@@ -76,7 +76,8 @@ impl CodeOptions {
     /// Sets the scale of each kind of axis that has no unit yet. Returns warnings about assumed scales.
     ///
     /// # Errors
-    /// Returns an error if the part states no scale or not this full scale, or if a full scale is given beside a unit.
+    /// Returns an error if the part states no scale, or lacks the given full scale, or if both a unit and a full scale
+    /// are given.
     pub fn apply(&self, axes: &mut ImuOptions) -> Result<Vec<OfKind>, InvalidOptions> {
         let names = axes.log.names;
         let mut assumed = Vec::new();
@@ -241,7 +242,8 @@ impl Number {
 }
 
 impl Sensitivity {
-    /// The full scales, the one after power-up first. Empty for offset-binary codes, whose zero is at mid-range.
+    /// The full scales. The full scale after power-up comes first. Empty for offset-binary codes, whose zero is at
+    /// mid-range.
     fn full_scales(self) -> Vec<FullScale> {
         let width_bits = self.width_bits.unwrap_or(16);
         let of = |range: Option<Number>, per_unit: Number| FullScale {

@@ -19,7 +19,8 @@ pub trait Watch {
     /// Receives the progress every 4096 samples. Returns false to end the measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Receives the uncertainties that the recording would state if it ended now. Called only with a target.
+    /// Receives the uncertainties that the recording would state if it ended now. Called only if the plan
+    /// has a target uncertainty.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.
@@ -203,7 +204,7 @@ impl<'a> Measurement<'a> {
     }
 }
 
-/// The wording of refusals.
+/// Writes the texts of refusals.
 #[derive(Clone, Copy)]
 struct Words {
     names: SettingNames,

@@ -24,12 +24,12 @@ use zerorate_record::{CaptureInfo, Format};
 /// Output files, and the facts that are written into them.
 #[derive(Clone, Debug, Default)]
 pub struct OutputOptions {
-    /// The file of the calibration.
+    /// The file of the calibration; `None` if none was requested.
     pub output: Option<PathBuf>,
     /// True if the calibration of a real part is saved as `calibration-<id>.toml` in the current folder when `output`
     /// is `None`.
     pub saves: bool,
-    /// The file that records every sample.
+    /// The file that records every sample; `None` to record nothing.
     pub log: Option<PathBuf>,
     /// Serial number of the part.
     pub serial: Option<String>,
@@ -47,7 +47,7 @@ pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
 }
 
-/// The requested output files. They are claimed before an hour is spent on their content.
+/// The requested output files. They are claimed before the measurement, which may take an hour.
 #[derive(Debug)]
 pub struct Files {
     pub(crate) outputs: Outputs,
@@ -60,7 +60,8 @@ impl Files {
     /// starts.
     ///
     /// # Errors
-    /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written.
+    /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written, or
+    /// [`InvalidOptions`] if the name of the calibration has the ending of a capture.
     pub fn claim(mut outputs: Outputs, options: OutputOptions) -> Result<Self> {
         let calibration = options.output.as_deref().map(|path| outputs.derived(path)).transpose()?;
         let is_for_samples = |path: &&PathBuf| path.extension().is_some() && Format::choose(None, path).is_ok();
@@ -175,14 +176,14 @@ pub struct RunResult {
     pub report: CalibrationReport,
     /// The calibration that follows from the measurement.
     pub calibration: Calibration,
-    /// The failure, if a requested file could not be written.
+    /// An error if a requested file could not be written.
     pub delivery: Result<(), DeliveryFailure>,
 }
 
-/// The file name of a calibration for which no name was given.
+/// The name of a rescued calibration if no requested file ends in `.toml`.
 const UNNAMED: &str = "calibration.toml";
 
-/// A calibration whose files could not all be written where they were requested.
+/// The failure to write a requested file of a calibration.
 #[derive(Debug)]
 pub struct DeliveryFailure {
     /// The error that kept a file from being written.

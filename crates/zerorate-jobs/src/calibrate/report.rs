@@ -8,11 +8,11 @@ use zerorate::calibration::{CalibratedAxis, Contribution, Run};
 use zerorate::temperature::{BiasCurve, Step, TERMS};
 use zerorate::{Calibration, Outcome, SettingNames, Uncertainty, Warning};
 
-/// The JSON object of `calibrate --json`; the names are a contract.
+/// The JSON object of `calibrate --json`. The field names must not change.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct CalibrationReport {
-    /// The results of a part with one axis; `None` for several axes, which are in `axes`.
+    /// The results of a part with one axis. `None` for a part with several axes, whose results are in `axes`.
     #[serde(flatten)]
     pub only: Option<AxisNumbers>,
     pub coverage: f64,
@@ -33,7 +33,7 @@ pub struct CalibrationReport {
     pub calibration_id: String,
     /// True if the part was the twin, the simulated sensor.
     pub simulated: bool,
-    /// The file that holds the calibration; null if none was requested.
+    /// The requested file of the calibration; `None` if no file was requested, or if the log failed.
     pub file: Option<PathBuf>,
     pub capture_sha256: Option<String>,
     /// Warnings about all axes.
@@ -64,7 +64,7 @@ pub struct AxisReport {
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct AxisNumbers {
-    /// B1, T1, B2 and T2 are the averages of steps 4 and 6 of AN-1042; null with another method.
+    /// B1, T1, B2 and T2 are the averages of steps 4 and 6 of AN-1042; `None` with another method.
     pub b1_dps: Option<f64>,
     pub t1_c: Option<f64>,
     pub b2_dps: Option<f64>,
@@ -72,7 +72,7 @@ pub struct AxisNumbers {
     pub btc_dps_per_c: f64,
     pub pbc_dps: f64,
     pub t3_c: f64,
-    /// The terms above first order; null unless a curve was fitted.
+    /// The terms above first order. `None` unless a curve was fitted; the JSON then lacks these fields.
     #[serde(flatten)]
     pub higher: Option<CurveTerms>,
     pub u_pbc_dps: f64,
@@ -89,8 +89,8 @@ pub struct AxisNumbers {
     pub truth: Option<TruthReport>,
 }
 
-/// The terms of second and third order of a fitted curve, and what was estimated with them: lag, play, noise, steps
-/// and base motion.
+/// The terms of second and third order of a fitted curve, and the lag, play, noise, steps and base motion that were
+/// estimated with them.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct CurveTerms {
@@ -139,7 +139,7 @@ pub struct TruthReport {
 pub const POINTS: u8 = 9;
 
 impl CurvePoint {
-    /// Evenly spaced temperatures from `low_c` to `high_c`, both included.
+    /// [`POINTS`] evenly spaced temperatures from `low_c` to `high_c`, both included, °C.
     pub fn temps_c(low_c: f64, high_c: f64) -> impl Iterator<Item = f64> {
         (0..POINTS).map(move |k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1))
     }
@@ -160,7 +160,7 @@ impl TruthReport {
 /// A calibration that could not be written to its requested file.
 #[derive(Clone, Debug, Serialize)]
 pub struct RescuedCalibration {
-    /// The file that holds it instead; null if no folder could be written.
+    /// The file that holds the calibration instead; `None` if no folder could be written.
     pub file: Option<PathBuf>,
     /// The text of the calibration file.
     pub calibration: String,

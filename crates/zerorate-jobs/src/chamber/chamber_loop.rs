@@ -20,7 +20,7 @@ pub const TICK_NS: u64 = 1_000_000_000;
 const SET_STEP_C: f64 = 0.1;
 
 /// A running measurement. `writer` is the first field, so it is dropped first: the simulated part waits for the
-/// temperatures that it writes.
+/// temperatures that `writer` sends.
 pub struct ChamberLoop<'a> {
     writer: Option<ProfileWriter>,
     /// A simulated chamber that takes the place of the person who sets the chamber, if the sensor is simulated.
@@ -194,7 +194,7 @@ impl<'a> ChamberLoop<'a> {
         }
     }
 
-    /// Warns that the log failed and drops it. The measurement goes on; the error is reported at its end.
+    /// Warns that the log failed, and drops the log. The measurement goes on, and its result reports the error.
     #[cold]
     fn lose_log(&mut self, error: anyhow::Error) {
         let after_s = self.procedure.progress().elapsed_s;

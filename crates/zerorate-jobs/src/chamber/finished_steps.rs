@@ -14,7 +14,7 @@ use zerorate_input::limits::Bytes;
 
 /// The ending of the file's name, as in `unit.toml.chamber`.
 const ENDING: &str = ".chamber";
-/// The largest file that is read: a week of one-second means of eight axes as text.
+/// The largest file that is read. It holds a week of one-second means of eight axes as text.
 const LARGEST: Bytes = Bytes(256 << 20);
 
 /// The file of finished steps, if there is one, and the identity of the measurement that they belong to.
@@ -29,7 +29,7 @@ pub struct FinishedSteps {
 }
 
 impl FinishedSteps {
-    /// The path of the file for this output.
+    /// The path of the steps file that belongs to `output`.
     pub fn beside(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
         name.push(ENDING);

@@ -54,9 +54,9 @@ pub trait Watch {
 /// Settings that decide what is refused and how the samples are evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct ChamberOptions {
-    /// Largest allowed share of lost samples.
+    /// Largest allowed share of lost samples, 0 to 1.
     pub max_lost: f64,
-    /// The Earth's rotation on the axis, which is subtracted, °/s.
+    /// The Earth's rotation on the axis, which is subtracted, °/s; `None` to subtract nothing.
     pub earth_dps: Option<f64>,
     /// Highest polynomial order of the bias over temperature.
     pub max_order: usize,
@@ -76,12 +76,12 @@ pub struct UnusableSteps {
     pub why: String,
 }
 
-/// The requested output files. They are claimed before hours are spent on their content.
+/// The requested output files. They are claimed before the measurement, which may take hours.
 #[derive(Debug)]
 pub struct Files {
     of_calibration: calibrate::Files,
     page: Option<StagedOutput>,
-    /// The file that keeps finished steps.
+    /// The file that keeps finished steps; `None` if they are not kept.
     steps: Option<Slot>,
 }
 
@@ -89,7 +89,8 @@ impl Files {
     /// Claims the files and, if requested, a `page`. Finished steps of a replayed recording are not kept.
     ///
     /// # Errors
-    /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written.
+    /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written, or
+    /// [`InvalidOptions`](crate::InvalidOptions) if the name of the calibration has the ending of a capture.
     pub fn claim(outputs: Outputs, options: OutputOptions, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
         // no file is put beside a device, such as /dev/null
         let output = options.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
@@ -102,7 +103,7 @@ impl Files {
 }
 
 /// A measurement that is ready to run. `writer` is the first field, so it is dropped first: the simulated part waits
-/// for the temperatures that it writes.
+/// for the temperatures that `writer` sends.
 pub struct Job {
     writer: Option<ProfileWriter>,
     control: SetPointControl,
@@ -219,7 +220,7 @@ fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
 pub struct RunResult {
     /// The calibration, and the numbers behind it.
     pub results: ChamberResults,
-    /// The failure, if a requested file could not be written.
+    /// An error if a requested file could not be written.
     pub delivery: Result<(), DeliveryFailure>,
 }
 

@@ -7,11 +7,11 @@ use serde::Serialize;
 use zerorate::chamber::{Branches, ChamberOutcome, Record};
 use zerorate::{Calibration, Correction, Uncertainty};
 
-/// The JSON object of `chamber --json`; the names are a contract.
+/// The JSON object of `chamber --json`. The field names must not change.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct ChamberReport {
-    /// The results of a part with one axis; `None` for several axes, which are in `axes`.
+    /// The results of a part with one axis. `None` for a part with several axes, whose results are in `axes`.
     #[serde(flatten)]
     pub only: Option<AxisReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -12,19 +12,19 @@ pub trait AirListener {
     /// A stop was requested, and the chamber is being set to its safe temperature.
     fn leaving(&self, air: &AirState);
 
-    /// Receives the final state of the chamber and how the safe temperature was set. The latter is `None` if a person
-    /// sets the chamber. `air` is `None` if there is nothing to tell the user.
+    /// Receives the final state of the chamber and the result of setting the safe temperature. The result is `None`
+    /// if a person sets the chamber. `air` is `None` if there is nothing to tell the user.
     fn settle(&self, air: Option<(&AirState, Option<&SafeEnd>)>);
 }
 
-/// What is known about the air temperature in the chamber.
+/// The known state of the air temperature in the chamber.
 #[derive(Clone, Debug)]
 pub struct AirState {
     /// True if a person sets the chamber by hand.
     pub by_hand: bool,
     /// The safe temperature, °C.
     pub safe_c: f64,
-    /// The last set point that the chamber confirmed, °C.
+    /// The last set point that the chamber confirmed, °C; `None` before the first.
     pub set_c: Option<f64>,
 }
 
@@ -64,8 +64,8 @@ impl SetPointControl {
         let by = match spec.map(|spec| spec.chamber(stop)) {
             None => Control::Recording,
             Some(None) => Control::Hand,
-            // a slow command must not delay the reading of a real sensor, so its chamber has a thread; a simulated
-            // sensor can wait
+            // a simulated sensor can wait for its chamber, but a slow command must not delay the reading of a real
+            // sensor, so a real chamber has its own thread
             Some(Some(chamber)) if is_simulated => Control::Chamber(chamber),
             Some(Some(chamber)) => Control::Chamber(Box::new(ChamberThread::new(chamber)?)),
         };
@@ -74,7 +74,7 @@ impl SetPointControl {
         Ok(Self { by, has_word, state, is_left: false, stop: stop.clone(), listener })
     }
 
-    /// Checks that a chamber answers. If a person sets the chamber, tells the listener its state instead.
+    /// Checks that the chamber answers. If a person sets the chamber, passes its state to the listener instead.
     ///
     /// # Errors
     /// Returns an error if the chamber does not answer.
@@ -93,7 +93,7 @@ impl SetPointControl {
         self.state.set_c
     }
 
-    /// Sets the temperature of a chamber, °C.
+    /// Sends the set point `temp_c` to the chamber. Does nothing if a person sets the chamber, or for a recording.
     pub(super) fn set(&mut self, temp_c: f64) -> Result<()> {
         let Control::Chamber(chamber) = &mut self.by else { return Ok(()) };
         // a command that fails may still take effect
