@@ -10,14 +10,14 @@ pub struct JudgedAxis {
     pub name: String,
     /// The scales, limits and noise of the axis, as far as they are known.
     pub axis: Axis,
-    /// The checks of its readings.
+    /// The checks of the readings of this axis.
     pub health: Health,
     /// Checked readings that were not fetched yet.
     pub judged: VecDeque<Judged>,
 }
 
 impl JudgedAxis {
-    /// Starts the checks, before the first reading.
+    /// Starts the checks of an axis, before its first reading.
     pub fn new(named: &NamedAxis) -> Self {
         let (name, axis) = (named.name.to_string(), named.axis);
         Self { name, axis, health: Health::new(&axis), judged: VecDeque::new() }

@@ -10,7 +10,7 @@ use zerorate::{Axis, Checkup, Limits, NamedAxis, SettingNames};
 use zerorate_host::Bus;
 use zerorate_view::Seconds;
 
-/// The JSON object of `probe --json`; the names are a contract.
+/// The JSON object of `probe --json`. The field names must not change.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct Findings {
@@ -25,9 +25,9 @@ pub struct Findings {
     /// The highest of the tested clocks at which the configuration reads back correctly, Hz.
     pub fastest_clean_sclk_hz: Option<u32>,
     pub read_us: Option<f64>,
-    /// Share of the part's samples that the host read.
+    /// Share of the part's samples that the host read, 0 to 1.
     pub taken: f64,
-    /// Settings that would lose fewer samples.
+    /// Settings that would lose fewer samples; `None` if hardly any are lost.
     pub proposal: Option<String>,
     pub rdy_hz: f64,
     pub rate_hz: f64,
@@ -35,7 +35,7 @@ pub struct Findings {
     pub lost_samples: u64,
     pub longest_gap_ms: f64,
     pub duration_s: f64,
-    /// The findings of a part with one axis; `None` for several axes, which are in `axes`.
+    /// The findings of a part with one axis. `None` for a part with several axes, whose findings are in `axes`.
     #[serde(flatten)]
     pub only: Option<AxisFindings>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -61,15 +61,15 @@ pub struct AxisFindings {
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct SelfTestResult {
     pub shift_dps: f32,
-    /// Standard uncertainty of the change, °/s.
+    /// Standard uncertainty of `shift_dps`, °/s.
     pub u_dps: f32,
-    /// Number of samples averaged with the self-test on. The same number is averaged with it off.
+    /// Number of samples averaged with the self-test on. The same number is averaged with the self-test off.
     pub samples: u32,
 }
 
-/// The findings from before the first sample.
+/// The findings of the checks that precede the first sample.
 struct Before {
-    /// The revision register.
+    /// The revision register; `None` for a replay.
     revision: Option<u8>,
     bus: Option<Bus>,
     self_test: Option<SelfTest>,

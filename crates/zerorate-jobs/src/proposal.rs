@@ -12,9 +12,9 @@ const BUSY: f64 = 0.8;
 /// Share of lost samples below which no other settings are proposed.
 const BEARABLE: f64 = 0.001;
 
-/// Proposes settings that lose fewer samples. `taken` is the share of samples that were read, `read_s` the time of
-/// one read, and `mclk_hz` the clock of the part. Messages use `names` for the settings. It first tries to read the
-/// temperature less often (F-55), then a divider (F-56).
+/// Proposes settings that lose fewer samples: reading the temperature less often (F-55), or else a divider (F-56).
+/// `None` if hardly any samples are lost, or if no divider suffices. `taken` is the share of samples that were read,
+/// `read_s` the duration of one SPI read, and `mclk_hz` the clock of the part. The text uses `names` for the settings.
 pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: SettingNames) -> Option<String> {
     if taken >= 1.0 - BEARABLE {
         return None;

@@ -22,7 +22,7 @@ pub struct RecordOptions {
     pub format: Format,
     /// The length at which the recording ends.
     pub length: Length,
-    /// Serial number of the part.
+    /// Serial number of the part; `None` keeps the number that a replayed recording states.
     pub serial: Option<String>,
     /// Circumstances of the recording, as the user describes them.
     pub notes: Notes,
@@ -92,7 +92,7 @@ pub struct RecordReport {
     pub interrupted: bool,
     /// Number of readings that the part cannot produce: bit errors.
     pub impossible_readings: u64,
-    /// Number of temperatures that differ too much from those before them.
+    /// Number of temperatures that differ too much from the preceding temperatures.
     pub impossible_temps: u64,
     /// Number of readings out of range.
     pub out_of_range: u64,

@@ -4,7 +4,7 @@ use crate::output::Recording;
 use std::io;
 use zerorate_record::{CaptureError, CaptureInfo, CaptureSummary, CaptureWriter, Format, Row};
 
-/// Records samples into a file and syncs it to the disk. Dropping it also closes the file, but only
+/// Records samples into a file and syncs the file to the disk. Dropping the recorder also closes the file, but only
 /// [`Recorder::finish`] reports errors.
 pub struct Recorder {
     writer: CaptureWriter,
@@ -19,8 +19,8 @@ impl Recorder {
         Ok(Self { writer, file })
     }
 
-    /// Records a sample. Complete batches are written at once. Fails within a second after the file was removed or
-    /// cut.
+    /// Records a sample. Complete batches are written at once. If the file is removed or cut short, a call within a
+    /// second fails.
     #[inline]
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         self.file.check().map_err(|error| CaptureError::io("record into", self.file.path(), error))?;

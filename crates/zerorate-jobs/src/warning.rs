@@ -1,4 +1,4 @@
-//! Warnings of a job, beside its result.
+//! The warnings that a job returns with its result.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -14,15 +14,15 @@ use zerorate_view::{Seconds, SessionWarning};
 pub enum JobWarning {
     /// A warning about the measurement.
     Measured(Warning),
-    /// A warning about one of several axes, which is named.
+    /// A warning about one of several axes, with the name of the axis.
     OfAxis(String, Warning),
     /// A warning about the device, or about a calibration that is applied to it.
     Session(SessionWarning),
-    /// A warning about a file or a device. The text names it if there may be several.
+    /// A warning about a file or a device.
     Source(SourceWarning),
     /// A warning about readings that are not trusted.
     Readings(CaptureWarning),
-    /// Samples were read, but lost because the queue was full. The number counts them.
+    /// The number of samples that were read, but then lost because the queue was full.
     Overflowed(u64),
     /// The log could not be written, and the measurement went on without it.
     LogFailed {
@@ -31,15 +31,15 @@ pub enum JobWarning {
         /// The text of the error.
         why: String,
     },
-    /// A capture has rows before its first temperature. The number counts them.
+    /// The number of rows of a capture before its first temperature.
     BeforeTemperature(u64),
-    /// So many rows of a log have no temperature in the minute before them.
+    /// The number of rows of a log that have no temperature in the minute before them.
     TemperatureMissing(u64),
-    /// The bias lags, so the correction may be off after the start of a log or a gap.
+    /// The bias lags behind the temperature. After the start of a log or a gap, the correction may therefore be wrong.
     LagAtStart {
-        /// The time for which it may be off, s.
+        /// The time for which the correction may be wrong, s.
         for_s: f64,
-        /// The largest error, °/s.
+        /// The largest error of the correction, °/s.
         most_dps: f64,
     },
     /// Readings with these fault flags were left out of a stream.
@@ -53,11 +53,11 @@ pub enum JobWarning {
         /// Time between attempts, s.
         again_s: u64,
     },
-    /// The finished steps of a chamber's plan cannot be saved. The text is the error.
+    /// The finished steps of a chamber's plan cannot be saved. The string is the text of the error.
     StepsNotKept(String),
     /// The part file does not state the part's operating temperatures.
     LimitsUnknown,
-    /// The chamber may still be heating or cooling. The text is the state in which it was left.
+    /// The chamber may still be heating or cooling. The string describes how the chamber was left.
     ChamberLeft(String),
     /// The measurement in a chamber was interrupted and then continued.
     Resumed,
@@ -71,7 +71,7 @@ pub enum JobWarning {
 }
 
 impl JobWarning {
-    /// The warning with the front end's names for settings. It is shown as `code: text`.
+    /// Adds the names that the front end uses for the settings.
     #[must_use]
     pub fn coded(self, names: SettingNames) -> CodedWarning {
         CodedWarning { axis: None, warning: self, names }

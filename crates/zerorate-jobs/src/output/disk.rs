@@ -18,12 +18,12 @@ const RANDOM: usize = 6;
 /// become too long for the file system.
 const LONGEST_STEM: usize = 100;
 
-/// Attempts to lock a folder that another process has locked. A process holds the lock for microseconds.
+/// Number of attempts to lock a folder that another process has locked. A process holds the lock for microseconds.
 const TURN_TRIES: u32 = 200;
 const TURN_PAUSE: Duration = Duration::from_millis(5);
 
-/// Creates an unfinished file for `name`, under a new name. Only one process at a time can claim a name. Files that
-/// killed processes left in the folder are removed.
+/// Creates an unfinished file for `name`, under a new name. Only one process at a time can claim a name. Also removes
+/// the unfinished files that killed processes left in the folder.
 pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, OutputError> {
     let _turn = turn_in(folder);
     let stem = stem(name);
@@ -74,7 +74,7 @@ enum Owner {
     Unknown,
 }
 
-/// Finds out whether the process that made the file still runs: the kernel releases its lock when it ends.
+/// Finds out whether the process that made the file still runs. The kernel releases the lock of a process that ends.
 #[cfg(unix)]
 fn owner(path: &Path) -> Owner {
     use rustix::fs::{FlockOperation, flock};
@@ -105,8 +105,8 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Locks a folder, for as long as it takes to check for other writers and to claim a name. `None` if it cannot be
-/// locked; then only the exclusive creation of names protects the files.
+/// Locks a folder until the returned file is dropped. Returns `None` if the folder cannot be locked. Then only the
+/// exclusive creation of names protects the files.
 fn turn_in(folder: &Path) -> Option<File> {
     let folder = File::open(folder).ok()?;
     for _ in 0..TURN_TRIES {

@@ -38,8 +38,8 @@ pub enum OutputError {
     #[error("{} was written by something else meanwhile, and is left as it is", path.display())]
     TakenMeanwhile { path: PathBuf },
 
-    /// The path is a symbolic link to a file that does not exist. Its maker may want the file in a place that the user
-    /// does not expect.
+    /// The path is a symbolic link to a file that does not exist. The link may lead to a place that the user does not
+    /// expect.
     #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a \
              link: name the file itself, or remove the link", path.display(), target.display())]
     Dangling { path: PathBuf, target: PathBuf },
@@ -49,7 +49,7 @@ pub enum OutputError {
              file itself", path.display(), target.display())]
     ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
 
-    /// `-` was given as the output. Other programs then write to stdout, but this one prints results for people there.
+    /// `-` was given as the output. Many programs then write to stdout, but zerorate prints its results there.
     #[error("`-` is not a file, and stdout is for what the command prints; give the file a name")]
     Dash,
 

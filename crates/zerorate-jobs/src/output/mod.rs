@@ -1,10 +1,10 @@
 //! Output files. They never overwrite an input, and an existing file only with `--force`. A computed file never
 //! appears half-written under its final name.
 //!
-//! [`Outputs`] knows all files of a run. A command opens every file through it, so that it knows every input. It
-//! refuses an output that is an input or another output of the same run, under any name (hard links, symbolic links,
-//! `./x`, `/dev/stdout`). It refuses an output that exists, unless `--force` is given. Even with `--force`, results
-//! that can be computed again never replace a capture. docs/reference/files.md states the rules for users.
+//! A command opens every file through [`Outputs`], which therefore knows all files of a run. [`Outputs`] refuses an
+//! output that is an input or another output of the same run, under any name (hard links, symbolic links, `./x`,
+//! `/dev/stdout`). It refuses an output that exists, unless `--force` is given. Even with `--force`, results that can
+//! be computed again never replace a capture. docs/reference/files.md states the rules for users.
 
 mod disk;
 mod error;
@@ -42,7 +42,7 @@ pub struct Outputs {
     /// True if `--force` was given. `None` if the command has no such option.
     force: Option<bool>,
     inputs: Vec<(Identity, PathBuf)>,
-    /// Outputs claimed so far, and the standard streams.
+    /// Outputs claimed so far, and the files behind stdout and stderr, each with its name for messages.
     claimed: Vec<(Identity, String)>,
 }
 
@@ -101,7 +101,7 @@ impl Outputs {
         Ok(files::text(path, most))
     }
 
-    /// Opens a capture.
+    /// Registers a capture as an input and opens it.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::reads`], or an error if the capture is damaged.
@@ -125,7 +125,8 @@ impl Outputs {
         StagedOutput::new(path, place)
     }
 
-    /// Claims a file to record into. It has its final name from the start, so that the samples survive a power cut.
+    /// Claims a file to record into. The file has its final name from the start, so that the samples survive a power
+    /// cut.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::derived`].
@@ -183,7 +184,7 @@ pub fn is_refusal(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
 }
 
-/// True if the `--force` option would have replaced the file. Each front end tells the user how.
+/// True if the file could be replaced with the `--force` option. Each front end names that option in its own words.
 #[must_use]
 pub fn could_be_forced(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| matches!(cause.downcast_ref(), Some(OutputError::Exists { has_force: true, .. })))
@@ -203,8 +204,8 @@ fn refuse_capture(path: &Path) -> Result<(), OutputError> {
     if is_capture { Err(OutputError::IsCapture { path: path.to_owned() }) } else { Ok(()) }
 }
 
-/// A file is searched for [`NAME`] in this many bytes from its start. In every capture format, the first key is within
-/// them.
+/// Number of bytes at the start of a file that are searched for [`NAME`]. In every capture format, they contain the
+/// first key.
 const HEAD: u64 = 1 << 16;
 
 /// True if a file that cannot be read as a capture still starts like one.

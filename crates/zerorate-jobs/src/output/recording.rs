@@ -1,5 +1,5 @@
-//! An output that is recorded into. It has its final name from the start and only one writer. A thread checks four
-//! times a second that it still exists, and syncs it once a second.
+//! An output file that is recorded into. The file has its final name from the start, and only one writer. A thread
+//! checks four times a second that the file still exists, and syncs the file once a second.
 
 use super::OutputError;
 use super::disk::{claim, lock, open_to_lock, sync_folder};
@@ -21,14 +21,14 @@ const LOOK_EVERY: Duration = Duration::from_millis(250);
 /// Number of checks per sync of the file: one sync a second.
 const LOOKS_PER_SYNC: u32 = 4;
 
-/// A file to record into. It is locked until it and its clones are closed, so that no other run can record into it.
+/// A file to record into. It stays locked until all its handles are closed, so that no other run can record into it.
 #[derive(Debug)]
 pub struct Recording {
     path: PathBuf,
     file: File,
     /// Bytes written so far.
     written: Arc<AtomicU64>,
-    /// `None` for a pipe or a device, which cannot be removed or replaced.
+    /// The file and its checks. `None` for a pipe or a device, which cannot be removed or replaced.
     recorded: Option<Arc<RecordedFile>>,
     /// The checking thread. `None` for a pipe or a device, and after the thread has failed.
     watch: Option<Watch>,
@@ -168,8 +168,8 @@ fn busy(path: &Path) -> OutputError {
     OutputError::Busy { path: path.to_owned() }
 }
 
-/// Checks the file four times a second and calls `fdatasync` once a second. It does so in a separate thread, so that a
-/// slow disk does not delay reading the part. The thread ends early on an error.
+/// A thread that checks the file four times a second and calls `fdatasync` once a second. The thread keeps a slow disk
+/// from delaying the reading of the part. It ends early on an error.
 #[derive(Debug)]
 struct Watch {
     stop: Sender<()>,

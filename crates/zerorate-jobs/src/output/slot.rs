@@ -21,7 +21,7 @@ pub struct Slot {
     name: OsString,
     /// The identity of the existing file; `None` if there is none.
     holds: Option<Identity>,
-    /// An empty locked file beside the claimed one, by which other runs see the claim.
+    /// An empty locked file beside the claimed file. It shows the claim to other runs.
     _claim: Temporary,
 }
 
@@ -40,10 +40,10 @@ impl Slot {
         &self.path
     }
 
-    /// The content, if it has at most `most` bytes. `None` if the file does not exist.
+    /// The content of the file; `None` if the file does not exist.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read or is larger.
+    /// Returns an error if the file cannot be read or has more than `most` bytes.
     pub fn content(&self, most: Bytes) -> io::Result<Option<String>> {
         match files::text(&self.target(), most) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),

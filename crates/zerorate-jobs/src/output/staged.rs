@@ -67,7 +67,7 @@ impl StagedOutput {
     /// Publishes the complete file: syncs it, renames it to its final name, and syncs the folder.
     ///
     /// # Errors
-    /// Returns the error of the file system, or an error if another program has created a file of that name since.
+    /// Returns the error of the file system, or an error if another program has meanwhile created a file of that name.
     pub fn publish(self) -> Result<(), OutputError> {
         let path = self.path;
         let failed = |error| OutputError::io("write", &path, error);

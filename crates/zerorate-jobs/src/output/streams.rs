@@ -9,7 +9,7 @@ use std::path::Path;
 /// The name of stdout in messages.
 pub const STDOUT: &str = "stdout";
 
-/// Stdout and stderr, each with its name, if they are redirected to regular files.
+/// The regular files to which stdout and stderr are redirected, each with the name of its stream.
 #[cfg(unix)]
 pub fn files() -> Vec<(Identity, &'static str)> {
     let streams = [(metadata(io::stdout()), STDOUT), (metadata(io::stderr()), "stderr")];
@@ -19,13 +19,13 @@ pub fn files() -> Vec<(Identity, &'static str)> {
     streams.into_iter().filter_map(file).collect()
 }
 
-/// The pipe or socket behind stdout; `None` if it is something else.
+/// The pipe or socket behind stdout; `None` if stdout is something else.
 #[cfg(unix)]
 pub fn stdout_pipe() -> Option<Identity> {
     super::place::pipe(&metadata(io::stdout())?, Path::new(STDOUT))
 }
 
-/// The regular file behind stdin; `None` if it is something else.
+/// The regular file behind stdin; `None` if stdin is something else.
 #[cfg(unix)]
 pub fn stdin_file() -> Option<Identity> {
     Identity::of(&metadata(io::stdin()).filter(std::fs::Metadata::is_file)?, Path::new("stdin"))

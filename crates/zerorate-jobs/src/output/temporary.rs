@@ -1,5 +1,5 @@
-//! Files that must not outlive the run, however it ends. They are removed on drop, and by the handler of a signal
-//! that ends the program at once.
+//! Temporary files. They must not outlive the run, however the run ends. They are removed on drop, and by the handler
+//! of a signal that ends the program at once.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Permissions};
@@ -24,7 +24,7 @@ pub fn remove_all_for_good() {
     std::mem::forget(all);
 }
 
-/// The error without the path of the temporary file, which the user does not know.
+/// Removes the path of the temporary file from an error. The user does not know that path.
 fn without_path(error: io::Error) -> io::Error {
     match error.to_string().split_once(" at path ") {
         Some((why, _)) => io::Error::new(error.kind(), why),

@@ -113,7 +113,7 @@ fn a_file_is_known_by_any_name() {
     }
 }
 
-/// A capture cannot be recorded again, even if it is torn, damaged in its description, or lacks its end.
+/// A capture is protected even if its last row is torn, its description is damaged, or its end is missing.
 #[test]
 fn only_a_recording_replaces_a_capture() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +174,7 @@ fn a_link_stays_a_link_and_leads_nowhere_new() {
     assert_eq!(fs::read_link(path("latest")).unwrap(), Path::new("dated"));
     assert_eq!(fs::read_to_string(path("dated")).unwrap(), "new");
     assert!(fill("a", true).is_err(), "round and round");
-    // the link of another user is not followed; only root can make one for this test
+    // the link of another user is not followed (only root can make such a link for this test)
     if lchown(path("latest"), Some(4711), None).is_ok() {
         assert!(matches!(fill("latest", true), Err(OutputError::ForeignLink { uid: 4711, .. })));
     }

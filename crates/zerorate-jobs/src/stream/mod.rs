@@ -25,7 +25,7 @@ pub trait Listener {
     /// Receives a warning, while the stream runs or at its end.
     fn warn(&mut self, warning: JobWarning);
 
-    /// The saved state could be written to this file again, after failures.
+    /// Called when the learned state was saved to the file `state` again, after failures.
     fn kept_again(&mut self, state: &Path);
 
     /// Receives the learned state of each axis, at the end.
@@ -75,7 +75,7 @@ pub fn period_ns(rate_hz: f64) -> Option<u64> {
 
 /// Checks that the calibration belongs to the part that is read. `given` is the part's serial number, if the user
 /// states one. Messages call the calibration `cal` and the device `name`, and `advice` tells how to state the serial
-/// number.
+/// number. Returns a warning if the check is impossible because one serial number is unknown.
 ///
 /// # Errors
 /// Returns an error if the calibration or the recording belongs to another part.
@@ -188,8 +188,8 @@ impl<'a> RowMaker<'a> {
         Ok(Self { axes, corrector, warned_of_span: false, warned_of: Flags::NONE, tracking, listener })
     }
 
-    /// Passes rows to the listener until the end. If the part freezes, it passes the row so far and returns a refusal,
-    /// since later readings are no measurements.
+    /// Passes rows to the listener until the end. If the part freezes, the listener gets the row so far, and a
+    /// refusal is returned, since later readings are not measurements.
     fn follow(&mut self, acquisition: &mut Acquisition, options: StreamOptions) -> Result<()> {
         let mut mean = Mean::default();
         let mut judged = Vec::new();

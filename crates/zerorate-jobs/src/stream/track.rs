@@ -1,4 +1,4 @@
-//! Tracks the bias whenever the part is at rest, and saves what was learned between runs.
+//! Tracks the bias whenever the part is at rest, and saves the learned state for the next run.
 
 use super::{Listener, TrackedRow};
 use crate::output::{Outputs, Slot};
@@ -34,7 +34,7 @@ pub struct UnusableState(pub anyhow::Error);
 /// The tracked bias of an axis at a row.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackedAxis {
-    /// The bias, °/s.
+    /// The tracked bias, °/s.
     pub bias_dps: f64,
     /// The change of the bias since the calibration, and its uncertainty.
     pub tracked: Tracked,
@@ -47,7 +47,7 @@ pub struct LearnedAxis<'a> {
     pub name: &'a str,
     /// Counts of the data from which the bias was learned.
     pub counts: Counts,
-    /// The change of its bias at the last temperature; `None` without a temperature.
+    /// The change of the bias since the calibration, at the last temperature; `None` without a temperature.
     pub tracked: Option<Tracked>,
 }
 
@@ -151,7 +151,7 @@ fn since(from: Option<&str>, to: Option<Timestamp>) -> Option<f64> {
     Some(to?.duration_since(from).as_secs_f64())
 }
 
-/// Restores the trackers from the file. Their uncertainty grows by the time since the file was saved.
+/// Restores the trackers from the file. Their uncertainty grows with the time since the file was saved.
 fn taken_up(
     file: &TrackFile,
     calibration: &Calibration,
@@ -250,7 +250,8 @@ impl Tracking {
         }
     }
 
-    /// The tracked bias at a row. `correction_dps` is the calibrated correction of an axis at this temperature.
+    /// The tracked bias of each axis at `temp_c`, and the state of motion. `correction_dps` returns the calibrated
+    /// correction of an axis at this temperature, °/s.
     pub fn row(&self, temp_c: f64, correction_dps: impl Fn(usize) -> f64) -> TrackedRow {
         let axis = |(axis, tracker): (usize, &Tracker)| {
             let tracked = tracker.tracked(temp_c);

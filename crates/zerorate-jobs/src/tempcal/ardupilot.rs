@@ -11,7 +11,7 @@ use zerorate_imu::Kind;
 const REFERENCE_C: f64 = 35.0;
 /// A coefficient is its parameter times this factor (AP_InertialSensor_tempcal.cpp, SCALE_FACTOR).
 const SCALE: f64 = 1e-6;
-/// ArduPilot uses temperatures below this where it has none, °C (tempcal_IMU.py).
+/// In ArduPilot's parameters, a temperature below this means that there is none, °C (tempcal_IMU.py).
 const NO_TEMPERATURE_C: f64 = -80.0;
 
 /// The names of the axes in the parameters.
@@ -153,7 +153,7 @@ mod tests {
         all.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
     }
 
-    /// Orientation 16 turns by 90° about x: y of the sensor is z of the vehicle.
+    /// Orientation 16 is a rotation by 90° about x: y of the sensor is z of the vehicle.
     #[test]
     fn a_turned_board_is_turned_back() {
         let mut axes = [vec![1.0], vec![2.0], vec![3.0]];

@@ -1,4 +1,4 @@
-//! Reads the sensors of logs: the means of each axis with their temperatures.
+//! Reads the sensors in logs: the means of each axis and the temperatures at which they were measured.
 
 use super::ardupilot::AppliedCorrections;
 use super::{TempcalOptions, UnitLog};
@@ -206,7 +206,7 @@ fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &Tempca
 /// The temperature column of a capture, in codes.
 const TEMP_CODE: &str = "temp_code";
 
-/// Checks that the numbers can be temperatures in °C. If a few cannot, they count as missing.
+/// Checks that the values of a column can be temperatures in °C. A few impossible values count as missing.
 fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<Column> {
     let option = options.axes.log.names.of(Setting::TempColumn);
     if let Some(unit) = foreign_unit(&column.name) {

@@ -61,8 +61,8 @@ fn a_constant_column_is_refused() {
     assert!(!notes(&noise).contains("the same"));
 }
 
-/// A capture of 40 minutes from power-on, in which the part warms with time constants of 90 s and 600 s (M-03). Its K
-/// is 1e-4 °/s/√s (M-04).
+/// A capture of 40 minutes from power-on, in which the part warms with time constants of 90 s and 600 s (M-03). The
+/// part has a rate random walk K of 1e-4 °/s/√s (M-04).
 #[test]
 fn a_rate_that_follows_its_temperature_can_be_analysed() {
     let folder = Folder::new();
@@ -139,11 +139,11 @@ fn records_that_have_nothing_in_common_have_no_pool() {
 }
 
 const RATE_HZ: f64 = 100.0;
-/// Standard deviations of single samples: °/s and m/s².
+/// Standard deviations of single samples: of three gyroscopes, °/s, and of three accelerometers, m/s².
 const SIGMAS: [f64; 6] = [0.10, 0.12, 0.08, 0.020, 0.025, 0.030];
 const HEAD: &str = "t_s,gx_dps,gy_dps,gz_dps,ax [m/s^2],ay [m/s^2],az [m/s^2],mag_x";
 
-/// White noise of each axis. The z accelerometer also measures gravity.
+/// A CSV log with white noise of each axis. The z accelerometer also measures gravity.
 fn log(head: &str, rows: usize) -> String {
     let axes: Vec<Vec<f64>> = (7..).zip(SIGMAS).map(|(seed, sigma)| white(rows, sigma, seed)).collect();
     let row = |k: usize| {
@@ -159,7 +159,7 @@ fn of(log: &Path, axes: ImuOptions, format: Option<Format>) -> anyhow::Result<Im
     imu(log, &ImuNoiseOptions { axes, codes: CodeOptions::default(), temperature: None, analysis: fitted(), format })
 }
 
-/// Writes the noise file. Returns N and K of its gyroscope, as continuous densities, and its text.
+/// Makes the noise file. Returns the N and K that it states for the gyroscope, as continuous densities, and its text.
 fn in_file(format: Format, noise: &ImuNoise, rule: Rule, combine: Combine) -> (f64, f64, String) {
     let names = Names(Setting::name);
     let (log, warnings) = ("imu.csv".to_owned(), Vec::new());

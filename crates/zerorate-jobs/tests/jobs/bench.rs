@@ -57,7 +57,7 @@ pub fn sampled(device: &str, sampling: Sampling) -> Acquisition {
     Acquisition::open(&device.parse().unwrap(), setup, Pace::Free, &Stop::default(), Box::new(|_| {})).unwrap()
 }
 
-/// A calibration of less than four minutes of simulated time. Its BTC has a large uncertainty.
+/// A plan of less than four minutes of simulated time. It allows a large uncertainty of the BTC.
 pub fn short() -> Plan {
     let (warmup_s, settle_s, max_u_btc_dps_per_c) = (60.0, 120.0, 0.2);
     Plan { average_s: 2.0, warmup_s, settle_s, offset_s: 20.0, max_u_btc_dps_per_c, ..Plan::default() }
@@ -78,7 +78,7 @@ impl Watch for Quiet {
     }
 }
 
-/// Calibrates into files that may exist.
+/// Calibrates, and overwrites output files that exist.
 pub fn keep(device: &str, plan: Plan, kept: OutputOptions) -> Result<RunResult> {
     let files = Files::claim(Outputs::new(true), kept)?;
     let done = prepare(open(device), plan, files, Setting::name)?.run(&mut Quiet)?;
@@ -113,7 +113,7 @@ pub fn record(device: &str, sampling: Sampling, seconds: f64, path: &Path) -> Ac
     acquisition
 }
 
-/// A calibration file with the coefficients PBC, BTC and T3, and with the lines `more` at its end.
+/// A calibration with the coefficients PBC, BTC and T3, from a file that ends with the lines `more`.
 pub fn calibration(schema: u32, coefficients: [f64; 3], more: &str) -> Calibration {
     let [pbc, btc, t3] = coefficients;
     let text = format!(
@@ -172,7 +172,7 @@ impl StreamLog {
     }
 }
 
-/// Streams for `seconds`, with a row every `every_s` seconds, or a row for each sample if that is 0.
+/// Streams for `seconds`, with a row every `every_s` seconds, or a row for each sample if `every_s` is 0.
 pub fn streamed(device: &str, calibration: &Calibration, seconds: f64, every_s: f64) -> (StreamLog, Result<()>) {
     let acquisition = open(device);
     acquisition.initialise().unwrap();

@@ -56,7 +56,7 @@ fn the_uncertainty_budget_adds_up() {
     }
 }
 
-/// A step of the supply by 300 mV, after the temperature has settled, is removed and reported.
+/// A step of the supply by 300 mV moves the bias by 0.06 °/s (F-01). The step is removed and reported.
 #[test]
 fn a_step_of_the_supply_is_taken_out_of_a_warm_up() {
     let unit = "twin:seed=9,curvature=0,hysteresis=0,warmup_s=20,supply_step_mv=300,fault_at_s=120";
@@ -127,7 +127,7 @@ fn a_failed_calibration_names_its_cause_and_writes_nothing() {
     }
 }
 
-/// An output that cannot be written is refused before an hour is spent on its content.
+/// An output that cannot be written is refused before the measurement starts.
 #[test]
 fn an_output_that_cannot_be_written_is_refused_first() {
     let folder = Folder::new();

@@ -51,7 +51,8 @@ fn probe_measures_rate_noise_and_losses() {
     assert!(found.warnings.is_empty() && found.self_test.is_none(), "{found:?}");
 }
 
-/// Rate and temperature take 783 + 527 clock cycles (F-31), and the self-test adds 20 °/s.
+/// With filter words 9 and 5, rate and temperature take 783 + 527 clock cycles (F-31). The twin's self-test adds
+/// 20 °/s.
 #[test]
 fn probe_tries_the_self_test_and_releases_it() {
     let found = probed(open("twin:seed=7,framing=command,width=16,fw=9:5"), Some("")).unwrap();
@@ -119,7 +120,7 @@ fn a_divider_and_a_counter_lower_the_rate() {
     assert!(near(found(&replay(&file)).rate_hz, 2.0 * 5_692.6 / 151.0, 0.005));
 }
 
-/// A capacitor at ROA lowers the bandwidth, and a recording states it.
+/// A capacitor at ROA lowers the bandwidth (F-04), and a recording states this bandwidth.
 #[test]
 fn a_lower_bandwidth_does_not_alias() {
     let folder = Folder::new();

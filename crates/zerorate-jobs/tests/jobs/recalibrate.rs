@@ -13,7 +13,7 @@ fn logged(log: &Path) -> OutputOptions {
 }
 
 /// A method without steps uses the whole recording, whatever its length. The recording states the Earth's rotation
-/// that was given when it was made.
+/// that the user gave for it.
 #[test]
 fn a_recording_gives_the_same_calibration_byte_for_byte() {
     let whole = Plan { settle_s: settle_s(Method::Warmup, true), max_u_btc_dps_per_c: 0.2, ..Plan::default() };
