@@ -87,8 +87,8 @@ impl Cli {
         }
     }
 
-    /// Limits the memory for reading files to `--max-memory`, or else to half of the machine's. If that is unknown,
-    /// the default of the library applies.
+    /// Limits the memory for reading files to `--max-memory`, or else to half of the machine's memory. If the size of
+    /// the machine's memory is unknown, the default of the library applies.
     pub fn set_limits(&self) {
         if let Some(bytes) = self.max_memory.or_else(memory::half) {
             limits::set_max_memory(bytes);

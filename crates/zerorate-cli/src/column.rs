@@ -81,7 +81,7 @@ impl LogArgs {
         self.topic.get(1..).unwrap_or_default()
     }
 
-    /// The settings with which the log is read. Error messages name each option as `names` states it.
+    /// The settings for reading the log. `names` returns the option that error messages name for a setting.
     pub fn options(&self, names: Names) -> ColumnOptions {
         ColumnOptions {
             topic: self.topic.first().cloned(),
@@ -102,7 +102,7 @@ impl LogArgs {
     }
 }
 
-/// The columns of a log to read, and what the log itself does not say about them.
+/// Options for the column of a log to read, and for facts about it that the log does not state.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = UNITS)]
 pub struct ColumnArgs {
@@ -146,7 +146,7 @@ impl ColumnArgs {
         }
     }
 
-    /// The columns to analyse: all, those of a list, or a single one, which [`Self::options`] may name.
+    /// The columns to analyse: all columns, a list of columns, or a single column, which [`Self::options`] may name.
     pub fn columns(&self) -> Columns {
         match self.column.as_deref().filter(|_| self.is_list()) {
             Some(list) => listed(list).map_or(Columns::All, Columns::Listed),
@@ -169,7 +169,7 @@ pub fn listed(list: &str) -> Option<Vec<String>> {
     (list != ALL).then(|| list.split(',').map(|name| name.trim().to_owned()).collect())
 }
 
-/// The name of a setting's option.
+/// The option that sets a setting, as messages name it.
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::ForceUnit => SettingName { prefix: "give --", ..flag_of(setting.word()) },
@@ -179,7 +179,7 @@ pub fn flag(setting: Setting) -> SettingName {
     }
 }
 
-/// The option that consists of `--` and this word: `--max-bad`.
+/// The option that consists of `--` and `word`, such as `--max-bad`.
 pub const fn flag_of(word: &'static str) -> SettingName {
     SettingName { prefix: "--", word, joint: '-', suffix: "" }
 }

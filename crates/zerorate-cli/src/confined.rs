@@ -46,7 +46,7 @@ pub enum Role {
     Supervisor(ExitCode),
 }
 
-/// Runs the command line `args` in a child process, if it reads `files` and this process is not such a child.
+/// Runs the command line `args` in a child process, if the command reads `files` and this process is not such a child.
 pub fn run(args: &[OsString], files: &[&Path]) -> Role {
     let limit = limit(files);
     if files.is_empty() {
@@ -78,9 +78,9 @@ fn confine(Bytes(limit): Bytes) {
     let _ = set_parent_process_death_signal(Some(Signal::TERM));
 }
 
-/// Starts the child and waits for it. The child has our standard streams. The kernel sends Ctrl-C to both processes;
-/// SIGINT and SIGTERM from other processes are passed on. The child starts before the handlers are installed, so that
-/// it inherits which signals are ignored.
+/// Starts the child and waits for its end. The child has the standard streams of this process. The kernel sends Ctrl-C
+/// to both processes, but the parent must pass on SIGINT and SIGTERM from other processes. The child starts before the
+/// handlers are installed, so that it ignores the same signals as this process.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut command = Command::new("/proc/self/exe");

@@ -34,8 +34,8 @@ pub struct DeviceArgs {
 }
 
 impl SourceArgs {
-    /// The settings for reading the device. Also registers its file as an input of the run. Every command calls this
-    /// before it opens a device.
+    /// The settings for reading the device. Also registers a recording as an input of the run. Every command calls
+    /// this before it opens a device.
     pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
         self.file().map_or(Ok(()), |file| outputs.reads(file))?;
         Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, ambient: None, names: flag })
@@ -74,7 +74,7 @@ impl Deref for DeviceArgs {
     }
 }
 
-/// How often to read the sensor. A replayed capture has these settings from its recording.
+/// Options that select how often the sensor is read. A replayed capture keeps the settings of its recording.
 #[derive(Args, Debug, Clone, Copy)]
 pub struct SamplingArgs {
     /// Read the temperature with every N-th rate sample only, for a slow host [default: 1].

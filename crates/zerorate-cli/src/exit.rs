@@ -10,8 +10,8 @@ pub use zerorate_jobs::{CodedRefusal, InvalidOptions as Usage};
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 
-/// Prints why a run failed and returns the exit code. If the reader of stdout closed it (`zerorate … | head`), the
-/// run succeeded. Any other closed pipe is a failure.
+/// Prints why a run failed and returns the exit code. If the reader of stdout closed the pipe (`zerorate … | head`),
+/// the run succeeded. Any other closed pipe is a failure.
 pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;
@@ -33,7 +33,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         ("error", 1)
     };
     match log {
-        // each row is printed as one line, even if it has control characters
+        // each row of the table is printed as one line, even if the row has control characters
         Some(LogError::Choose { question, table, .. }) => {
             say(format_args!("{label}: {question}"));
             table.iter().for_each(say);

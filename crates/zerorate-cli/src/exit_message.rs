@@ -1,4 +1,4 @@
-//! The last line on stderr, however the program ends. It tells what is left behind, such as a chamber that heats.
+//! The last line on stderr, however the program ends. It tells what the program leaves, such as a chamber that heats.
 
 use crate::output::say;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -28,7 +28,7 @@ pub fn settle(text: Option<String>) {
     SETTLED.notify_all();
 }
 
-/// Waits for unfinished work, for `most` at most.
+/// Waits until the unfinished work is done, but no longer than `most`.
 pub fn wait(most: Duration) {
     drop(SETTLED.wait_timeout_while(last(), most, |last| last.is_pending));
 }

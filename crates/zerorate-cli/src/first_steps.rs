@@ -18,7 +18,7 @@ const LINES: [&str; 5] = [
     "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
 ];
 
-/// Commands that users may look for but that this program does not have, and where to find what they do.
+/// Commands that this program does not have although users may look for them, and where their functions are.
 const ELSEWHERE: [(&str, &str); 3] = [
     ("version", "is an option: zerorate --version"),
     ("fleet", "is in the Python package: pip install './bindings/python[fleet]' in a clone"),
@@ -58,13 +58,13 @@ fn printed(error: &Error) -> ExitCode {
     let text = error.render().to_string();
     match text.starts_with("error:") {
         true => brief(&text).for_each(say),
-        // if even this cannot be printed, nobody is there to be told
+        // a failure to print is ignored, because it cannot be reported
         false => drop(error.print()),
     }
     ExitCode::from(error.exit_code() as u8)
 }
 
-/// An error without empty lines, and without the pointer to the help if it shows the usage.
+/// The lines of an error. Leaves out empty lines, and the pointer to the help if the error shows the usage.
 fn brief(error: &str) -> impl Iterator<Item = &str> {
     let has_usage = error.contains("\nUsage:");
     let lines = error.lines().filter(|line| !line.trim().is_empty());
@@ -98,7 +98,7 @@ fn advised(mut error: Error) -> Error {
     error
 }
 
-/// The usage line of an error; empty if it has none.
+/// The usage line of an error; empty if the error has none.
 fn usage(error: &Error) -> String {
     match error.get(ContextKind::Usage) {
         Some(ContextValue::StyledStr(usage)) => usage.to_string(),
@@ -219,7 +219,7 @@ mod tests {
             let line = error.lines().find_map(|line| line.trim().strip_prefix("tip: "));
             assert_eq!(line, tip, "{error}");
         }
-        // a build without the server names the build that has it, whatever follows
+        // a build without the server accepts all arguments of `serve`, because its only answer is an error
         let of_serve =
             parsed("zerorate serve --port 80".split(' ')).map_err(|error| advised(error).render().to_string());
         assert_eq!(of_serve.is_ok(), !cfg!(feature = "serve"));

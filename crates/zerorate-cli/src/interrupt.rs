@@ -19,13 +19,13 @@ static FIRST: OnceLock<Instant> = OnceLock::new();
 /// Base of the exit code of a program that a signal ended: this plus the signal's number, as in shells.
 const BY_SIGNAL: i32 = 128;
 
-/// Signals within this time after the first one count as the same.
+/// Signals within this time after the first signal count as one signal.
 const SAME: Duration = Duration::from_millis(500);
 
 /// Time after a second signal for work that must not be interrupted.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Installs the signal handler. Until [`listen`] is called, a signal then ends the program. Call it before any command
+/// Installs the signal handler. Until [`listen`] is called, a signal ends the program. Call this before any command
 /// runs.
 pub fn handle() -> anyhow::Result<()> {
     // a process such as Python may run several command lines

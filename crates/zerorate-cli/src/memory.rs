@@ -2,7 +2,7 @@
 
 use zerorate_input::limits::Bytes;
 
-/// Half of the machine's memory: the default limit for reading files. `None` if it is unknown.
+/// Half of the machine's memory: the default limit for reading files. `None` if the size of the memory is unknown.
 pub fn half() -> Option<Bytes> {
     machine_bytes().map(|bytes| Bytes(bytes / 2))
 }

@@ -16,7 +16,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The format by the file extension; `None` if it is not one of a plot.
+    /// The format by the file extension; `None` for an extension that is not of a plot.
     ///
     /// # Errors
     /// Returns an error if the format is not in this build.
@@ -35,7 +35,7 @@ impl Kind {
     }
 }
 
-/// The requested plots. Their files are claimed before hours of data are read.
+/// The requested plots. Their files are claimed before the logs are read, which may take long.
 pub struct Pictures(Vec<(Kind, StagedOutput)>);
 
 impl Pictures {

@@ -13,7 +13,7 @@ pub fn coded(warning: impl Into<JobWarning>) -> CodedWarning {
     warning.into().coded(flag)
 }
 
-/// The text of an error, with advice about an option. It is used for errors, and for warnings that carry an error.
+/// The text of an error, with advice about an option. Errors and warnings about errors are printed with this text.
 pub fn text(error: &anyhow::Error) -> String {
     format!("{error:#}{}", remedy(error))
 }
@@ -31,7 +31,7 @@ fn remedy(error: &anyhow::Error) -> &'static str {
     if could_be_forced(error) { ", or give --force" } else { "" }
 }
 
-/// The name of a setting's option.
+/// The option that sets a setting, as messages name it.
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::Edge => SettingName::text("edge=rising or edge=falling in --device"),

@@ -70,7 +70,7 @@ pub struct CorrectArgs {
     log: LoggedArgs,
 }
 
-/// What a log does not say, in the words of `zerorate tempcal`.
+/// Options for facts that a log does not state. They have the same names as in `zerorate tempcal`.
 #[derive(Args, Debug, Default, PartialEq)]
 struct LoggedArgs {
     /// The columns of the gyroscope, by name or by number from 0, in the order of the calibration's axes, if their
@@ -166,7 +166,7 @@ fn log(args: &CorrectArgs, calibration: &Calibration, outputs: Outputs) -> Resul
     Ok(())
 }
 
-/// The warnings in a calibration about its axes, each once.
+/// The warnings that a calibration holds about its axes, without repetitions.
 fn of_axes(calibration: &Calibration) -> Vec<String> {
     let mut all: Vec<String> = calibration.axes.iter().flat_map(|axis| axis.warnings.clone()).collect();
     all.sort();

@@ -106,7 +106,7 @@ impl ExportArgs {
         Options { step_c, span_c, prefix, sensor, device_id }
     }
 
-    /// Checks the options for flight controllers and for the table against the format, before anything is read.
+    /// Checks that the format supports the given options for flight controllers and for the table.
     fn check_autopilot(&self, form: Option<ExportForm>) -> Result<()> {
         let autopilot = form.is_some_and(ExportForm::is_autopilot);
         let px4 = form == Some(ExportForm::Px4);

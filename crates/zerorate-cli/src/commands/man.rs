@@ -43,7 +43,7 @@ fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Re
     Ok(())
 }
 
-/// Escapes text for roff, so that no line is taken for a request.
+/// Escapes text for roff, so that roff does not take a line for a request (a command).
 fn roff(text: &str) -> String {
     text.replace('\\', "\\e").replace('-', "\\-").replace("\n'", "\n\\&'").replace("\n.", "\n\\&.")
 }

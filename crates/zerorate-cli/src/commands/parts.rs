@@ -97,13 +97,13 @@ impl Rate {
     }
 }
 
-/// A number, given alone or in a table with its source.
+/// The value of a number that a part file gives alone or in a table with its source.
 fn value(number: &Value) -> Option<f64> {
     let number = number.get("value").unwrap_or(number);
     number.as_float().or_else(|| number.as_integer().map(|whole| whole as f64))
 }
 
-/// Formats the white noise as the data sheet states it; empty if it does not.
+/// Formats the white noise as the data sheet states it; empty if the data sheet does not state it.
 fn noise(lines: &[Line]) -> String {
     let of = |figure: Figure| lines.iter().find(move |line| line.figure == figure);
     let line = of(Figure::NoiseDensity).or_else(|| of(Figure::RandomWalk));

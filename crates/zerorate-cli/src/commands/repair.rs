@@ -63,10 +63,10 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     print(&format!("{name}: {} rows kept; {what}\n", intact.rows))
 }
 
-/// How much of a capture can be kept, and what is missing.
+/// The number of undamaged rows at the start of a capture, and the damage after them.
 struct IntactPart {
     rows: u64,
-    /// What is missing or damaged after these rows; `None` if the capture is complete.
+    /// Describes what is missing or damaged after these rows; `None` if the capture is complete.
     missing: Option<String>,
 }
 
@@ -106,7 +106,8 @@ fn open(path: &Path) -> Result<Checked, CaptureError> {
     }
 }
 
-/// The schema of the repaired capture: the file's columns, with the description in this version's form.
+/// The schema of the repaired capture: the columns of the file, and its description in the current version of the
+/// format.
 fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
     let found = table.schema();
     let mut metadata: Metadata = table.description().into_iter().chain(table.info().to_metadata()).collect();

@@ -7,7 +7,7 @@ use zerorate::Calibration;
 use zerorate::calibration::Notes;
 use zerorate_view::SessionWarning;
 
-/// Checks a text of the user: one line, not empty, without control characters. Returns it unchanged.
+/// Checks that a text of the user is one line, not empty and without control characters. Returns the text unchanged.
 pub fn one_line(text: &str) -> Result<String, String> {
     match text.trim() {
         "" => Err("it is empty; leave the option out".to_owned()),
@@ -45,9 +45,9 @@ pub const GIVE: &str = "give --serial SN";
 
 /// The part whose rates will be corrected.
 pub struct Part<'a> {
-    /// Its name in messages: the device or the capture.
+    /// The name of the part in messages: the device or the capture.
     pub name: &'a str,
-    /// Its serial number, if it is known.
+    /// The serial number of the part, if it is known.
     pub serial: Option<&'a str>,
     /// Advice on how to state the serial number.
     pub advice: &'static str,

@@ -133,7 +133,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
 }
 
-/// Opens the listener for libiio clients, which need no password. So it must not be reachable from other machines.
+/// Opens the listener for libiio clients. They need no password, so other machines must not reach the listener.
 fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<Libiio>> {
     if args.no_iio {
         return Ok(None);
@@ -165,7 +165,7 @@ fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<
     Ok(())
 }
 
-/// Stores the calibrations of the folder and of the command line in the session, and applies the first of the latter.
+/// Stores the calibrations of the folder and of the command line in the session, and applies the first `--cal`.
 fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
     let (session, folder) = session_thread.calibrations();
     folder.read(session)?;

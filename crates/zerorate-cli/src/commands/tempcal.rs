@@ -176,7 +176,7 @@ fn text(args: &TempcalArgs, logs: &[UnitLog], found: &Tempcal) -> Result<String>
     })
 }
 
-/// Writes the page and the output file.
+/// Writes the page and the output file, if they were requested.
 fn write(
     args: &TempcalArgs,
     found: &Tempcal,

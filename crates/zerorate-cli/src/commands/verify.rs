@@ -17,10 +17,10 @@ use zerorate_record::table;
 use zerorate_record::{CaptureError, CaptureInfo, Checked};
 use zerorate_view::duration::Seconds;
 
-/// Largest accepted size of a calibration file. It bounds the memory if the file is something else.
+/// Largest accepted size of a calibration file. This limits the memory for a file that is something else.
 const CALIBRATION_BYTES: u64 = 1 << 20;
 
-/// The name for a file that is neither a capture nor a calibration.
+/// The kind that a report states for a file that is neither a capture nor a calibration.
 const OTHER: &str = "other";
 
 /// Check captures and calibration files for damage
@@ -67,9 +67,9 @@ struct Verdict {
     samples_sha256: Option<String>,
     /// True if the end of a capture is missing.
     torn: bool,
-    /// What is wrong, and where.
+    /// Describes the damage and its place in the file; `None` if there is no damage.
     damage: Option<String>,
-    /// The remedy for a damaged file.
+    /// The advice for a damaged file; `None` if nothing is damaged.
     remedy: Option<String>,
     notes: Vec<String>,
     /// True if the content is unknown, because the file does not exist or this program cannot read it.

@@ -1,4 +1,4 @@
-//! The standard streams, which may fail: stdout's reader may close it, and stderr may be full.
+//! The standard streams. Writing may fail: the reader of stdout may close the pipe, and stderr may be full.
 
 use clap::builder::styling::{AnsiColor, Style};
 use indicatif::ProgressBar;
@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind, IsTerminal, StdoutLock, Write};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use zerorate_input::plain;
 
-/// The error that the reader of stdout closed it, as in `zerorate … | head`. It ends the run but is not a failure.
+/// The reader of stdout closed the pipe, as in `zerorate … | head`. This error ends the run but is not a failure.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 #[error("the reader of stdout is gone")]
 struct ReaderLeft;
@@ -31,8 +31,8 @@ pub fn clear() {
     }
 }
 
-/// Prints a line for people to stderr, without control characters. If it cannot be written, that is ignored, since
-/// the measurement must go on.
+/// Prints a line for people to stderr, without control characters. A failure to write is ignored, since the
+/// measurement must go on.
 pub fn say(line: impl Display) {
     let line = line.to_string();
     let line = painted(&plain::line(&line));
@@ -66,12 +66,12 @@ fn painted(line: &str) -> String {
     }
 }
 
-/// Stdout for data. Its errors use [`ReaderLeft`] to distinguish its closed pipe from every other one.
+/// Stdout for data. If the reader closes the pipe, the error is [`ReaderLeft`], unlike that of any other closed pipe.
 #[derive(Debug)]
 pub struct Stdout(StdoutLock<'static>);
 
 impl Stdout {
-    /// Locks stdout until this is dropped. Removes the progress bar, which would be mixed with the data.
+    /// Locks stdout until the returned value is dropped. Removes the progress bar, which would be mixed with the data.
     pub fn lock() -> Self {
         clear();
         Self(io::stdout().lock())
@@ -95,7 +95,7 @@ fn marked(error: io::Error) -> io::Error {
     }
 }
 
-/// True if the error means that the reader of stdout closed it.
+/// True if the error means that the reader of stdout closed the pipe.
 pub fn reader_left(error: &anyhow::Error) -> bool {
     let is_mark = |error: &io::Error| error.get_ref().is_some_and(|inner| inner.is::<ReaderLeft>());
     error.chain().any(|cause| cause.downcast_ref().is_some_and(is_mark))

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Ways to open a file that the rest of the crate does not use.
+/// Calls that open a file. The rest of the crate must not make them.
 const WAYS: [&str; 10] = [
     "fs::read(",
     "read_to_string",
@@ -17,7 +17,7 @@ const WAYS: [&str; 10] = [
     "files::text",
 ];
 
-/// Files of the crate that use them nevertheless, each with the reason.
+/// Files of the crate that may make these calls, each with the reason.
 const EXCEPTIONS: [(&str, &str); 8] = [
     ("column.rs", "logs, which `allan` and `imu` have passed to `reading`"),
     ("commands/imu/mod.rs", "the same logs"),

@@ -23,7 +23,7 @@ impl Bucket {
         self.left >= 1.0
     }
 
-    /// Counts an action, or returns the time until one is allowed.
+    /// Counts an action, or returns the time until an action is allowed.
     pub fn take(&mut self, now: Instant) -> Result<(), Duration> {
         self.fill(now);
         if self.left < 1.0 {
@@ -33,7 +33,7 @@ impl Bucket {
         Ok(())
     }
 
-    /// Counts an action in any case, and returns the time at which the next one is allowed.
+    /// Counts an action in any case, and returns the time at which the next action is allowed.
     pub fn borrow(&mut self, now: Instant) -> Instant {
         self.fill(now);
         self.left -= 1.0;

@@ -1,4 +1,4 @@
-//! Connection checks that only the part's host can make.
+//! Checks of the connection that only the computer to which the part is connected can make.
 
 use crate::wording::flag;
 use zerorate::Tally;
@@ -13,7 +13,7 @@ fn check(what: &str, ok: bool, text: impl Into<String>) -> CheckResult {
     CheckResult { what: what.to_owned(), ok, text: text.into() }
 }
 
-/// The results of the checks while the device was opened.
+/// The results of the checks that were made when the device was opened, in words.
 pub fn connection_checks(revision: Option<u8>, bus: Option<Bus>) -> Vec<CheckResult> {
     let answers = revision.map(|revision| {
         check("part", true, format!("answers, revision {revision:02X}h; every register written reads back"))
@@ -41,7 +41,7 @@ impl HostCheck {
         Self { bus, mclk_hz: facts.mclk_hz }
     }
 
-    /// The result, once the duration is reached; `None` before. The inner value is `None` if all is well.
+    /// The result; `None` until the samples have the duration of the check. The inner value is `None` if all is well.
     pub fn ended(&self, tally: &Tally) -> Option<Option<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;

@@ -18,7 +18,7 @@ use zerorate_web::session::About;
 pub struct Opener {
     /// The address of the device.
     pub spec: DeviceSpec,
-    /// The settings for reading it.
+    /// The settings for reading the device.
     pub setup: Setup,
     /// The serial number of the part, if the user gave it.
     pub serial: Option<String>,
@@ -101,7 +101,7 @@ impl SampleFeed {
         if hub.facts().is_real { Self::Watcher(hub.watch(PATIENCE)) } else { Self::LosslessReader(hub.everything()) }
     }
 
-    /// Waits for samples, for `patience` at most. After the end, the hub has the reason.
+    /// Waits for samples, for `patience` at most. After the end of the samples, the hub has the reason for it.
     pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         match self {
             Self::LosslessReader(everything) => match everything.next_within(patience) {

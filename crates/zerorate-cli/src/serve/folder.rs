@@ -12,13 +12,13 @@ use zerorate_input::limits;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::{NoticeText, Session};
 
-/// The folder with the calibrations. Without a path, none are saved.
+/// The folder with the calibrations. Without a path, no calibration is saved.
 #[derive(Debug, Default)]
 pub struct Folder {
     path: Option<PathBuf>,
     /// Ids of calibrations that are not written again: they came from a file, or a write was tried before.
     known: HashSet<String>,
-    /// The files of each id in the folder.
+    /// The files in the folder, by the id of their calibration.
     files: HashMap<String, Vec<PathBuf>>,
     /// The session's count of changes when the folder was last brought up to date.
     seen: u64,
@@ -68,8 +68,8 @@ impl Folder {
         Ok(id)
     }
 
-    /// Writes new calibrations, if there is a folder, and renames the files of removed ones. Failures are reported
-    /// on stderr and on the page.
+    /// Writes new calibrations, if there is a folder, and renames the files of removed calibrations. Failures are
+    /// reported on stderr and on the page.
     pub fn keep(&mut self, session: &mut Session) {
         let changes = session.store_changes();
         if std::mem::replace(&mut self.seen, changes) == changes {

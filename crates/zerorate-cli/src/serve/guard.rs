@@ -80,8 +80,8 @@ const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 const FETCH_MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
 
 impl Guard {
-    /// The checks for a server at `address` that is also reached by `names`. With a `token`, clients
-    /// must show it to get samples.
+    /// The checks for a server at `address` that is also reached by `names`. Clients must show the `token` to get
+    /// samples; with `None`, they need no token.
     pub fn new(address: SocketAddr, token: Option<Token>, names: Vec<String>) -> Self {
         let cookie = format!("zerorate_{}", address.port());
         Self { token, is_local: address.ip().is_loopback(), names, cookie }
@@ -92,7 +92,8 @@ impl Guard {
         self.token.as_ref()
     }
 
-    /// Checks what every request must fulfil: our own name, our own page, a known method, and no body but a token.
+    /// Checks every request. It must use a name of this server, come from its page, and have a known method. Only a
+    /// request that sends a token may have a body.
     pub fn check(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
         let host = self.own_name(headers)?;
         // a host in the request line takes precedence over the header (RFC 9112, 3.2.2)
@@ -124,8 +125,8 @@ impl Guard {
     }
 
     /// Protects against DNS rebinding: if another site points its name to this machine, the request has that name.
-    /// IP addresses are accepted, but only loopback ones if the server listens at one. The port is not compared, since
-    /// it may be forwarded.
+    /// IP addresses are accepted, but only loopback addresses if the server listens at one. The port is not compared,
+    /// since it may be forwarded.
     fn own_name<'a>(&self, headers: &'a HeaderMap) -> Result<&'a str, Refusal> {
         let mut all = headers.get_all(header::HOST).iter();
         let (Some(host), None) = (all.next().and_then(|host| host.to_str().ok()), all.next()) else {

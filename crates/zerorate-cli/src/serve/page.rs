@@ -66,7 +66,7 @@ impl Asset {
 
     fn unpacked(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        // the build compressed it, so it cannot be damaged
+        // the build compressed the file, so it cannot be damaged
         let _ = GzDecoder::new(self.packed).read_to_end(&mut bytes);
         bytes
     }

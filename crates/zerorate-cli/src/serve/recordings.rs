@@ -26,7 +26,7 @@ impl Recordings {
 
     /// Starts to record all samples of a hub, in a separate thread. The first file is created at once, so that a
     /// user who cannot record learns that immediately. Later files are created with their first samples, because a
-    /// broken part may be opened again and again without giving any. `info` is the description of the capture.
+    /// broken part may be opened again and again without giving samples. `info` is the description of the capture.
     pub fn begin(&mut self, hub: &Hub, info: &CaptureInfo) -> Result<()> {
         self.end()?;
         let Some(files) = &self.files else { return Ok(()) };
@@ -63,7 +63,7 @@ impl Recordings {
         if is_over { self.end().err() } else { None }
     }
 
-    /// Waits for the end of the recording. Its device must have ended before.
+    /// Waits for the end of the recording. The device must have ended before this call.
     pub fn end(&mut self) -> Result<()> {
         let Some(thread) = self.running.take() else { return Ok(()) };
         thread.join().unwrap_or_else(|_| anyhow::bail!("the recorder died"))

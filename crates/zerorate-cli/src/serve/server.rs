@@ -216,7 +216,7 @@ fn refused((status, why): Refusal) -> Answer {
     answer
 }
 
-/// Tells the page that it is served and whether it needs a token (docs/formats/page.md).
+/// Tells the page that it comes from a server, and whether the server needs a token (docs/formats/page.md).
 fn home(server: &Server, headers: &HeaderMap) -> Answer {
     let token_needed = server.admit(headers).is_err();
     let text = json!({"home": "served", "token_needed": token_needed}).to_string();

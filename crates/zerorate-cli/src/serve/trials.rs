@@ -34,8 +34,8 @@ impl Trials {
         Self(Mutex::new(TrialLog { bucket: Bucket::new(AT_ONCE, PER_S, now), wrong: VecDeque::new() }))
     }
 
-    /// Checks whether one of these is the token. While there are too many attempts, even the right token is refused,
-    /// since the answer would confirm a guess.
+    /// Checks whether one of the texts `shown` is the token. After too many attempts, even the right token is refused
+    /// for some seconds, since the answer would confirm a guess.
     pub fn admit<'a>(
         &self,
         token: &Token,

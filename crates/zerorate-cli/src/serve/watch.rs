@@ -25,7 +25,7 @@ use tungstenite::{Error, Message};
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Largest message of a page, bytes: a calibration file, with a margin.
 const MESSAGE: usize = 1 << 20;
-/// Number of requests at once, and per second in the long run. Faster ones are delayed.
+/// Number of requests at once, and per second in the long run. Faster requests are delayed.
 const BURST: u32 = 40;
 const REQUESTS_PER_S: f64 = 20.0;
 
@@ -136,7 +136,7 @@ impl Watch {
                 false
             }
             Message::Close(_) => {
-                // reading on sends the closing answer (RFC 6455, 5.5.1)
+                // the next read sends the answer to the close frame (RFC 6455, 5.5.1)
                 let _ = time::timeout(PATIENCE, self.socket.next()).await;
                 false
             }
@@ -144,7 +144,7 @@ impl Watch {
         }
     }
 
-    /// Tells the viewer why its connection is closed, if it is still there.
+    /// Tells a viewer that is still connected why the server closes the connection.
     async fn break_off(&mut self, error: &Error) {
         let (code, reason) = match error {
             Error::Utf8(_) => (CloseCode::Invalid, "a text is not UTF-8"),

@@ -196,7 +196,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.pool {
         return pooled(args, &records, files);
     }
-    // files are written first, because the reader of stdout may close it early
+    // files are written first, because the reader of stdout may close the pipe early
     let written = files.write(&records, warnings);
     let printed = print_records(args, &records);
     written?;
@@ -204,7 +204,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.fit { records.iter().try_for_each(check_model) } else { Ok(()) }
 }
 
-/// Analyses all logs. With several `--where` conditions, each log is analysed once for each.
+/// Analyses all logs. With several `--where` conditions, each log is analysed once for each condition.
 fn records(args: &AllanArgs) -> Result<Vec<Record>> {
     let options = args.options();
     let [_, _, ..] = args.column.series() else { return allan(&args.files, &options) };
@@ -271,7 +271,7 @@ fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
     })
 }
 
-/// The requested output files. They are claimed before hours of data are read.
+/// The requested output files. They are claimed before the logs are read, which may take long.
 struct Files {
     pictures: Pictures,
     page: Option<StagedOutput>,

@@ -18,7 +18,7 @@ pub fn heading(report: &AllanReport) -> String {
     )
 }
 
-/// Formats a row for each averaging time, then a line for each averaging time that was not possible.
+/// Formats a row for each averaging time, then a line for each averaging time without a deviation.
 pub fn text(report: &AllanReport) -> Result<String> {
     let per_hour = report.unit == Some("°/s");
     let mut text = String::new();
@@ -77,8 +77,8 @@ pub fn coefficients_text(report: &AllanReport) -> Result<String> {
     Ok(text)
 }
 
-/// Formats all records as one CSV table. With several records it has a column with the file, and with several
-/// records of one file also a column with the log column's name.
+/// Formats all records as one CSV table. With several records, the table has a column with the file. If several
+/// records are of one file, it also has a column with the name of the log's column.
 pub fn csv(reports: &[AllanReport]) -> Result<String> {
     let several = reports.len() > 1;
     let of_columns = reports.windows(2).any(|pair| pair[0].file == pair[1].file);

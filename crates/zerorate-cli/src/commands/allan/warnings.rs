@@ -27,7 +27,7 @@ const BY_WEIGHT: [&str; 18] = [
     "not-identified",
 ];
 
-/// The longest line about an axis's model that keeps its advice, characters. `explain` has the advice as well.
+/// A line about an axis's model with more characters than this loses its advice, which `zerorate explain` also gives.
 const MOST_CHARS: usize = 100;
 
 /// Formats motion that appears on several axes of one log. Moving spans, jumps and knocks get one line each.

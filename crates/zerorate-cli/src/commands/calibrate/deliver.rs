@@ -7,7 +7,7 @@ use anyhow::Result;
 use zerorate::Calibration;
 use zerorate_jobs::calibrate::{CalibrationReport, DeliveryFailure, RescuedCalibration};
 
-/// Prints the result. If printing fails and no file holds the result, it is saved to another file.
+/// Prints the result. If printing fails and no file holds the calibration, the calibration is saved to a new file.
 pub fn print_result(report: &CalibrationReport, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
     let printed = match args.json {
         true => print_json(report),

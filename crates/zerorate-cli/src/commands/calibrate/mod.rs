@@ -135,7 +135,7 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
-/// A line that tells where the result will go, printed before the long run.
+/// A line that is printed before the measurement. It tells where the result will be saved.
 fn whereto(job: &Job) -> &'static str {
     match job.saves() {
         true => "the result will be saved as calibration-<id>.toml in this folder; -o FILE names it",

@@ -77,8 +77,7 @@ pub fn durations(plan: &Plan) -> Option<String> {
 }
 
 impl PlanArgs {
-    /// The plan of the measurement. On a recording, the methods `warmup` and `cycle` use all of it unless `--settle`
-    /// is given.
+    /// The plan of the measurement. Without `--settle`, the methods `warmup` and `cycle` use the whole of a recording.
     pub fn plan(&self, recorded: bool) -> Plan {
         let method = match self.method {
             MethodArg::An1042 => Method::An1042,

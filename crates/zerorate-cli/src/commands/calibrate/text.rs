@@ -8,7 +8,7 @@ use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::{PlusMinus, remark};
 
-/// Formats the result. `file` is the path of the calibration.
+/// Formats the result. `file` is the path of the calibration, if it was saved.
 pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
     let mut text = head(report);
     for axis in &report.axes {
@@ -25,13 +25,13 @@ pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str
     text + "\n" + &what_next(file, serial)
 }
 
-/// The warnings about the measurement, then those about one of several axes, which start with the name of the axis.
+/// The warnings about the measurement, then the warnings about single axes, which start with the name of the axis.
 pub fn warnings(report: &CalibrationReport) -> Vec<String> {
     let own = report.axes.iter().flat_map(|axis| axis.warnings.iter().map(|one| format!("axis {}: {one}", axis.name)));
     report.warnings.iter().map(ToString::to_string).chain(own).collect()
 }
 
-/// The standing remarks, which every measurement by the same plan has, as lines of the result.
+/// Formats the standing remarks, one line each. Every measurement by the same plan has the same remarks.
 pub fn remarks(remarks: &[CodedWarning]) -> String {
     remarks.iter().filter_map(|one| remark(one.code(), &one.text())).map(|line| line + "\n").collect()
 }
@@ -99,7 +99,7 @@ fn means(numbers: &AxisNumbers) -> Option<String> {
     Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
 }
 
-/// The uncertainty of the correction at the lowest and the highest measured temperature.
+/// Formats the expanded uncertainty of the correction at the lowest and the highest measured temperature.
 fn ends(numbers: &AxisNumbers, factor: f64) -> String {
     let end = |point: Option<&CurvePoint>| {
         let CurvePoint { temp_c, u_dps, .. } = point?;

@@ -1,4 +1,4 @@
-//! The last line of the program's output, however it ends: whether the chamber is at its safe temperature.
+//! The last line that the program prints, however it ends. It tells whether the chamber is at its safe temperature.
 
 use crate::exit_message;
 use crate::output::say;
@@ -7,7 +7,7 @@ use zerorate_host::SafeEnd;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::chamber::{AirListener, AirState};
 
-/// Keeps the exit message up to date with the chamber.
+/// Updates the exit message when the state of the chamber changes.
 pub struct ExitMessage;
 
 impl AirListener for ExitMessage {

@@ -103,7 +103,7 @@ pub struct ChamberArgs {
     json: bool,
 }
 
-/// How the chamber is controlled.
+/// Options that select how the chamber is controlled.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Chamber")]
 struct ControlArgs {
@@ -209,7 +209,7 @@ fn limits(args: &ChamberArgs) -> Result<()> {
     }
 }
 
-/// Prepares the measurement. The chamber is started first, so that no hour is spent if it does not respond.
+/// Prepares the measurement. First starts the chamber, so that a chamber that does not respond is reported at once.
 fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: PlanFile, files: Files) -> Result<Job> {
     // now the first Ctrl-C only requests a stop, since the chamber must be set to its safe temperature
     interrupt::listen();
@@ -230,7 +230,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     prepare(acquisition, (control, writer), plan, files, options).map_err(worded)
 }
 
-/// Adds advice to the error about finished steps beside the output that cannot be used.
+/// Adds advice to the error about a file of finished steps that belongs to another measurement.
 fn worded(error: Error) -> Error {
     match error.downcast::<UnusableSteps>() {
         Ok(unusable) => Usage(format!("{unusable}; take another -o, or --restart to begin anew")).into(),

@@ -11,7 +11,7 @@ use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 
-/// Formats the result as text. `file` is the path of the calibration.
+/// Formats the result as text. `file` is the path of the calibration, if it was saved.
 pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
     let mut text = format!(
         "{}Calibration {} of {}, {}\n{} samples in {}, {} lost, part between {:.1} and {:.1} °C\n",
@@ -45,7 +45,7 @@ pub fn page(results: &ChamberResults) -> Result<String> {
     chamber_page(ChamberPage { title: &title, calibration, record, outcomes, warnings: &warnings, facts })
 }
 
-/// Uncertainty of the curve: rms over the measured temperatures, °/s, as a 95 % interval.
+/// Expanded uncertainty of the curve (95 %): rms over the measured temperatures, °/s.
 fn u_dps(axis: &AxisReport) -> f64 {
     let squares: f64 = axis.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
     Uncertainty::FACTOR * (squares / f64::from(POINTS)).sqrt()

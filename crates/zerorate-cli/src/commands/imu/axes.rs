@@ -7,7 +7,7 @@ use zerorate_allan::SettingName;
 use zerorate_imu::{ImuOptions, KindOptions};
 use zerorate_logs::{Names, Setting, Unit};
 
-/// The columns that are axes, and what the log does not say about them.
+/// Options for the columns of the axes, and for facts about them that the log does not state.
 #[derive(Args, Clone, Debug)]
 pub struct AxisArgs {
     /// The columns, by name or by number from 0, as in gx,gy,gz,ax,ay,az [default: all axes].
@@ -45,7 +45,7 @@ pub struct AxisArgs {
 }
 
 impl AxisArgs {
-    /// The settings for reading the axes. `reading` has those of the log as a whole.
+    /// The settings for reading the axes. `reading` has the options that concern the whole log.
     pub fn options(&self, reading: &LogArgs) -> ImuOptions {
         ImuOptions {
             columns: self.column.as_deref().and_then(listed),
@@ -61,7 +61,7 @@ fn kind(columns: &Option<String>, unit: Option<Unit>, scale: Option<f64>) -> Kin
     KindOptions { columns: columns.as_deref().and_then(listed).unwrap_or_default(), unit, scale, codes: None }
 }
 
-/// The name of a setting's option. Unit and scale have one for each kind of sensor.
+/// The option that sets a setting, as messages name it. Unit and scale have one option for each kind of sensor.
 pub fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",

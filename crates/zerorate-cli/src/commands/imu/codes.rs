@@ -1,4 +1,4 @@
-//! Options for integer codes.
+//! Options for the scale of integer codes.
 
 use crate::column::{UNITS, positive};
 use crate::exit::Usage;
@@ -9,7 +9,7 @@ use clap::Args;
 use std::path::PathBuf;
 use zerorate_jobs::code_scales::{CodeOptions, CodeScales};
 
-/// The scales of integer codes.
+/// Options for the scale of integer codes.
 #[derive(Args, Clone, Debug)]
 pub struct CodeArgs {
     /// The sensor whose integer codes the columns hold: a name of `zerorate parts`, or a file

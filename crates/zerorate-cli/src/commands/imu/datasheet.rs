@@ -61,8 +61,8 @@ fn found(line: &LineReport) -> String {
     }
 }
 
-/// Formats the verdict. `better` and `worse` are followed by the ratio of the measured value to the data sheet's, if
-/// the measured interval lies above zero.
+/// Formats the verdict. If the measured interval lies above zero, `better` and `worse` are followed by the ratio of
+/// the measured value to the value of the data sheet.
 fn judged(line: &LineReport) -> String {
     let measured = line.measured.filter(|_| line.measured_lo.is_some_and(|lo| lo > 0.0));
     match measured.filter(|_| matches!(line.verdict, "better" | "worse")) {

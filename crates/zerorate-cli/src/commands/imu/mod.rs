@@ -104,7 +104,8 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
-    /// The options for one condition of `--where`. Its files are named after the condition's value: `imu-1.yaml`.
+    /// The options for one condition of `--where`. The value of the condition is part of the names of the output
+    /// files: `imu-1.yaml`.
     fn of_series(&self, only: &RowFilter) -> Self {
         let plain = |one: &Condition| one.value.replace(|c: char| !c.is_alphanumeric(), "_");
         let value = only.conditions.iter().map(plain).collect::<Vec<_>>().join("-");
@@ -167,7 +168,7 @@ fn run_one(args: &ImuArgs) -> Result<()> {
     let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.iter().cloned().partition(|line| DOUBTS.contains(&code(line)));
     let findings: Vec<String> = warnings::of_motion(&axes).into_iter().chain(warnings::condensed(&axes)).collect();
     let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
-    // files are written first, because the reader of stdout may close it early
+    // files are written first, because the reader of stdout may close the pipe early
     let drawn = pictures.write(|| axes_svg(&axes));
     let written =
         page.map_or(Ok(()), |file| Ok(file.fill(allan_page(&self::page(&report, &axes, with(&doubts)))?.as_bytes())?));
@@ -190,7 +191,7 @@ fn run_one(args: &ImuArgs) -> Result<()> {
 /// Largest number of lines of warnings on stderr.
 const LINES: usize = 8;
 
-/// Codes of warnings about the samples themselves, which may be the cause of all others.
+/// Codes of warnings about the samples themselves. These warnings come first, since they may explain the others.
 const DOUBTS: [&str; 8] = [
     "implausible",
     "rate-contradicts",
@@ -232,7 +233,8 @@ fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) ->
     }
 }
 
-/// Writes the noise file, if its numbers are valid or the user accepts invalid ones. Returns the lines about it.
+/// Writes the noise file, if the noise models are valid or the user accepts rejected models. Returns the lines to
+/// print about the file.
 fn deliver(
     args: &ImuArgs,
     axes: &[Record],

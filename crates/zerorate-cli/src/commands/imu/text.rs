@@ -32,7 +32,7 @@ pub fn table(report: &ImuReport) -> Result<String> {
     Ok(text)
 }
 
-/// Formats the comparison with a data sheet: a row for each of its lines and each axis.
+/// Formats the comparison with a data sheet: a row for each line of the data sheet and each axis.
 pub fn comparison(table: &Table) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(&table.head).chain(&table.rows).cloned().collect();
     format!("\n{}\n{}", table.title, aligned(&rows))
@@ -69,7 +69,7 @@ fn value(of: &CoefficientReport) -> String {
     of.in_unit(0).map_or_else(String::new, |value| stated(value, of.identified))
 }
 
-/// Rows for the model's terms other than N, B and K, one each.
+/// Rows for the terms of a model other than N, B and K, one row for each term.
 fn further(others: &[(char, &CoefficientReport)], fit: &FitReport) -> Vec<Vec<String>> {
     let coefficient =
         |(letter, of): &(char, &CoefficientReport)| format!("{letter} {} {}", value(of), of.units[0].unit);
@@ -80,7 +80,7 @@ fn further(others: &[(char, &CoefficientReport)], fit: &FitReport) -> Vec<Vec<St
     all.map(|text| vec![String::new(), text]).collect()
 }
 
-/// Aligns the columns. In a row of two cells, the second one spans the rest.
+/// Aligns the columns. In a row of two cells, the second cell spans the remaining columns.
 fn aligned(rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter(|row| row.len() > 2 || column == 0).filter_map(|row| row.get(column));

@@ -11,7 +11,7 @@ use zerorate::track::{Counts, TrackerConfig};
 use zerorate_host::DeviceInfo;
 use zerorate_jobs::stream::{LearnedAxis, TrackOptions, Tracking, UnusableState};
 
-/// Options of tracking.
+/// Options for tracking the bias.
 #[derive(Args, Debug)]
 pub struct TrackArgs {
     /// Learn the bias whenever the sensor rests, and correct with it.
@@ -94,7 +94,7 @@ impl TrackArgs {
     }
 }
 
-/// Prints what was learned about an axis.
+/// Prints the learned change of the bias of an axis.
 pub fn say_learned(learned: &LearnedAxis<'_>) {
     let LearnedAxis { name, counts: Counts { learned_s, rolled_back, .. }, tracked } = learned;
     let change = tracked.map_or(String::new(), |tracked| {
