@@ -20,7 +20,7 @@ struct Cable {
     pulled_after: Option<u64>,
     /// Replaces the bridge's clock: time from one sample to the next, ns.
     clock_step_ns: Option<u64>,
-    /// Old firmware, which does not know the command for a counter in the RDY line.
+    /// True for old firmware, which does not know the command for a counter in the RDY line.
     is_old: bool,
 }
 
@@ -86,7 +86,7 @@ impl Port for Socket {
     }
 }
 
-/// Starts a bridge with this part and this cable, for one host after the other. Returns its `tcp:` address.
+/// Starts a bridge with this part and this cable, which serves one host after the other. Returns its `tcp:` address.
 fn bridge(spec: Spec, cable: Cable) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
@@ -147,7 +147,7 @@ fn a_bridge_is_told_of_a_counter_in_the_line() {
     run.ended_with(0);
     let text = bench.text("unit.csv");
     assert!(text.contains("zerorate.divided = 50"), "{}", &text[..1_000]);
-    // the bridge's line has no counter; a second command without the counter resets the setting
+    // the line of this bridge has no counter, so a capture without `divided` resets the setting
     let (run, bench) = capture(&device, "5000");
     assert_eq!(run.ended_with(0).json()["lost_samples"], 0);
     assert!(rows(&bench).len() == 5_000);

@@ -58,8 +58,8 @@ fn each_step_by_hand_is_announced() {
     bench.zerorate(&line).ended_with(0).saying(&said);
 }
 
-/// The cable is pulled in the second step. The same command then continues with that step, and is done before its own
-/// cable is pulled.
+/// The cable is pulled in the second step. The same command then continues with that step. It ends before the time at
+/// which its own cable is pulled.
 #[test]
 fn an_interrupted_measurement_goes_on_after_its_last_finished_step() {
     let bench = bench();
@@ -123,8 +123,7 @@ fn plans_and_chambers_that_make_no_sense_are_named() {
     bench.zerorate(several).fails(2, &["a picture shows one axis"]);
 }
 
-/// A run whose log fails leaves neither calibration nor page under its name. The next run continues from the finished
-/// steps.
+/// A run whose log fails writes neither `u.toml` nor `u.html`. The next run continues from the finished steps.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_log_that_outgrows_its_disk_costs_neither_the_result_nor_the_steps() {

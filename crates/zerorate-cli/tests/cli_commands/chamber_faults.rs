@@ -1,5 +1,5 @@
-//! A chamber that fails in each way and at each time: it ends at the safe temperature, or the last line tells the user
-//! that its temperature is unknown.
+//! Every fault of a chamber, with every ending of the measurement. The chamber must end at the safe temperature, or
+//! the last line must tell the user that its temperature is unknown.
 
 use crate::harness::script_chamber::{AT_END, FAULTS, ScriptChamber};
 use crate::harness::{Bench, Run, start};
@@ -96,7 +96,7 @@ impl Cell {
         wrong.map(|wrong| format!("{fault}, {ending:?}: {wrong}\n{:?} {}", run.code, run.stderr))
     }
 
-    /// True if the chamber must end at its safe temperature; a message that it is unknown is not enough.
+    /// True if the chamber must end at its safe temperature. A message that the temperature is unknown is not enough.
     fn must_be_safe(&self) -> bool {
         !matches!(self.fault, "dead" | "fails" | "refuses") && self.ending != Ending::CtrlCTwice
     }
@@ -177,7 +177,7 @@ fn each_fault_is_reported_with_its_cause() {
     }
 }
 
-/// One command fails and is repeated for an hour, another one hangs.
+/// The command to the chamber fails and is repeated for an hour, or it hangs.
 #[test]
 fn the_first_ctrl_c_is_heeded_while_a_command_is_waited_for() {
     for fault in ["fails", "hangs"] {

@@ -1,4 +1,4 @@
-//! Requests that cannot be met: the error names the option and the reason; there is no data and no file.
+//! Requests that cannot be met. The error names the option and the reason, and the run leaves no data and no file.
 
 use crate::harness::{Bench, calibration};
 

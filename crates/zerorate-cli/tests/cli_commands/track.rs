@@ -19,8 +19,8 @@ fn track(bench: &Bench, duration: &str, more: &str) -> Run {
     bench.zerorate(format!("{line} --track --state state.toml {more}").trim_end())
 }
 
-/// A stream whose rows the test reads when it wants to. The stream gets ahead by a few thousand rows at most, because
-/// its pipe is then full.
+/// A stream whose rows the test reads step by step. The stream is at most a few thousand rows ahead, because its pipe
+/// is then full.
 struct HaltedRun {
     child: Child,
     rows: BufReader<ChildStdout>,
@@ -136,7 +136,8 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
     assert_eq!(row["calibration"].as_str().map(str::len), Some(12));
 }
 
-/// The state is damaged, cut short, edited, of another calibration, or another file. It is refused and not changed.
+/// The state file is damaged, cut short, edited, of another calibration, or not a state file. It is refused and not
+/// changed.
 #[test]
 fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
     let bench = bench();

@@ -23,7 +23,7 @@ temp_min_c = 12.5
 temp_max_c = 47.75
 "#;
 
-/// Largest error from f32 arithmetic, °/h: f32 rounds a bias of 1 °/s by 6·10⁻⁸ of it, and sums add to that.
+/// Largest error from f32 arithmetic, °/h. f32 rounds a bias of 1 °/s by up to 6·10⁻⁸ °/s, and sums add to that.
 const WORST_DPH: f64 = 0.002;
 
 fn corrections() -> [Correction; 3] {
@@ -83,8 +83,8 @@ fn by_ardupilot(of: &BTreeMap<String, f32>, imu: u32, axis: char, rate: f32, tem
     rate - poly(temp_c) + poly(of[&format!("INS_GYR{imu}_CALTEMP")]) - of[&offset]
 }
 
-/// The largest difference of a firmware from the corrections, °/h. It is computed from 20 °C below the span to 20 °C
-/// above it; beyond the span, both hold the value at its end.
+/// The largest difference between a firmware and the corrections, °/h, from 20 °C below the span to 20 °C above it.
+/// Outside of the span, both must give their value at the end of the span.
 fn worst_dph(span: Validity, firmware: impl Fn(usize, f32) -> f32) -> f64 {
     let mut worst = 0.0_f64;
     for tenth in ((span.temp_min_c - 20.0) * 10.0) as i32..=((span.temp_max_c + 20.0) * 10.0) as i32 {
@@ -110,7 +110,7 @@ fn px4_computes_what_the_calibration_says() {
         let line = format!("export imu.toml --format px4 --device-id 2818058{option}");
         let text = bench.zerorate(&line).ok();
         let of = of_px4(&text);
-        // 12 coefficients, three temperatures, the device and the switch
+        // 12 coefficients, three temperatures, the id of the device, and the switch TC_G_ENABLE
         assert_eq!((of.len(), of["TC_G_ENABLE"], of[&format!("TC_G{sensor}_ID")]), (17, 1.0, 2_818_058.0), "{text}");
         let worst = worst_dph(span(), |axis, temp_c| by_px4(&of, sensor, axis, 0.0, temp_c));
         assert!(worst < WORST_DPH, "{worst} °/h");
@@ -170,7 +170,7 @@ fn values_that_a_flight_controller_lacks_are_refused() {
     ] {
         bench.zerorate(&format!("export {line}")).fails(code, &[said]);
     }
-    // no span is stated, so the file holds up to 9 °C from 41.5 °C, the T3 of two axes, with a warning
+    // without a stated span, the parameters hold within 9 °C of 41.5 °C, the T3 of two axes, and a warning says so
     bench.write("bare.toml", AXES.split("[validity]").next().unwrap());
     let run = bench.zerorate("export bare.toml --format ardupilot");
     assert!(run.stderr.contains("states no [validity]"), "{}", run.stderr);

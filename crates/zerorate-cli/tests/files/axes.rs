@@ -1,4 +1,4 @@
-//! Another gyroscope with three axes, from a recording to corrected rates and firmware, without code for that part.
+//! Calibration, correction and export for another gyroscope, an ADIS16405 with three axes, by its part file alone.
 
 use super::{Bench, SMALLEST};
 use lzma_rust2::XzReader;
@@ -10,7 +10,7 @@ use std::path::Path;
 use zerorate::{Calibration, Part};
 use zerorate_record::{CaptureInfo, CaptureWriter, Format, Layout, Row};
 
-/// The scales come from the data sheet. The noise is about that of the real log.
+/// The part file. Its scales come from the data sheet. Its noise is about that of the real log in the last test.
 const PART: &str = r#"
 schema = 1
 name = "ADIS16405"
@@ -115,7 +115,8 @@ fn another_part_is_calibrated_corrected_and_exported() {
     bench.zerorate("report unit.toml -o unit.html").ok();
 }
 
-/// Without the part file the noise of the part is unknown, so a warning says that its rest could not be judged.
+/// Without the part file, the noise of the part is unknown. A warning then says that the program could not check
+/// whether the part was at rest.
 #[test]
 fn a_sensor_without_stated_noise_is_not_judged() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! The files of a successful run are on the disk: the content first, then the name.
+//! A successful run has synced its files to the disk: first the content, then the name.
 #![cfg(target_os = "linux")]
 
 use super::{Bench, FORMS, PROGRAM, SHORT, calibration, capture, skip};

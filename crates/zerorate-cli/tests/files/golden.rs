@@ -54,7 +54,7 @@ fn unchanged(name: &str, now: &str) {
     unchanged_lines(name, now, |_| true);
 }
 
-/// Compares the lines of the file for which `is_there` holds. Writes the file only if it holds for all.
+/// Compares the lines of the file for which `is_there` holds. Writes the file only if `is_there` holds for all lines.
 fn unchanged_lines(name: &str, now: &str, is_there: impl Fn(&str) -> bool) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
     let before = fs::read_to_string(&path).unwrap_or_default();

@@ -249,7 +249,7 @@ fn ctrl_c_leaves_nothing_behind() {
     assert!(bench.names().is_empty(), "{:?}", bench.names());
 }
 
-/// Each error in the log or the options is named with its remedy, and all statements about the log are true.
+/// Each message about a mistake in the log or in the options names its remedy.
 #[test]
 fn each_mistake_is_named_with_its_remedy() {
     let bench = bench();

@@ -155,7 +155,7 @@ fn a_finished_hour_is_kept() {
     let text = bench.text(name);
     let (calibration, _) = Calibration::parse(&text).unwrap();
     assert_eq!(*name, format!("calibration-{}.toml", calibration.id()));
-    // the name is taken by another file, which stays; the result is saved beside it
+    // another file has the name, so that file stays and the result is saved beside it
     bench.write(name, "another");
     let run = bench.zerorate(&line).ended_with(2);
     assert!(run.stderr.contains("exists") && run.stderr.contains("the calibration is not lost"), "{run:?}");

@@ -294,7 +294,8 @@ fn k_is_never_next_to_zero_where_n_covers_the_curve() {
     }
 }
 
-/// A reader of the file does not see the warnings of the program, so the file repeats those that concern its numbers.
+/// A reader of the noise file does not see the warnings of the program. The file therefore repeats the warnings that
+/// concern its numbers.
 #[test]
 fn warnings_that_matter_stand_in_the_file() {
     let bench = Bench::new();

@@ -97,7 +97,7 @@ fn installed(program: &str) -> bool {
     found
 }
 
-/// Prints that a test is skipped. The test harness captures `eprintln!`, but not this.
+/// Prints that a test is skipped. The test harness captures `eprintln!`, but not what is written to stderr directly.
 fn skip(why: &str) {
     let line = format!("SKIPPED {}: {why}\n", std::thread::current().name().unwrap_or_default());
     std::io::stderr().write_all(line.as_bytes()).unwrap();

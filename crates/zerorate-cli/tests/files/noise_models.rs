@@ -1,8 +1,8 @@
 //! Noise models of real sensors at rest, against an independent implementation.
 //!
-//! The numbers come from the prototype in Python with numpy and scipy, which uses the same mathematics with other code
-//! and another solver (logarithms as parameters). `reference.py` in the folder of the reference data prints them, once
-//! it is changed so that it replaces the narrowest glitches before it looks for wider ones.
+//! The expected numbers come from a prototype in Python with numpy and scipy. It uses the same mathematics with other
+//! code and another solver (logarithms as parameters). `reference.py` in the folder of the reference data prints the
+//! numbers, if it is changed to replace the narrowest glitches before it looks for wider glitches.
 
 use super::allan::reference_data;
 use super::{Bench, raw, white};
@@ -73,8 +73,8 @@ fn near(value: &Value, truth: f64, relative: f64) -> bool {
 }
 
 /// Requirements: N within 1 % of the plateau, and 96 % of all octaves inside the band. The other numbers come from the
-/// prototype. Unlike this program, it fitted up to half the sample rate, and described the sensor's filter by only as
-/// many cosines as the selection chose, so N differs by up to 0.6 %.
+/// prototype. Unlike this program, the prototype fitted up to half the sample rate, and described the sensor's filter
+/// by as many cosines as its model selection chose. N therefore differs by up to 0.6 %.
 #[test]
 fn seven_real_axes_get_the_models_of_the_prototype() {
     let Some(folder) = reference_data() else { return };
@@ -136,7 +136,7 @@ fn a_half_predicts_the_other() {
     assert!(inside * 20 >= octaves * 19, "{:?}", found[0]);
 }
 
-/// Number of predicted octaves, and number of those inside the band.
+/// Number of predicted octaves, and number of them inside the band of the model.
 #[derive(Clone, Copy, Debug, Default)]
 struct PredictionCount {
     inside: usize,

@@ -134,7 +134,7 @@ fn logs_of_one_unit_are_fitted_together() {
     bench.zerorate("tempcal log.csv other.csv").fails(2, &["give logs of the same unit"]);
 }
 
-/// Writes a log whose bias follows the temperature a minute late.
+/// Writes a log whose bias follows the temperature `temp_at`, a function of time in s, with a lag of 60 s.
 fn write_lagging(bench: &Bench, name: &str, temp_at: &dyn Fn(f64) -> f64) {
     let (mut text, mut late_c) = ("t_s,gx [rad/s],temp_c,note\n".to_owned(), temp_at(0.0));
     for (row, noise) in white(ROWS, SIGMA, 11).into_iter().enumerate() {
@@ -259,7 +259,8 @@ fn the_parameters_of_ardupilot_remove_the_bias_of_all_sensors() {
         let tcal = |name: &str| of[&format!("INS_TCAL{imu}_{name}")];
         let per_unit = if kind == "GYR" { 1_f64.to_radians() } else { 1.0 };
         for (axis, terms) in ["X", "Y", "Z"].iter().zip(truth) {
-            // AP_InertialSensor_tempcal.cpp, polynomial_eval: in T − 35 °C, without constant term, in millionths
+            // the polynomial of AP_InertialSensor_tempcal.cpp, polynomial_eval: powers of T − 35 °C without a constant
+            // term, coefficients in millionths
             let poly = |temp_c: f64| {
                 let d = temp_c as f32 - 35.0;
                 let of = |order: u32| tcal(&format!("{kind}{order}_{axis}"));
@@ -327,7 +328,7 @@ fn the_parameters_of_px4_remove_the_bias_of_all_sensors() {
         let is_gyro = sensor.starts_with('G');
         let per_unit = if is_gyro { 1_f64.to_radians() } else { 1.0 };
         for (axis, terms) in truth.iter().enumerate() {
-            // by TemperatureCompensation.cpp, calc_thermal_offsets_3D
+            // the polynomial of PX4's TemperatureCompensation.cpp, calc_thermal_offsets_3D
             let offset = |temp_c: f64| {
                 let d = temp_c as f32 - tc("TREF");
                 let x = |order: u32| tc(&format!("X{order}_{axis}"));

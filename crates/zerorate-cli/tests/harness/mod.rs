@@ -13,14 +13,15 @@ use tempfile::TempDir;
 /// The path of the program, for tests in which another program starts it.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
 
-/// A calibration of less than four minutes of simulated time. Its BTC is poor, which `--max-u-btc` accepts.
+/// Options for a calibration of less than four minutes of simulated time. The BTC has a large uncertainty, which
+/// `--max-u-btc` accepts.
 pub const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
 /// A plan of two soak points, which take four minutes of simulated time.
 pub const SOAK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 
-/// A calibration written by hand.
+/// A calibration file with only the required fields.
 pub fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
     format!(
         "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = {pbc_dps:?}\nbtc_dps_per_c = \
@@ -28,7 +29,7 @@ pub fn calibration(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
     )
 }
 
-/// A calibration written by hand, for the part with this serial number.
+/// A calibration file with the required fields, and the serial number of the part.
 pub fn calibration_of(serial: &str, pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> String {
     let head = format!("serial = {serial:?}\n[correction]");
     calibration(pbc_dps, btc_dps_per_c, t3_c).replace("[correction]", &head)

@@ -47,7 +47,7 @@ fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
     assert_eq!(served.interrupt().code(), Some(0));
 }
 
-/// The page continues. The terminal and the exit code report that the recording is lost.
+/// If the recording is removed, the page continues. The terminal and the exit code report the loss.
 #[cfg(unix)]
 #[test]
 fn removing_the_recording_is_reported_and_fails() {
@@ -62,8 +62,8 @@ fn removing_the_recording_is_reported_and_fails() {
     assert_eq!(served.interrupt().code(), Some(1));
 }
 
-/// One of twenty pages reads nothing, so its connection fills up and is dropped. The others continue. The recording
-/// has every sample.
+/// One of twenty viewers reads nothing, so its connection fills up and is dropped. The other viewers continue, and the
+/// recording has every sample.
 #[test]
 fn viewers_do_not_slow_the_recording() {
     let bench = Bench::new();
@@ -180,7 +180,8 @@ fn a_lost_device_is_reported_and_can_be_opened_again() {
     }
 }
 
-/// Every part has its own bias, so a calibration must be of the same part. A warning tells if a serial is unknown.
+/// Every part has its own bias, so a calibration must be of the same part. If a serial number
+/// is unknown, there is a warning.
 #[test]
 fn a_calibration_of_another_part_is_refused() {
     let bench = Bench::new();
