@@ -7,7 +7,7 @@ use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::Columns;
 use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, RawType, RowFilter, Setting, TimeUnit, Unit};
 
-/// How a log is read: options that `allan`, `imu`, `tempcal` and `correct` share.
+/// Options for reading a log, which `allan`, `imu`, `tempcal` and `correct` share.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 #[command(next_help_heading = "The log")]
 pub struct LogArgs {

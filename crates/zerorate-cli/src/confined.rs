@@ -31,7 +31,7 @@ const TUNABLES: &str = "GLIBC_TUNABLES";
 /// Uses large pages for large arrays. Otherwise, getting new memory takes longer than reading the file into it.
 const LARGE_PAGES: &str = "glibc.malloc.hugetlb=1";
 
-/// Memory of the program apart from the content of the files: threads, tables, results.
+/// Memory of the program apart from the content of the files, bytes. It covers threads, tables and results.
 const PROGRAM_BYTES: u64 = 256 << 20;
 
 /// Exit code of a child process in which this program could not be started, if starting the child seemed to succeed,

@@ -33,7 +33,7 @@ pub fn wait(most: Duration) {
     drop(SETTLED.wait_timeout_while(last(), most, |last| last.is_pending));
 }
 
-/// Calls `report` and then prints the message, unless it was printed before.
+/// Calls `report` and then prints the last message, unless it was printed before.
 pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
     let mut last = last();
     let reported = report();
@@ -43,7 +43,7 @@ pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
     reported
 }
 
-/// Prints the message and ends the program.
+/// Prints the last message, unless it was printed before, and ends the program.
 pub fn exit(code: i32) -> ! {
     let mut last = last();
     if let Some(text) = last.text.take() {

@@ -28,7 +28,6 @@ const ELSEWHERE: [(&str, &str); 3] = [
     ),
 ];
 
-/// The exit code of a usage error.
 const USAGE: u8 = 2;
 
 /// Parses the command line and applies its limits. Without arguments, prints the first steps and returns an exit code.

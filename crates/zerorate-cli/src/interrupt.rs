@@ -28,14 +28,14 @@ const GRACE: Duration = Duration::from_secs(2);
 /// Installs the signal handler. Until [`listen`] is called, a signal ends the program. Call this before any command
 /// runs.
 pub fn handle() -> anyhow::Result<()> {
-    // a process such as Python may run several command lines
+    // a process such as Python may run several command lines, but installs the handler only once
     if HANDLED.set(()).is_ok() {
         handle_signals().context("installing the handler of Ctrl-C")?;
     }
     Ok(())
 }
 
-/// The stop that the first signal requests, once a loop listens.
+/// The stop that the first signal requests. A loop that checks it must have called [`listen`].
 pub fn stop() -> &'static Stop {
     STOP.get_or_init(Stop::default)
 }

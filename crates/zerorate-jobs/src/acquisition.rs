@@ -15,7 +15,7 @@ use zerorate_host::{
 use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, valid};
 use zerorate_view::SessionWarning;
 
-/// Receives the warnings of a device while it is read.
+/// Receives the warnings of a device while the device is read.
 pub type WarningSink = Box<dyn FnMut(&SourceWarning)>;
 
 /// A device that is being read.
@@ -38,8 +38,8 @@ pub struct Acquisition {
 }
 
 impl Acquisition {
-    /// Opens the device. Its samples can then be read until it ends or `stop` is requested. `on_warning` receives its
-    /// warnings.
+    /// Opens the device. Its samples can then be read until they end or `stop` is requested. `on_warning` receives the
+    /// warnings of the device.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -249,7 +249,7 @@ impl Acquisition {
     }
 
     /// Returns a warning if the resonance aliases to a frequency so low that it looks like a bias in means over
-    /// `average_s` seconds (F-07). It uses the measured sampling rate.
+    /// `average_s` seconds (F-07). The check uses the measured sampling rate.
     pub fn resonance(&self, average_s: f64) -> Option<Warning> {
         let edges = self.facts().info.edges_per_reading();
         let rate_hz = self.tally.sampling_hz();
@@ -263,7 +263,7 @@ impl Acquisition {
         self.tally.samples.is_multiple_of(4096)
     }
 
-    /// True if reading was asked to stop.
+    /// True if a stop was requested.
     pub fn is_stopped(&self) -> bool {
         self.hub.stop().asked()
     }

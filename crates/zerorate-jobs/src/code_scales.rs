@@ -112,7 +112,7 @@ impl CodeOptions {
         }
     }
 
-    /// Describes the assumption about a kind's scale; `None` if the scale is certain.
+    /// Describes the assumption about the scale of a kind of axis; `None` if the scale is certain.
     fn assumed(&self, kind: Kind, range: Option<f64>, scale: FullScale, names: Names) -> Option<String> {
         let (setting, unit) = (names.of(range_setting(kind)), unit_name(kind));
         match (&self.part, range) {

@@ -9,7 +9,7 @@ use zerorate_view::report::{Course, Moment};
 
 /// Averaging time of a mean, ns.
 const LENGTH_NS: u64 = 5_000_000_000;
-/// The checksum of the calibration's capture covers up to this many rows more than the calibration counts as samples.
+/// The checksum in a calibration covers up to this many rows more than the number of samples that it states.
 const ROWS_BEHIND: u64 = 64;
 
 /// Averages the samples of a capture that the calibration used: all of them, or the first ones. `stop` can end the

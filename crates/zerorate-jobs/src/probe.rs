@@ -75,8 +75,8 @@ struct Before {
     self_test: Option<SelfTest>,
 }
 
-/// Resets the part, initialises it and reads samples for `duration`. With `gpio`, it runs the self-test on that
-/// line. Calls `see` with the seconds read, every 4096 samples. Messages use `names` for the settings.
+/// Resets the part, initialises it and reads samples for `duration`. Also runs the self-test by the line `gpio`, if
+/// given. Calls `see` with the seconds read, every 4096 samples. Messages use `names` for the settings.
 ///
 /// # Errors
 /// Returns an error if the part cannot be read, or if the probe is interrupted.

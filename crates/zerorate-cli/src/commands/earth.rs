@@ -22,7 +22,7 @@ fn latitude(text: &str) -> Result<f64, String> {
 }
 
 impl EarthArgs {
-    /// The rate to subtract, °/s; `None` if no option was given.
+    /// The component of the Earth's rotation to subtract, °/s; `None` if no option was given.
     pub fn dps(self) -> Option<f64> {
         self.earth_dps.or(self.latitude.map(|degrees| EARTH_DPS * degrees.to_radians().sin()))
     }

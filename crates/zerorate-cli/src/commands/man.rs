@@ -36,7 +36,7 @@ fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Re
     if command.get_after_help().is_some() {
         let mut notes = Vec::new();
         man.render_extra_section(&mut notes)?;
-        // the lines of the notes are tables, so they must not be filled
+        // the lines of the notes are tables, so roff must not join (fill) them
         let notes = String::from_utf8_lossy(&notes).replacen("EXTRA\n", "NOTES\n.nf\n", 1);
         writeln!(page, "{}\n.fi", notes.trim_end())?;
     }

@@ -101,7 +101,7 @@ impl SampleFeed {
         if hub.facts().is_real { Self::Watcher(hub.watch(PATIENCE)) } else { Self::LosslessReader(hub.everything()) }
     }
 
-    /// Waits for samples, for `patience` at most. After the end of the samples, the hub has the reason for it.
+    /// Waits for samples, for `patience` at most. After the last sample, the hub states why the samples ended.
     pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         match self {
             Self::LosslessReader(everything) => match everything.next_within(patience) {

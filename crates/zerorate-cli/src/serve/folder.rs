@@ -25,7 +25,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Saves calibrations to the folder at `path`.
+    /// Saves calibrations to the folder at `path`; with `None`, saves nothing.
     pub fn new(path: Option<PathBuf>) -> Self {
         Self { path, ..Self::default() }
     }

@@ -19,7 +19,6 @@ const TOKEN_BYTES: usize = 16;
 pub const TOKEN_LENGTHS: std::ops::RangeInclusive<usize> = 16..=256;
 
 impl Token {
-    /// Makes a random token.
     pub fn random() -> Result<Self> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers for the token: {error}"))?;
@@ -143,7 +142,7 @@ impl Guard {
 }
 
 /// Refuses requests from pages of other sites. A browser allows any site to open a WebSocket to this machine, or to
-/// post to it, but states the site.
+/// post to it, but the request states the site.
 fn from_own_page(method: &Method, host: &str, headers: &HeaderMap) -> Result<(), Refusal> {
     for origin in headers.get_all(header::ORIGIN) {
         let of = origin.to_str().ok().and_then(|origin| origin.split_once("://"));
@@ -231,7 +230,7 @@ mod tests {
         assert!(others.iter().all(|other| !with(&[("origin", other)])));
         assert!(!with(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "no-cors")]));
         assert!(!with(&[("sec-fetch-site", "same-site"), ("sec-fetch-mode", "cors")]));
-        // a link, and an address typed by hand
+        // a link on another site, and an address that the user typed, lead to the page
         assert!(with(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")]));
         assert!(with(&[("sec-fetch-site", "none"), ("sec-fetch-mode", "navigate")]));
     }

@@ -18,7 +18,7 @@ pub struct Recordings {
 }
 
 impl Recordings {
-    /// Records into files named after `path`; without a path, nothing.
+    /// Records into files named after `path`; with `None`, records nothing.
     pub fn new(path: Option<PathBuf>, outputs: Outputs) -> Self {
         let files = path.map(|path| Arc::new(Mutex::new(Files { path, outputs, count: 0 })));
         Self { files, running: None }

@@ -48,7 +48,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
 /// Time limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Time limit for the head of a request, and until the next request.
+    /// Time limit for receiving the head of a request, and for the wait until the next request.
     pub head: Duration,
     /// Lifetime of a connection that is not a viewer.
     pub lifetime: Duration,
@@ -95,7 +95,7 @@ impl Server {
     }
 }
 
-/// Requests a stop of all threads when it is dropped, also after a panic.
+/// Requests a stop of all threads when this value is dropped, also after a panic.
 pub struct EndsAll(pub Stop);
 
 impl Drop for EndsAll {
@@ -136,7 +136,7 @@ async fn accept(listener: tokio::net::TcpListener, server: Arc<Server>) {
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            // too many open files, or the client has left
+            // a connection cannot be accepted if too many files are open, or if the client has left
             time::sleep(POLL).await;
             continue;
         };

@@ -23,16 +23,16 @@ use zerorate_web::session::{HostCommand, NoticeText, RequestResult, Session};
 const FRAME: Duration = Duration::from_millis(33);
 /// Longest wait for samples before requests are handled.
 const TURN: Duration = Duration::from_millis(10);
-/// Period at which a disconnected part is opened again.
+/// Time between the attempts to open a disconnected part again.
 const RETRY: Duration = Duration::from_secs(3);
-/// Number of frames that a browser may lag behind: one second.
+/// Number of frames that a browser may lag behind: about one second.
 pub const BEHIND: usize = 32;
 /// Length of the queue of requests. Each connection has at most one request in it.
 const QUEUE: usize = 256;
 /// Largest number of requests that are handled before samples are checked again.
 const MOST_REQUESTS: usize = 64;
 
-/// A request to the thread.
+/// A request to the thread of the session.
 pub enum SessionRequest {
     /// Answer a request of the page.
     Ask(String, oneshot::Sender<String>),
@@ -46,7 +46,6 @@ pub struct Subscription {
     pub frames: broadcast::Receiver<Bytes>,
 }
 
-/// The sender of requests to the thread.
 pub type RequestSender = SyncSender<SessionRequest>;
 
 /// The session, its device, and the viewers that wait for their first snapshot.
@@ -119,12 +118,11 @@ impl SessionThread {
         (thread, sender)
     }
 
-    /// Adds a server for libiio clients.
     pub fn with_libiio(self, libiio: Option<Libiio>) -> Self {
         Self { libiio, ..self }
     }
 
-    /// The session and the folder of calibrations, before anything is read.
+    /// The session and the folder of calibrations, to be filled before the device is read.
     pub fn calibrations(&mut self) -> (&mut Session, &mut Folder) {
         (&mut self.session, &mut self.folder)
     }

@@ -18,7 +18,7 @@ const NO_TOKEN: Refusal =
     (StatusCode::UNAUTHORIZED, "this needs the token that was printed when the server started\n");
 const TOO_MANY: Refusal = (StatusCode::TOO_MANY_REQUESTS, "too many tokens were tried: wait some seconds\n");
 
-/// The attempts so far.
+/// The attempts of all clients to show the token.
 #[derive(Debug)]
 pub struct Trials(Mutex<TrialLog>);
 
@@ -29,7 +29,6 @@ struct TrialLog {
 }
 
 impl Trials {
-    /// Starts without attempts.
     pub fn new(now: Instant) -> Self {
         Self(Mutex::new(TrialLog { bucket: Bucket::new(AT_ONCE, PER_S, now), wrong: VecDeque::new() }))
     }

@@ -118,7 +118,7 @@ impl Watch {
         matches!(time::timeout(PATIENCE, self.socket.send(message)).await, Ok(Ok(())))
     }
 
-    /// Handles a message. Returns false if it was the last one.
+    /// Handles a message. Returns false if it was the last message of the connection.
     async fn heed(&mut self, message: Message) -> bool {
         match message {
             Message::Text(request) => {

@@ -18,7 +18,7 @@ struct Cable {
     /// Flips a bit in every N-th frame, where N is this number.
     damages_every: Option<u64>,
     pulled_after: Option<u64>,
-    /// Replaces the bridge's clock: time from one sample to the next, ns.
+    /// Time from one sample to the next by the bridge's clock, ns; `None` leaves the times as they are.
     clock_step_ns: Option<u64>,
     /// True for old firmware, which does not know the command for a counter in the RDY line.
     is_old: bool,
@@ -133,7 +133,7 @@ fn a_bridge_takes_the_options_of_the_part() {
     assert!((found["rate_hz"].as_f64().expect("a rate") / (6e6 / 1566.0) - 1.0).abs() < 0.02, "{found}");
     let shift_dps = found["self_test"]["shift_dps"].as_f64().expect("a shift");
     assert!((shift_dps - 20.0).abs() < 2.0, "the twin's is 20 °/s, and its sensitivity is off by 3 %: {found}");
-    // the pin is released, so the self-test does not shift the rate any more
+    // the pin of the self-test is released, so the rate is no longer shifted
     assert!(found["rate_dps"].as_f64().expect("a rate").abs() < 5.0, "{found}");
     let refused = format!("{device}?edge=rising");
     zerorate(&["probe", "--device", &refused]).ended_with(1).saying(&["cannot hear the edge", "leave edge= out"]);

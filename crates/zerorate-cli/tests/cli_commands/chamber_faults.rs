@@ -20,7 +20,6 @@ const QUICK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s
 /// Time limit of a run, for a busy machine.
 const MOST: Duration = Duration::from_secs(120);
 
-/// How the measurement ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Ending {
     /// The measurement ends by itself. The fault begins before its end.
@@ -53,7 +52,7 @@ struct Cell {
 impl Cell {
     fn all() -> Vec<Self> {
         let cells = FAULTS.iter().flat_map(|fault| ENDINGS.map(|ending| Self { fault: *fault, ending }));
-        // a test of zerorate-host covers this case with shorter limits
+        // a test of zerorate-host covers a dead chamber with shorter limits
         cells.filter(|cell| (cell.fault, cell.ending) != ("dead", Ending::Running)).collect()
     }
 
@@ -124,7 +123,7 @@ fn measured(bench: &Bench, chamber: &ScriptChamber, retry_s: u32, signals: &[Sig
     for signal in signals {
         // signals within half a second count as one
         thread::sleep(Duration::from_millis(600));
-        // fails if the program has ended
+        // sending the signal fails if the program has ended
         let _ = kill_process_group(Pid::from_child(&child), *signal);
     }
     wait_for(|| has_ended(&mut child));

@@ -83,8 +83,8 @@ fn stream_refuses_what_does_not_fit() {
     stream("unit.toml --device twin:fault=sdo_low").ended_with(1).saying(&["pin 12"]);
 }
 
-/// Every part has its own bias, so a calibration must be of the same part. If a serial number
-/// is unknown, there is a warning.
+/// Every part has its own bias, so a calibration must be of the same part. If a serial number is unknown, there is a
+/// warning.
 #[test]
 fn stream_knows_the_part_of_a_recording() {
     let bench = bench();

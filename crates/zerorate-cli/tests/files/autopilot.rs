@@ -23,7 +23,7 @@ temp_min_c = 12.5
 temp_max_c = 47.75
 "#;
 
-/// Largest error from f32 arithmetic, °/h. f32 rounds a bias of 1 °/s by up to 6·10⁻⁸ °/s, and sums add to that.
+/// Largest error from f32 arithmetic, °/h. f32 rounds a bias of 1 °/s by up to 2·10⁻⁴ °/h, and sums add to that.
 const WORST_DPH: f64 = 0.002;
 
 fn corrections() -> [Correction; 3] {

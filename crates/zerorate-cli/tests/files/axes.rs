@@ -149,8 +149,8 @@ fn the_wrong_part_is_named() {
     assert!(!bench.path("corrected.csv").exists());
 }
 
-/// The log of a real part at rest, with a simulated temperature. Its z axis has a step, so the calibration is refused
-/// and names that axis. If the user accepts it, the bias of each axis agrees with the mean.
+/// The log of a real part at rest, with a simulated temperature. The rate of the z axis has a step, so the calibration
+/// is refused. With a larger `--max-u-btc`, the bias of each axis agrees with the mean.
 #[test]
 fn a_real_log_goes_all_the_way() {
     let Some(folder) = super::allan::reference_data() else { return };

@@ -43,7 +43,7 @@ fn json_has_coefficients_and_table() {
     }
 }
 
-/// In JSON, a curve has its quadratic and cubic terms and an integer form of order 3; a line does not. The table
+/// In JSON, a curve has its quadratic and cubic terms and an integer form of order 3, but a line does not. The table
 /// follows the curve.
 #[test]
 fn json_and_csv_hold_a_curve() {
@@ -109,7 +109,7 @@ fn measured(correction: &Correction) -> String {
     calibration.to_toml()
 }
 
-/// The calibration of three axes: x is a line, y has a quadratic and a cubic term, z only a cubic term.
+/// A calibration of three axes: x is a line, y has a quadratic and a cubic term, z only a cubic term.
 fn curved_axes() -> String {
     let file = super::AXES.replace("schema = 2", "schema = 3");
     let file = file.replace("t3_c = 31.25", "t3_c = 31.25, btc2_dps_per_c2 = 0.0015, btc3_dps_per_c3 = -2e-5");
@@ -406,7 +406,7 @@ fn the_default_table_covers_the_calibration() {
     let export = json("export unit.toml --format json");
     let rows = export["table"]["rows"].as_array().unwrap();
     assert_eq!((rows.len(), &export["table"]["step_c"]), (791, &0.02.into()));
-    // 25 °C is 7.4 °C below T3: row 395 + 370
+    // T3 = 32.4 °C is row 395, so 25 °C, 370 steps of 0.02 °C below T3, is row 765
     assert_eq!((&rows[765]["delta_c"], &rows[765]["correction_dps"]), (&(-7.4).into(), &0.296.into()));
     assert_eq!(export["valid"]["temp_min_code"], 8_388_608);
     assert_eq!((&export["valid"]["stated"], &export["valid"]["temp_max_c"]), (&true.into(), &32.5.into()));

@@ -378,7 +378,7 @@ fn nohup_is_heeded() {
     assert_eq!(Run::ended(child).code, Some(0));
 }
 
-/// No loop checks for the stop: the run ends at once, and its files are removed.
+/// A run that waits for stdin cannot check for a stop. A signal ends it at once, and its files are removed.
 #[test]
 fn a_signal_ends_a_run_that_waits() {
     let bench = Bench::new();
@@ -403,7 +403,7 @@ fn a_signal_ends_a_run_that_waits() {
     assert_eq!(bench.names(), ["log", "tmp"]);
 }
 
-/// The argument may be a pipe to which nothing is ever written.
+/// The file that a command reads may be a pipe to which nothing is ever written.
 #[test]
 fn a_signal_ends_a_run_that_waits_for_a_pipe() {
     let bench = Bench::new();

@@ -40,7 +40,7 @@ fn stated(axis: &CalibratedAxis) -> [f64; 2] {
     }
 }
 
-/// True if both are equal to twelve digits. The JSON parser of these tests may be off in the last bit.
+/// True if both numbers are equal to twelve digits. The JSON parser of these tests may be off in the last bit.
 fn is_same(found: &Value, stated: f64) -> bool {
     found.as_f64().is_some_and(|found| (found - stated).abs() <= 1e-12 * stated.abs())
 }

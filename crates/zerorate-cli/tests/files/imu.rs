@@ -201,7 +201,7 @@ fn several_imus_are_a_table() {
     assert_eq!(names.collect::<Vec<_>>(), ["gyro_x_dps", "ay [m/s^2]"]);
 }
 
-/// One gyroscope axis has an echo, which the model cannot fit; the other axes are fine. A file is written only when
+/// One gyroscope axis has an echo, which no model fits, but the other axes are fine. A file is written only when
 /// forced, and states the rejection.
 #[test]
 fn a_rejected_axis_writes_a_file_only_when_forced() {
@@ -239,7 +239,7 @@ fn ctrl_c_leaves_nothing_behind() {
     // a terminal sends Ctrl-C to all processes of a group
     let mut child = start(command.process_group(0).stdin(Stdio::piped()));
     let mut pipe = child.stdin.take().unwrap();
-    // more than fits into a pipe, so once this is written, the program is reading
+    // the log does not fit into a pipe, so the program must be reading when all of it is written
     pipe.write_all(log().as_bytes()).unwrap();
     let sent = Command::new("sh").args(["-c", &format!("kill -INT -{}", child.id())]).status().unwrap();
     assert!(sent.success());
@@ -334,7 +334,7 @@ fn a_gyroscope_alone_leaves_the_rest_open() {
 #[test]
 fn the_page_shows_record_spectrum_and_curves() {
     let bench = Bench::new();
-    // a line of 0.05 °/s rms at 12.5 Hz on the z axis
+    // a spectral line of 0.05 °/s rms at 12.5 Hz on the z axis
     let disturbed: String = log()
         .lines()
         .enumerate()

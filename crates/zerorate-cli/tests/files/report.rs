@@ -35,7 +35,7 @@ fn the_page_says_all_that_the_calibration_knows() {
         "2026-11-21T10:00:00Z",
         "an1042",
         "95 % interval",
-        // −0.25 ± 1.96 × 0.005, −0.04 ± 1.96 × 0.001, 31.5 ± 1.96 × 0.0005
+        // the 95 % intervals −0.25 ± 1.96 × 0.005, −0.04 ± 1.96 × 0.001 and 31.5 ± 1.96 × 0.0005
         "-0.25980 … -0.24020",
         "-0.041960 … -0.038040",
         "+31.4990 … +31.5010",
@@ -48,7 +48,7 @@ fn the_page_says_all_that_the_calibration_knows() {
         &"ab".repeat(32),
         "gpiochip0:25&#38;hz=4000000",
         "measured here",
-        // −0.25 − 0.04 · (26 − 31.5)
+        // the correction at 26 °C: −0.25 − 0.04 · (26 − 31.5)
         "26.00</td><td class=\"number\">-0.030000</td>",
     ] {
         assert!(html.contains(expected), "{expected} in {html}");

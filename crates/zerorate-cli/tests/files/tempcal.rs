@@ -74,7 +74,7 @@ fn the_curves_of_a_table_are_the_true_ones() {
         assert!(points.len() >= 9);
         for point in points {
             let number = |key: &str| point[key].as_f64().unwrap();
-            // the bias of an accelerometer is stated relative to that at the reference temperature, 25 °C
+            // the bias of an accelerometer is stated relative to its bias at the reference temperature, 25 °C
             let truth = bias(terms, number("temp_c")) - if is_gyro { 0.0 } else { bias(terms, 25.0) };
             let off = (number(bias_key) - truth).abs();
             assert!(off < 4.0 * number(u_key) + 1e-5 && off < 0.005, "{}: {point} {truth}", axis["name"]);
@@ -146,7 +146,7 @@ fn write_lagging(bench: &Bench, name: &str, temp_at: &dyn Fn(f64) -> f64) {
     bench.write(name, text);
 }
 
-/// Calibrates a lagging sensor from a log in which it warms and one in which it cools.
+/// Calibrates a lagging sensor from a log in which it warms and a log in which it cools.
 fn calibrated_lagging() -> Bench {
     let bench = Bench::new();
     write_lagging(&bench, "warm.csv", &|at_s| 8.0 + 35.0 * (1.0 - (-at_s / 300.0).exp()));
@@ -194,8 +194,8 @@ fn a_correction_of_a_log_warns_where_it_may_be_off() {
     assert!(out.lines().last().unwrap().ends_with(','), "no correction without a temperature");
 }
 
-/// A DataFlash log with the messages FMT, PARM and IMU of two sensors. ArduPilot corrected the first one from the
-/// beginning. By the parameters, it corrects the second one from `enabled_after`, s.
+/// A DataFlash log with the messages FMT, PARM and IMU of two sensors. ArduPilot corrected the first sensor from
+/// the beginning. By the parameters, it corrects the second sensor from `enabled_after`, s.
 fn dataflash(enabled_after: Option<f64>) -> Vec<u8> {
     let mut log = Vec::new();
     let form = |log: &mut Vec<u8>, id: u8, length: usize, name: &str, letters: &str, labels: &str| {

@@ -74,7 +74,7 @@ fn advice_to_repair_can_be_followed() {
         bytes
     };
     let half = |name: &str| of(name).len() / 2;
-    // each with the least number of rows that must be kept
+    // damaged files, each with the least number of rows that must be kept
     let files = [
         ("torn.arrows", of("unit.arrows")[..half("unit.arrows")].to_vec(), 5_000),
         ("flipped.arrows", flipped("unit.arrows", half("unit.arrows")), 5_000),
@@ -116,8 +116,8 @@ fn samples(bench: &Bench, file: &str) -> Vec<String> {
     text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect()
 }
 
-/// A second capture was appended, as `cat` does. The file counts as damaged, and the message says that
-/// captures were joined.
+/// A second capture was appended, as `cat` does. The file counts as damaged, and the message says that captures were
+/// joined.
 #[test]
 fn captures_that_were_joined_are_not_whole() {
     let bench = bench();

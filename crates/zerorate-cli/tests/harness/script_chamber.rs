@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// The safe set point in the plans of these tests, °C. No step goes there.
 const SAFE: &str = "25.0";
 
-/// `chamber.sh set C` sets the chamber. `chamber.sh read` prints the air temperature, which lags by 15 s; each reading
+/// `chamber.sh set C` sets the chamber. `chamber.sh read` prints the air temperature, which lags by 15 s. Each reading
 /// is one second after the last. A command acts after a short delay, in which a signal could end it.
 const SCRIPT: &str = r#"#!/bin/sh
 cd "${0%/*}" || exit 1

@@ -1,4 +1,5 @@
-//! Clients of libiio beside the page. `zerorate-host/tests/iiod/` and `cargo xtask iiod` test what they receive.
+//! Clients of libiio beside the page. `zerorate-host/tests/iiod/` and `cargo xtask iiod` test what the
+//! clients receive.
 
 use super::TestServer;
 use crate::harness::{Bench, calibration};

@@ -28,7 +28,7 @@ fn only_its_own_page_under_its_own_name_gets_in() {
     }
     for path in ["/", "/home.json", "/metrics", "/ws"] {
         let get = format!("GET {path}");
-        // DNS rebinding
+        // a name of another site for this machine (DNS rebinding), and requests from pages of other sites
         assert_eq!(code(&served.ask(&get, "host: evil.example\r\n", "")), 421, "{path}");
         assert_eq!(code(&served.ask(&get, "origin: http://evil.example\r\n", "")), 403, "{path}");
         assert_eq!(code(&served.ask(&get, "sec-fetch-site: cross-site\r\n", "")), 403, "{path}");
@@ -36,7 +36,7 @@ fn only_its_own_page_under_its_own_name_gets_in() {
     assert_eq!(code(&served.get("http://evil.example/metrics")), 421, "the request line goes before the header");
     assert_eq!(code(&served.ask("POST /token", "origin: http://evil.example\r\n", "x")), 403);
     assert_eq!(code(&served.raw(b"GET / HTTP/1.1\r\nconnection: close\r\n\r\n")), 421);
-    // cross-site WebSocket
+    // a WebSocket from a page of another site
     for foreign in ["http://evil.example", "null", "http://localhost:1"] {
         assert!(served.watch_with(&[("origin", foreign)]).is_err(), "{foreign}");
     }
@@ -158,7 +158,7 @@ fn a_page_is_told_how_its_connection_ends() {
     }
 }
 
-/// The bounds are shortest times, so a slow machine cannot break them.
+/// The test checks shortest times only, so it does not fail on a slow machine.
 #[test]
 fn frequent_requests_wait_or_are_refused() {
     let served = TestServer::start(&Bench::new(), "");
@@ -200,7 +200,7 @@ fn connections_are_limited() {
     let pages: Vec<_> = (0..48).map(|_| served.watch()).collect();
     assert!(served.watch_with(&[]).is_err(), "too many viewers");
     let begun = Instant::now();
-    // idle connections are closed, on a slow machine before the last one is open
+    // the server closes idle connections, on a slow machine before the last connection is open
     let others = loop {
         let others: Vec<TcpStream> = (0..60).map(|_| served.connect()).collect();
         if code(&served.get("/home.json")) == 503 {

@@ -129,7 +129,7 @@ fn requests_are_answered_and_calibrations_kept() {
     assert!(served.get("/metrics").contains("zerorate_corrected_rate_dps{axis="));
 }
 
-/// The id covers the coefficients only. A file with the same id but other content is refused.
+/// The id of a calibration covers only its coefficients. A file with the same id but other content is refused.
 #[test]
 fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same() {
     let bench = Bench::new();
@@ -180,8 +180,8 @@ fn a_lost_device_is_reported_and_can_be_opened_again() {
     }
 }
 
-/// Every part has its own bias, so a calibration must be of the same part. If a serial number
-/// is unknown, there is a warning.
+/// Every part has its own bias, so a calibration must be of the same part. If a serial number is unknown, there is a
+/// warning.
 #[test]
 fn a_calibration_of_another_part_is_refused() {
     let bench = Bench::new();

@@ -19,8 +19,8 @@ pub trait Watch {
     /// Receives the progress every 4096 samples. Returns false to end the measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Receives the uncertainties that the recording would state if it ended now. Called only if the plan
-    /// has a target uncertainty.
+    /// Receives the uncertainties that the recording would state if it ended now. Called only if the plan has a
+    /// target uncertainty.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.
@@ -48,7 +48,7 @@ pub struct MeasurementResult {
     pub outcomes: Vec<Outcome>,
     pub capture_sha256: String,
     pub truths: Vec<Truth>,
-    /// F-07: a warning if the resonance aliases to a frequency at which it looks like a bias.
+    /// A warning if the resonance aliases to a frequency at which it looks like a bias (F-07).
     pub resonance: Option<Warning>,
     pub log_failed: Option<anyhow::Error>,
 }

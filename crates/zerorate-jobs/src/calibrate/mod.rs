@@ -31,7 +31,7 @@ pub struct OutputOptions {
     pub saves: bool,
     /// The file that records every sample; `None` to record nothing.
     pub log: Option<PathBuf>,
-    /// Serial number of the part.
+    /// Serial number of the part; `None` keeps the number that a recording states.
     pub serial: Option<String>,
     /// Circumstances of the measurement, as the user describes them.
     pub notes: Notes,
@@ -40,8 +40,8 @@ pub struct OutputOptions {
 /// The longest recording that a method without steps uses, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// The default of [`Plan::settle_s`], s. For a recording and a method other than AN-1042, it is a day, so that the
-/// whole recording is used.
+/// The default of [`Plan::settle_s`], s. A method other than AN-1042 uses the whole of a recording, so the default is
+/// then a day.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
@@ -203,7 +203,7 @@ impl DeliveryFailure {
     }
 
     /// Makes the error that states why a file could not be written and where the calibration is instead. `also` is
-    /// appended to the name of that file.
+    /// appended to the place of the calibration.
     #[must_use]
     pub fn error(self, also: &str) -> anyhow::Error {
         let place = match self.rescued {

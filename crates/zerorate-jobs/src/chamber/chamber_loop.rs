@@ -16,7 +16,7 @@ use zerorate_view::duration::Seconds;
 
 /// Period at which the chamber is set and read, ns of sample time.
 pub const TICK_NS: u64 = 1_000_000_000;
-/// A set point is sent again after it has moved by this much, °C: the resolution of chambers.
+/// A moving set point is sent whenever it has changed by this much, °C. This is the resolution of chambers.
 const SET_STEP_C: f64 = 0.1;
 
 /// A running measurement. `writer` is the first field, so it is dropped first: the simulated part waits for the

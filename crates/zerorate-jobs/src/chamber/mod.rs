@@ -32,10 +32,10 @@ pub trait Watch {
     /// Receives the progress, every 4096 samples.
     fn see(&mut self, progress: &ChamberProgress);
 
-    /// A resumed measurement continues after `steps` of `all` steps. The saved steps ended `gap_s` seconds before.
+    /// Called when a resumed measurement continues after `steps` of `all` steps, `gap_s` seconds after their end.
     fn resume(&mut self, steps: usize, all: usize, gap_s: f64);
 
-    /// A person has to set the chamber for this step.
+    /// Called when a person has to set the chamber for this step.
     fn step(&mut self, progress: &ChamberProgress, step: &Step);
 
     /// Receives a warning while the measurement goes on.

@@ -9,7 +9,7 @@ pub trait AirListener {
     /// Receives the state that the chamber would be left in if the program ended now.
     fn set_pending(&self, air: &AirState);
 
-    /// A stop was requested, and the chamber is being set to its safe temperature.
+    /// Called after a stop was requested, while the chamber is being set to its safe temperature.
     fn leaving(&self, air: &AirState);
 
     /// Receives the final state of the chamber and the result of setting the safe temperature. The result is `None`
@@ -17,7 +17,7 @@ pub trait AirListener {
     fn settle(&self, air: Option<(&AirState, Option<&SafeEnd>)>);
 }
 
-/// The known state of the air temperature in the chamber.
+/// Who sets the air temperature of the chamber, and to which values.
 #[derive(Clone, Debug)]
 pub struct AirState {
     /// True if a person sets the chamber by hand.
@@ -38,7 +38,7 @@ pub(super) enum Control {
     Chamber(Box<dyn Chamber>),
 }
 
-/// Controls the set point. Sets the safe temperature once at the end, at the latest when it is dropped.
+/// Controls the set point. Sets the safe temperature once at the end, at the latest when this value is dropped.
 pub struct SetPointControl {
     pub(super) by: Control,
     /// True if the user must be told how the chamber was left. False for a simulated chamber.
@@ -96,7 +96,7 @@ impl SetPointControl {
     /// Sends the set point `temp_c` to the chamber. Does nothing if a person sets the chamber, or for a recording.
     pub(super) fn set(&mut self, temp_c: f64) -> Result<()> {
         let Control::Chamber(chamber) = &mut self.by else { return Ok(()) };
-        // a command that fails may still take effect
+        // the message is prepared before the command, which may take effect even if it fails
         if self.has_word {
             self.listener.set_pending(&self.state);
         }

@@ -88,7 +88,7 @@ impl Recording {
     /// Syncs the complete file to the disk.
     ///
     /// # Errors
-    /// Returns any earlier or current error of [`Recording::check`].
+    /// Returns the errors of [`Recording::check`], or an error if the file cannot be synced.
     pub fn finish(self) -> io::Result<()> {
         let Some(recorded) = self.recorded else { return Ok(()) };
         self.watch.map_or(Ok(()), Watch::finish)?;

@@ -10,9 +10,8 @@ use std::path::{Path, PathBuf};
 /// Number of random characters that make the name unique.
 const RANDOM: usize = 6;
 
-/// Writes `content` to a new file beside one of `wanted`, or else in the folder for temporary files. The file is
-/// called like `name`, with `.rescue-` and random characters added. Returns its path, or `None` if no folder could be
-/// written.
+/// Writes `content` to a new file beside one of `wanted`, or else in the folder for temporary files. The file has the
+/// name `name` with `.rescue-` and random characters added. Returns its path, or `None` if no folder could be written.
 pub fn rescue(name: &Path, wanted: &[&Path], content: &[u8]) -> Option<PathBuf> {
     // no file is put beside a device, such as /dev/null
     let beside = wanted.iter().filter(|path| !path.exists() || path.is_file()).map(|path| folder_of(path).to_owned());

@@ -51,7 +51,7 @@ fn a_slot_has_one_owner_and_is_written_again_and_again() {
     }
     fs::write(&path, "more than eight").unwrap();
     assert_eq!(slot.content(most).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
-    // another program puts its own file there, which stays
+    // another program puts its own file at the path of the slot, and that file stays
     fs::rename(&path, folder.path().join("away")).unwrap();
     fs::write(&path, "theirs").unwrap();
     assert!(matches!(slot.put(b"three"), Err(OutputError::TakenMeanwhile { .. })));

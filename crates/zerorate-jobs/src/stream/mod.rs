@@ -254,7 +254,7 @@ impl<'a> RowMaker<'a> {
         kept.and(ended)
     }
 
-    /// Warns about an extrapolated correction, and about readings with new `flags`, once for each.
+    /// Warns once about an extrapolated correction, and about `flags` that had no warning before.
     fn warn(&mut self, flags: Flags) {
         if self.corrector.is_extrapolated() && !self.warned_of_span {
             self.corrector.warning().into_iter().for_each(|warning| self.listener.warn(warning.into()));

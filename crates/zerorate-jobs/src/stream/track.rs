@@ -121,7 +121,7 @@ impl Tracking {
             store,
             saved_s: 0,
         };
-        // fails now, rather than later, if the file cannot be written
+        // a file that cannot be written is then reported before the stream starts
         tracking.save(0)?;
         Ok(tracking)
     }
@@ -279,7 +279,7 @@ impl Tracking {
         Ok(store.slot.put(text.as_bytes())?)
     }
 
-    /// Saves the learned state and reports it.
+    /// Saves the learned state and reports it to `listener`.
     pub fn finish(&mut self, temp_c: Option<f64>, listener: &mut dyn Listener) -> Result<()> {
         let saved = self.save(self.block * BLOCK_NS / 1_000_000_000);
         for (name, tracker) in self.names.iter().zip(&self.trackers) {

@@ -145,7 +145,7 @@ pub enum Data {
     Phase,
 }
 
-/// Treatment of jumps of the level.
+/// The treatment of lasting jumps of the level before a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Steps {
     /// Keep them: a random walk has to explain them.

@@ -101,7 +101,7 @@ pub fn csv(reports: &[AllanReport]) -> Result<String> {
     Ok(String::from_utf8(rows.into_inner()?)?)
 }
 
-/// The suffix of a column name that states the unit.
+/// The suffix that states the unit in the name of a column.
 fn suffix(report: &AllanReport) -> &'static str {
     match report.unit {
         Some("°/s") => "_dps",

@@ -3,7 +3,7 @@
 use zerorate::{Part, Plan};
 use zerorate_view::duration::Seconds;
 
-/// The forecast is rounded up to a multiple of this, s, since the target is checked once a minute at most.
+/// The forecast is rounded up to a multiple of this time, s, since the target is checked once a minute at most.
 const MINUTE_S: f64 = 60.0;
 
 /// Formats the forecast, one line per axis.

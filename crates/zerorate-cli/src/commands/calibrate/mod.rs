@@ -110,7 +110,7 @@ impl ResultArgs {
         OutputOptions { output, log, serial, notes: notes.into(), saves }
     }
 
-    /// The output files of the run, before any is claimed.
+    /// Prepares the output files of the run. No file is claimed yet.
     fn outputs(&self) -> Outputs {
         Outputs::new(self.force).printing()
     }

@@ -32,7 +32,7 @@ impl AirListener for ExitMessage {
 }
 
 impl Drop for ExitMessage {
-    /// Prints the message after a panic, since nothing else does.
+    /// Prints the message after a panic, since nothing else prints it then.
     fn drop(&mut self) {
         if std::thread::panicking() {
             exit_message::say_after(|| ());

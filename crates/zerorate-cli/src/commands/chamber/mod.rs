@@ -147,7 +147,7 @@ impl ControlArgs {
 }
 
 impl ChamberArgs {
-    /// The control of the chamber; `None` for a recording.
+    /// How the chamber is controlled; `None` for a recording.
     fn chamber(&self) -> Result<Option<ChamberSpec>> {
         let is_replayed = self.device.file().is_some();
         let is_simulated = self.device.device.is_simulated();

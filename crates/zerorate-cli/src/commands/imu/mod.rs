@@ -203,7 +203,7 @@ const DOUBTS: [&str; 8] = [
     "frozen",
 ];
 
-/// Limits the warnings to this many lines. If there are more, the last line names the other codes.
+/// Limits the warnings to this number of lines. If there are more, the last line lists the codes of the others.
 fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
     if warnings.len() <= lines {
         return warnings.to_vec();

@@ -69,7 +69,6 @@ pub struct StreamArgs {
 /// Number of rows per second that a person can read.
 const READABLE_HZ: f64 = 10.0;
 
-/// The forms of a row.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum RowFormat {
     Csv,
@@ -98,7 +97,6 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     stream(acquisition, &calibration, options, tracking, &mut rows)
 }
 
-/// Prints the rows of a stream.
 struct RowPrinter {
     out: BufWriter<Stdout>,
     format: RowFormat,

@@ -117,7 +117,7 @@ fn a_page_that_gives_no_sign_of_life_loses_its_seat() {
     });
     thread::sleep(3 * sign_of_life);
     let begun = Instant::now();
-    // returns when the server has closed or reset the connection
+    // this read returns when the server has closed or reset the connection
     let _ = dead.get_mut().read_to_end(&mut Vec::new());
     assert!(begun.elapsed() < LONG / 2, "it goes on");
     reads.join().unwrap();
