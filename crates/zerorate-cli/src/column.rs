@@ -169,7 +169,7 @@ pub fn listed(list: &str) -> Option<Vec<String>> {
     (list != ALL).then(|| list.split(',').map(|name| name.trim().to_owned()).collect())
 }
 
-/// The option that sets a setting, as messages name it.
+/// The command-line option for a setting, for messages.
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::ForceUnit => SettingName { prefix: "give --", ..flag_of(setting.word()) },

@@ -242,8 +242,8 @@ impl Number {
 }
 
 impl Sensitivity {
-    /// The full scales. The full scale after power-up comes first. Empty for offset-binary codes, whose zero is at
-    /// mid-range.
+    /// Lists the full scales, starting with the full scale after power-up. The list is empty for offset-binary codes,
+    /// whose zero is at mid-range.
     fn full_scales(self) -> Vec<FullScale> {
         let width_bits = self.width_bits.unwrap_or(16);
         let of = |range: Option<Number>, per_unit: Number| FullScale {

@@ -27,7 +27,7 @@ pub struct Findings {
     pub read_us: Option<f64>,
     /// Share of the part's samples that the host read, 0 to 1.
     pub taken: f64,
-    /// Settings that would lose fewer samples; `None` if hardly any are lost.
+    /// Settings that would lose fewer samples; `None` if hardly any are lost, or if the time of a read is unknown.
     pub proposal: Option<String>,
     pub rdy_hz: f64,
     pub rate_hz: f64,

@@ -128,7 +128,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     });
     let session = session.context("starting the session")?;
     let served = serve::run(listener, guard, requests, stop);
-    // however the server ended, the recording must be completed
+    // the recording must be completed, however the server ended
     stop.ask();
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
 }

@@ -207,7 +207,7 @@ fn codes_get_the_scale_of_their_part() {
     }
 }
 
-/// Gyroflow states its scales above the header. Unknown scales there are reported.
+/// Gyroflow states its scales in lines above the header. Scales that the program does not know are reported.
 #[test]
 fn scales_above_a_header_are_used_or_named() {
     let bench = Bench::new();
@@ -274,7 +274,7 @@ fn a_wrong_unit_of_time_or_rate_is_noticed() {
     }
 }
 
-/// For pure white noise, K in the file is the upper limit of the fit, and never close to zero.
+/// For pure white noise, K in the noise file is the upper limit of the fit, and never close to zero.
 #[test]
 fn k_is_never_next_to_zero_where_n_covers_the_curve() {
     let bench = Bench::new();

@@ -114,7 +114,7 @@ impl TestServer {
 
 impl Drop for TestServer {
     fn drop(&mut self) {
-        // fails if the server has ended
+        // killing the server fails if it has ended
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

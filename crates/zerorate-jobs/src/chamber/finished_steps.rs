@@ -12,7 +12,7 @@ use zerorate::chamber::{ChamberProcedure, Saved};
 use zerorate_host::clock;
 use zerorate_input::limits::Bytes;
 
-/// The ending of the file's name, as in `unit.toml.chamber`.
+/// The ending of the name of a steps file, as in `unit.toml.chamber`.
 const ENDING: &str = ".chamber";
 /// The largest file that is read. It holds a week of one-second means of eight axes as text.
 const LARGEST: Bytes = Bytes(256 << 20);

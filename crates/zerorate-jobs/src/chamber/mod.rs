@@ -266,7 +266,7 @@ impl ChamberResults {
     }
 }
 
-/// The warnings of the axes, with the axis named if there are several.
+/// The warnings of all axes. With several axes, each warning has the name of its axis.
 fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: SettingNames) -> impl Iterator<Item = CodedWarning> {
     let several = part.axes.len() > 1;
     let axes = || outcomes.iter().zip(part.axes.iter());

@@ -15,7 +15,7 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Period of the checks of the file.
+/// Time between the checks of the file.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 
 /// Number of checks per sync of the file: one sync a second.

@@ -167,7 +167,7 @@ fn a_link_stays_a_link_and_leads_nowhere_new() {
     // an unfinished file does not go through the planted link `out.csv.part`
     fill("out.csv", false).unwrap();
     assert!(!path("victim").exists());
-    // a link to a file is kept, and with force the file is replaced
+    // a link to a file stays; without force the file is not replaced, with force it is
     fs::write(path("dated"), "older").unwrap();
     assert!(matches!(fill("latest", false), Err(OutputError::Exists { .. })));
     fill("latest", true).unwrap();

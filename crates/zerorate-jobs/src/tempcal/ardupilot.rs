@@ -11,7 +11,7 @@ use zerorate_imu::Kind;
 const REFERENCE_C: f64 = 35.0;
 /// A coefficient is its parameter times this factor (AP_InertialSensor_tempcal.cpp, SCALE_FACTOR).
 const SCALE: f64 = 1e-6;
-/// In ArduPilot's parameters, a temperature below this means that there is none, °C (tempcal_IMU.py).
+/// A temperature parameter of ArduPilot below this, °C, means that the temperature is unknown (tempcal_IMU.py).
 const NO_TEMPERATURE_C: f64 = -80.0;
 
 /// The names of the axes in the parameters.
