@@ -29,8 +29,7 @@ impl Meter {
         Self { bar, scale: STEPS as f64 / total.max(f64::MIN_POSITIVE), note: None }
     }
 
-    /// Updates the amount `done`, in the unit of the total, and the current step. Call this every few thousand
-    /// samples.
+    /// Shows the amount `done`, in the unit of the total, and the current step. Call this every few thousand samples.
     pub fn show(&self, done: f64, step: String) {
         self.bar.set_message(step);
         self.bar.set_position((done * self.scale) as u64);

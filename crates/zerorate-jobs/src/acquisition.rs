@@ -76,8 +76,7 @@ impl Acquisition {
         self.hub.facts()
     }
 
-    /// The description of the capture. `notes` replace the recorded notes. `serial` must equal the recorded serial
-    /// number, if there is one.
+    /// The description of the capture. `notes` replace recorded notes. `serial` must equal a recorded serial number.
     ///
     /// # Errors
     /// Returns an error if the recording states another serial number.
@@ -107,8 +106,7 @@ impl Acquisition {
         Ok(self.hub.with(|source| source.initialise())?)
     }
 
-    /// Tests the bus and leaves the part configured. Call this before the first sample. Returns `None` for a device
-    /// without a bus, such as a recording.
+    /// Tests the bus and leaves the part configured; `None` without a bus. Call this before the first sample.
     pub fn try_bus(&self) -> Result<Option<Bus>> {
         Ok(self.hub.with(|source| source.try_bus())?)
     }

@@ -52,8 +52,7 @@ pub struct RecordedAxis {
 /// Reads a capture in any supported format.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or its content is not valid. The error states the place in the
-/// file.
+/// Returns an error, with the place in the file, if the file cannot be read or its content is not valid.
 pub fn read_capture(path: &Path) -> Result<Recording> {
     let mut reader = files::capture(path)?;
     let info = reader.info().clone();

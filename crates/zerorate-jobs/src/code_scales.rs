@@ -76,8 +76,7 @@ impl CodeOptions {
     /// Sets the scale of each kind of axis that has no unit yet. Returns warnings about assumed scales.
     ///
     /// # Errors
-    /// Returns an error if the part states no scale, or lacks the given full scale, or if both a unit and a full scale
-    /// are given.
+    /// Returns an error if the part states no scale, lacks the given full scale, or if a unit is given as well.
     pub fn apply(&self, axes: &mut ImuOptions) -> Result<Vec<OfKind>, InvalidOptions> {
         let names = axes.log.names;
         let mut assumed = Vec::new();
@@ -242,8 +241,7 @@ impl Number {
 }
 
 impl Sensitivity {
-    /// Lists the full scales, starting with the full scale after power-up. The list is empty for offset-binary codes,
-    /// whose zero is at mid-range.
+    /// The full scales. The first applies after power-up. Empty for offset-binary codes, whose zero is at mid-range.
     fn full_scales(self) -> Vec<FullScale> {
         let width_bits = self.width_bits.unwrap_or(16);
         let of = |range: Option<Number>, per_unit: Number| FullScale {

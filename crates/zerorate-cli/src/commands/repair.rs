@@ -106,8 +106,7 @@ fn open(path: &Path) -> Result<Checked, CaptureError> {
     }
 }
 
-/// The schema of the repaired capture: the columns of the file, and its description in the current version of the
-/// format.
+/// The schema of the repaired capture: the columns of the file, and its description in the current format.
 fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
     let found = table.schema();
     let mut metadata: Metadata = table.description().into_iter().chain(table.info().to_metadata()).collect();

@@ -230,7 +230,7 @@ mod tests {
         assert!(others.iter().all(|other| !with(&[("origin", other)])));
         assert!(!with(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "no-cors")]));
         assert!(!with(&[("sec-fetch-site", "same-site"), ("sec-fetch-mode", "cors")]));
-        // a link on another site, and an address that the user typed, lead to the page
+        // following a link on another site, or typing the address, leads to the page
         assert!(with(&[("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")]));
         assert!(with(&[("sec-fetch-site", "none"), ("sec-fetch-mode", "navigate")]));
     }

@@ -142,7 +142,7 @@ fn wait_for(mut is_there: impl FnMut() -> bool) {
     }
 }
 
-/// Most cases wait for commands that hang or fail and need no processor time, so many run at once.
+/// Most cases wait for commands that hang or fail and need no processor time, so 24 cases run at once.
 #[test]
 fn whatever_fails_the_chamber_is_safe_or_the_user_knows() {
     const THREADS: usize = 24;

@@ -83,8 +83,7 @@ fn stream_refuses_what_does_not_fit() {
     stream("unit.toml --device twin:fault=sdo_low").ended_with(1).saying(&["pin 12"]);
 }
 
-/// Every part has its own bias, so a calibration must be of the same part. If a serial number is unknown, there is a
-/// warning.
+/// Every part has its own bias, so a calibration must be of the same part. An unknown serial number gives a warning.
 #[test]
 fn stream_knows_the_part_of_a_recording() {
     let bench = bench();
@@ -139,7 +138,7 @@ fn a_measured_calibration_streams() {
     assert_eq!(run.stderr, "", "a whole calibration needs no warning");
 }
 
-/// Waits for samples in the file. The first batch is written within a second of the part's time.
+/// Waits for samples in the file. The first batch is written within a second of sample time.
 fn has_samples(bench: &Bench, name: &str) {
     wait_until("samples", || std::fs::metadata(bench.path(name)).is_ok_and(|file| file.len() >= 10_000));
 }

@@ -136,8 +136,7 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
     assert_eq!(row["calibration"].as_str().map(str::len), Some(12));
 }
 
-/// The state file is damaged, cut short, edited, of another calibration, or not a state file. It is refused and not
-/// changed.
+/// A state file that is damaged, cut short, edited, of another calibration or of another kind is refused and kept.
 #[test]
 fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
     let bench = bench();

@@ -13,8 +13,7 @@ fn points(json: &str) -> Vec<(u64, f64)> {
     points.iter().map(|point| (point["m"].as_u64().unwrap(), point["dev"].as_f64().unwrap())).collect()
 }
 
-/// The R package avar publishes a record of a real gyroscope, with its overlapping Allan variance at 18 averaging
-/// times.
+/// The R package avar publishes a real record and its overlapping Allan variance at 18 averaging times.
 #[test]
 fn the_published_allan_variance_of_a_real_gyroscope_is_found() {
     let Some(folder) = reference_data().map(|data| data.join("adis16405")) else {

@@ -115,8 +115,7 @@ fn another_part_is_calibrated_corrected_and_exported() {
     bench.zerorate("report unit.toml -o unit.html").ok();
 }
 
-/// Without the part file, the noise of the part is unknown. A warning then says that the program could not check
-/// whether the part was at rest.
+/// Without the part file, the noise is unknown, so a warning says that the program cannot tell motion from rest.
 #[test]
 fn a_sensor_without_stated_noise_is_not_judged() {
     let bench = Bench::new();

@@ -125,8 +125,7 @@ fn a_log_is_read_from_standard_input() {
     assert_eq!(said(&bag, "--column z")["rate_hz"], 200.0);
 }
 
-/// Measured gravity shows a wrong unit of the accelerometers. A mean of hundreds of °/s shows a wrong unit of a
-/// gyroscope.
+/// A wrong unit shows in the measured gravity of accelerometers, and in a mean of hundreds of °/s of a gyroscope.
 #[test]
 fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
     let bench = imu::bench();

@@ -294,8 +294,7 @@ fn k_is_never_next_to_zero_where_n_covers_the_curve() {
     }
 }
 
-/// A reader of the noise file does not see the warnings of the program. The file therefore repeats the warnings that
-/// concern its numbers.
+/// The noise file repeats warnings about its numbers, since a reader of the file does not see the program's output.
 #[test]
 fn warnings_that_matter_stand_in_the_file() {
     let bench = Bench::new();

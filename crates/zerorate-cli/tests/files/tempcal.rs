@@ -259,8 +259,7 @@ fn the_parameters_of_ardupilot_remove_the_bias_of_all_sensors() {
         let tcal = |name: &str| of[&format!("INS_TCAL{imu}_{name}")];
         let per_unit = if kind == "GYR" { 1_f64.to_radians() } else { 1.0 };
         for (axis, terms) in ["X", "Y", "Z"].iter().zip(truth) {
-            // the polynomial of AP_InertialSensor_tempcal.cpp, polynomial_eval: powers of T − 35 °C without a constant
-            // term, coefficients in millionths
+            // polynomial_eval of AP_InertialSensor_tempcal.cpp: no constant term, coefficients in millionths
             let poly = |temp_c: f64| {
                 let d = temp_c as f32 - 35.0;
                 let of = |order: u32| tcal(&format!("{kind}{order}_{axis}"));

@@ -13,8 +13,7 @@ use tempfile::TempDir;
 /// The path of the program, for tests in which another program starts it.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
 
-/// Options for a calibration of less than four minutes of simulated time. The BTC has a large uncertainty, which
-/// `--max-u-btc` accepts.
+/// Options for a calibration in four minutes of simulated time. `--max-u-btc` accepts the large uncertainty of BTC.
 pub const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
 /// A plan of two soak points, which take four minutes of simulated time.

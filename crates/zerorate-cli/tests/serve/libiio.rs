@@ -1,5 +1,4 @@
-//! Clients of libiio beside the page. `zerorate-host/tests/iiod/` and `cargo xtask iiod` test what the
-//! clients receive.
+//! Clients of libiio beside the page. `zerorate-host/tests/iiod/` and `cargo xtask iiod` test the data for clients.
 
 use super::TestServer;
 use crate::harness::{Bench, calibration};

@@ -19,8 +19,7 @@ pub trait Watch {
     /// Receives the progress every 4096 samples. Returns false to end the measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Receives the uncertainties that the recording would state if it ended now. Called only if the plan has a
-    /// target uncertainty.
+    /// Receives the uncertainties that the recording would state if it ended now, if the plan has a target.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.

@@ -188,7 +188,7 @@ const UNNAMED: &str = "calibration.toml";
 pub struct DeliveryFailure {
     /// The error that kept a file from being written.
     pub why: anyhow::Error,
-    /// The file that holds the calibration instead; `None` if no folder could be written.
+    /// The rescue file that holds the calibration; `None` if no folder could be written.
     pub rescued: Option<PathBuf>,
 }
 

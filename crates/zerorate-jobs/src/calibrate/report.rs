@@ -160,7 +160,7 @@ impl TruthReport {
 /// A calibration that could not be written to its requested file.
 #[derive(Clone, Debug, Serialize)]
 pub struct RescuedCalibration {
-    /// The file that holds the calibration instead; `None` if no folder could be written.
+    /// The rescue file that holds the calibration; `None` if no folder could be written.
     pub file: Option<PathBuf>,
     /// The text of the calibration file.
     pub calibration: String,

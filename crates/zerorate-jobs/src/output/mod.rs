@@ -125,8 +125,7 @@ impl Outputs {
         StagedOutput::new(path, place)
     }
 
-    /// Claims a file to record into. The file has its final name from the start, so that the samples survive a power
-    /// cut.
+    /// Claims a file to record into, under its final name, so that the samples survive a power cut.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::derived`].

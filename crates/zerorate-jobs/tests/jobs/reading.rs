@@ -51,8 +51,7 @@ fn probe_measures_rate_noise_and_losses() {
     assert!(found.warnings.is_empty() && found.self_test.is_none(), "{found:?}");
 }
 
-/// With filter words 9 and 5, rate and temperature take 783 + 527 clock cycles (F-31). The twin's self-test adds
-/// 20 °/s.
+/// With `fw=9:5`, rate and temperature take 783 + 527 clock cycles (F-31). The twin's self-test adds 20 °/s.
 #[test]
 fn probe_tries_the_self_test_and_releases_it() {
     let found = probed(open("twin:seed=7,framing=command,width=16,fw=9:5"), Some("")).unwrap();

@@ -104,8 +104,7 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
-    /// The options for one condition of `--where`. The value of the condition is part of the names of the output
-    /// files: `imu-1.yaml`.
+    /// The options for one condition of `--where`. The value of the condition is added to file names: `imu-1.yaml`.
     fn of_series(&self, only: &RowFilter) -> Self {
         let plain = |one: &Condition| one.value.replace(|c: char| !c.is_alphanumeric(), "_");
         let value = only.conditions.iter().map(plain).collect::<Vec<_>>().join("-");
@@ -233,8 +232,7 @@ fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) ->
     }
 }
 
-/// Writes the noise file, if the noise models are valid or the user accepts rejected models. Returns the lines to
-/// print about the file.
+/// Writes the noise file, unless a model is rejected and the user does not accept that. Returns lines to print.
 fn deliver(
     args: &ImuArgs,
     axes: &[Record],
