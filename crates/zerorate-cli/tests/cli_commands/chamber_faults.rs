@@ -82,7 +82,7 @@ impl Cell {
         let bench = Bench::new();
         let chamber = chamber(&bench, fault, self.onset());
         let run = measured(&bench, &chamber, self.retry_s(), ending.signals());
-        // the last command to the chamber may still be running
+        // the last command to the chamber may still be running when the program has ended
         wait_for(|| !self.must_be_safe() || chamber.is_safe());
         let wrong = match () {
             () if ending.signals().is_empty() && run.code != Some(self.code()) => {

@@ -84,7 +84,7 @@ fn by_ardupilot(of: &BTreeMap<String, f32>, imu: u32, axis: char, rate: f32, tem
 }
 
 /// The largest difference between a firmware and the corrections, °/h, from 20 °C below the span to 20 °C above it.
-/// Outside of the span, both must give their value at the end of the span.
+/// Outside of the span, the firmware must hold the value of the correction at the end of the span.
 fn worst_dph(span: Validity, firmware: impl Fn(usize, f32) -> f32) -> f64 {
     let mut worst = 0.0_f64;
     for tenth in ((span.temp_min_c - 20.0) * 10.0) as i32..=((span.temp_max_c + 20.0) * 10.0) as i32 {

@@ -1,6 +1,6 @@
 //! The jobs as functions: typed options in, typed result out, on the twin and on small files.
 //!
-//! Words and exit codes are tested with the command line.
+//! The tests of the command line cover the words and the exit codes.
 
 mod analysis;
 mod bench;
