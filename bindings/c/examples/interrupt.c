@@ -1,11 +1,11 @@
 /*
  * Samples in the interrupt of RDY, and corrects in the main loop. No sample is lost while the main loop empties the
  * queue in time, and each lost sample is counted. While the interrupt is enabled, the gyroscope belongs to it alone.
- * Not run on a board: the tests run it on the twin. */
+ * This example was not run on a board. The tests run it on the twin. */
 #include "board.h"
 #include "zerorate.h"
 
-/* One writer, the interrupt, and one reader, the main loop. The length divides 2^32. */
+/* Length of the queue. It divides 2^32, so that the counters may wrap. The interrupt writes, the main loop reads. */
 #define QUEUE 16u
 
 static zerorate_gyro gyro;
@@ -33,15 +33,14 @@ static void on_rdy(void)
     } else if (status == ZERORATE_OK) {
         overrun += 1 + sample.lost;
     } else if (status < 0) {
-        /* a part that does not answer gives no edge: restart_if_silent tries again, and reports */
+        /* a part that does not answer gives no more edges, so restart_if_silent reports that and tries again */
         const zerorate_status again = zerorate_gyro_initialise(&gyro);
 
         failure = again == ZERORATE_OK ? status : again;
     }
 }
 
-/* Without edges no interrupt comes: the supply has dipped, or RDY is cut. Reports the cause, and initialises the part
- * again. */
+/* If no edges come, the supply has dipped, or RDY is cut. Reports the cause, and initialises the part again. */
 static void restart_if_silent(void)
 {
     zerorate_status status;

@@ -1,6 +1,6 @@
 /*
  * A main loop without interrupts: waits for RDY, reads, corrects.
- * Not run on a board: the tests run it on the twin.
+ * This example was not run on a board. The tests run it on the twin.
  */
 #include "board.h"
 #include "zerorate.h"
@@ -38,7 +38,7 @@ int main(void)
         if (status == ZERORATE_OK) {
             board_use(zerorate_correct_integer(&correction, reading.rate_code, reading.temp_code), 0);
         } else {
-            /* no edge in time, out of range, a brown-out, a dead line: each has its own status */
+            /* there was no edge in time, the rate is out of range, or the supply or a line has failed */
             board_report(zerorate_text(status));
             board_delay_us(NULL, 100000);
             status = zerorate_gyro_initialise(&gyro);

@@ -1,5 +1,5 @@
 /*
- * A first reading without a board: the driver reads the part in software. README.md has the commands.
+ * A first reading without a board: the driver reads the twin, a simulated part. README.md has the build commands.
  */
 #include "twin.h"
 #include "zerorate.h"
@@ -9,12 +9,12 @@
 /* Number of readings in about a second (F-31). */
 #define READINGS 5700
 
-/* The correction of this unit, from `zerorate calibrate --device twin:seed=1`. */
+/* The correction of the twin with seed 1, from `zerorate calibrate --device twin:seed=1`. */
 static const zerorate_correction CORRECTION = {.pbc_dps = 0.2578, .btc_dps_per_c = -0.0359, .t3_c = 32.51};
 
 static zerorate_gyro gyro;
 
-/* Averages READINGS readings: their rate before and after the correction, and their temperature. */
+/* Takes the means over READINGS readings of the rate, the corrected rate and the temperature. */
 static zerorate_status measure(double *rate_dps, double *corrected_dps, double *temp_c)
 {
     zerorate_codes reading;

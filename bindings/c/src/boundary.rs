@@ -1,26 +1,26 @@
-//! Converts pointers of C to references.
+//! Converts C pointers to Rust references.
 
 use crate::status::{Status, ZERORATE_E_NULL, ZERORATE_E_STATE};
 
-/// An object whose memory the caller owns and whose contents only this library knows.
+/// An object whose memory the caller owns and whose contents are private to this library.
 pub trait Object: Sized {
-    /// The Rust value in that memory.
+    /// The Rust value that the object's memory holds.
     type State;
-    /// The mark in memory that was set up as this kind of object.
+    /// The number at the front of the memory, which shows that it was set up as this kind of object.
     const MARK: u32;
 }
 
-/// The contents, with the mark.
+/// The contents of an object, behind its mark.
 #[repr(C)]
 struct MarkedState<T> {
     mark: u32,
     state: T,
 }
 
-/// Sets an object up.
+/// Writes the mark and the state of an object to its memory.
 ///
 /// # Safety
-/// `object` is null or points to writable memory for one, which nothing else uses meanwhile.
+/// `object` is null or points to writable memory of its type that nothing else uses during the call.
 pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), Status> {
     const { assert!(size_of::<MarkedState<O::State>>() <= size_of::<O>()) };
     const { assert!(align_of::<MarkedState<O::State>>() <= align_of::<O>()) };
@@ -30,11 +30,11 @@ pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), S
     Ok(())
 }
 
-/// The contents of an object.
+/// Returns the state of an object, or ZERORATE_E_STATE if its mark is wrong.
 ///
 /// # Safety
-/// `object` is null or points to readable and writable memory of one, initialised with any bytes, that nothing else
-/// uses during `'a`.
+/// `object` is null or points to readable and writable memory of its type, initialised with any bytes, that nothing
+/// else uses during `'a`.
 pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, Status> {
     let marked = not_null(object)?.cast::<MarkedState<O::State>>();
     // SAFETY: not null and readable; the mark lies at the front.
@@ -45,7 +45,7 @@ pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, S
     Ok(unsafe { &mut (*marked).state })
 }
 
-/// The plain data behind a constant pointer.
+/// Returns the data that a constant pointer points to, or ZERORATE_E_NULL.
 ///
 /// # Safety
 /// `data` is null or points to a valid `T` that nothing changes during `'a`.
@@ -54,10 +54,10 @@ pub unsafe fn input<'a, T>(data: *const T) -> Result<&'a T, Status> {
     unsafe { data.as_ref() }.ok_or(ZERORATE_E_NULL)
 }
 
-/// Writes a result.
+/// Writes a result, or returns ZERORATE_E_NULL.
 ///
 /// # Safety
-/// `place` is null or points to writable memory for one.
+/// `place` is null or points to writable memory of its type.
 pub unsafe fn output<T>(place: *mut T, value: T) -> Result<(), Status> {
     let place = not_null(place)?;
     // SAFETY: not null, by the contract writable.

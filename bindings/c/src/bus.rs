@@ -1,42 +1,42 @@
-//! The caller's functions as embedded-hal traits.
+//! Implements the embedded-hal traits by calling the caller's functions.
 
 use core::ffi::c_void;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
 
-/// The caller's functions that reach the part. Each gets `context` back.
+/// The caller's functions that access the part. Each gets `context` as its first argument.
 ///
-/// They are called from inside the function that needs them, in the same thread or interrupt, and must not call a
+/// The library calls these functions from inside its own, in the same thread or interrupt. They must not call a
 /// function on the same object. `context` must stay valid as long as the object that was set up with it is used.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Bus {
-    /// Handed to each function. May be null.
+    /// Passed to each of the functions. May be null.
     pub context: *mut c_void,
     /// Sends `length` bytes and replaces them by the received ones, with CS low from the first bit to the last. SPI
     /// mode 3, most significant bit first, at most 10 MHz (F-20, F-21). Returns 0, or anything else for an error. Must
     /// not be null.
     pub transfer: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *mut u8, length: usize) -> i32>,
-    /// The level of RDY: 1 = high, 0 = low, negative = error. Null where neither zerorate_gyro_wait_ready nor
-    /// zerorate_gyro_self_test is used.
+    /// Returns the level of RDY: 1 = high, 0 = low, negative = error. May be null if neither zerorate_gyro_wait_ready
+    /// nor zerorate_gyro_self_test is used.
     pub rdy: Option<unsafe extern "C" fn(context: *mut c_void) -> i32>,
-    /// Waits for so many microseconds, or a little longer. Null where `rdy` may be.
+    /// Waits for `us` microseconds, or a little longer. May be null under the same condition as `rdy`.
     pub delay_us: Option<unsafe extern "C" fn(context: *mut c_void, us: u32)>,
 }
 
-/// The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). The rules for calls of the
-/// bus's functions also hold for `set`.
+/// The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). The rules for the functions of
+/// the bus also hold for `set`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SelfTestPin {
-    /// Handed to `set`. May be null.
+    /// Passed to `set`. May be null.
     pub context: *mut c_void,
     /// Drives the pins: 1 = high, the self-test is on; 0 = low, off. Returns 0, or anything else for an error.
     pub set: Option<unsafe extern "C" fn(context: *mut c_void, level: i32) -> i32>,
 }
 
-/// The caller's function reported an error, or is missing.
+/// The error if the caller's function is null or returned an error.
 #[derive(Clone, Copy, Debug)]
 pub struct CallbackError;
 
@@ -52,10 +52,10 @@ impl digital::Error for CallbackError {
     }
 }
 
-/// The longest write that is not a transfer in place: the reset of F-23.
+/// Length of the longest write that is not a transfer in place, bytes: the reset of F-23.
 const LONGEST_WRITE: usize = 5;
 
-/// The part as an SPI device: calls `transfer`.
+/// The SPI device of the part. It calls `transfer`.
 pub struct Port(pub Bus);
 
 impl Port {
@@ -75,7 +75,7 @@ impl spi::ErrorType for Port {
 }
 
 impl SpiDevice for Port {
-    /// The driver's transactions are one transfer in place or one short write each.
+    /// Accepts only the two kinds of transaction that the driver makes: one transfer in place, or one short write.
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), CallbackError> {
         match operations {
             [Operation::TransferInPlace(bytes)] => self.exchange(bytes),
@@ -90,7 +90,7 @@ impl SpiDevice for Port {
     }
 }
 
-/// RDY as an input pin: calls `rdy`.
+/// The input pin RDY. It calls `rdy`.
 pub struct Line(pub Bus);
 
 impl digital::ErrorType for Line {
@@ -137,7 +137,7 @@ impl OutputPin for SelfTestPin {
     }
 }
 
-/// The caller's delay: calls `delay_us`.
+/// The delay of the bus. It calls `delay_us`.
 pub struct Delay(pub Bus);
 
 impl DelayNs for Delay {

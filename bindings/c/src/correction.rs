@@ -1,41 +1,41 @@
-//! The correction of F-50 and curves, in three number formats.
+//! The correction of F-50, and corrections by a curve, in double precision, single precision and integers.
 
 use crate::boundary;
 use crate::status::{self, Status, ZERORATE_E_COEFFICIENT};
 use adis16130::{RateCode, TempCode, Width};
 
-/// Corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. A line (F-50) has BTC2
-/// and BTC3 zero.
+/// A correction: corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. For a line
+/// (F-50), BTC2 and BTC3 are zero.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Correction {
-    /// PBC, deg/s.
+    /// PBC, the correction at T3, deg/s.
     pub pbc_dps: f64,
-    /// BTC, deg/s per deg C.
+    /// BTC, the linear term, deg/s per deg C.
     pub btc_dps_per_c: f64,
-    /// T3, deg C, as the part's own sensor reads it.
+    /// T3, the temperature at which PBC was measured by the part's own sensor, deg C.
     pub t3_c: f64,
-    /// BTC2, deg/s per (deg C)^2; zero for a line.
+    /// BTC2, the quadratic term, deg/s per (deg C)^2. Zero for a line.
     pub btc2_dps_per_c2: f64,
-    /// BTC3, deg/s per (deg C)^3; zero for a line.
+    /// BTC3, the cubic term, deg/s per (deg C)^3. Zero for a line.
     pub btc3_dps_per_c3: f64,
 }
 
 impl Correction {
-    /// Converts the correction to the core's type.
+    /// Converts the correction to the type of the crate `zerorate`.
     pub fn to_core(self) -> zerorate::Correction {
         let Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = self;
         zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
     }
 
-    /// Makes the correction from the core's type.
+    /// Converts a correction of the crate `zerorate` to the type of the C interface.
     pub fn from_core(of: zerorate::Correction) -> Self {
         let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = of;
         Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
     }
 }
 
-/// A correction in single precision.
+/// A correction in single precision. The formula is that of zerorate_correction.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CorrectionF32 {
@@ -45,13 +45,13 @@ pub struct CorrectionF32 {
     pub btc_dps_per_c: f32,
     /// T3, deg C.
     pub t3_c: f32,
-    /// BTC2, deg/s per (deg C)^2; zero for a line.
+    /// BTC2, deg/s per (deg C)^2. Zero for a line.
     pub btc2_dps_per_c2: f32,
-    /// BTC3, deg/s per (deg C)^3; zero for a line.
+    /// BTC3, deg/s per (deg C)^3. Zero for a line.
     pub btc3_dps_per_c3: f32,
 }
 
-/// A line (F-50) on codes of 24 bits, without floating point or division.
+/// A linear correction (F-50) of 24-bit codes, without floating point or division.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CorrectionInteger {
@@ -63,13 +63,13 @@ pub struct CorrectionInteger {
     pub t3_code: i32,
 }
 
-/// A curve on codes of 24 bits, without floating point or division. It can hold a line as well, but
-/// zerorate_correction_integer takes fewer instructions.
+/// A correction of 24-bit codes by a curve of order 3, without floating point or division. It can hold a line as well,
+/// but zerorate_correction_integer takes fewer instructions.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CorrectionCurve {
-    /// The constant at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
-    /// codes times 2^fraction.
+    /// The correction at T3, then the coefficients of x, x^2 and x^3 with x = (temperature code - t3_code) * 2^10 /
+    /// 2^32. All are in rate codes times 2^fraction.
     pub terms: [i32; 4],
     /// T3 as a temperature code.
     pub t3_code: i32,
@@ -77,13 +77,13 @@ pub struct CorrectionCurve {
     pub fraction: u32,
 }
 
-/// The rate of a code of 24 bits, deg/s (F-40).
+/// Converts a 24-bit rate code to deg/s (F-40).
 #[unsafe(no_mangle)]
 pub extern "C" fn zerorate_rate_dps(rate_code: u32) -> f32 {
     RateCode::new(rate_code, Width::Bits24).to_dps()
 }
 
-/// The temperature of a code of 24 bits, deg C (F-41).
+/// Converts a 24-bit temperature code to deg C (F-41).
 #[unsafe(no_mangle)]
 pub extern "C" fn zerorate_temp_c(temp_code: u32) -> f32 {
     TempCode::new(temp_code, Width::Bits24).to_celsius()
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn zerorate_correction_to_f32(from: *const Correction, to:
 }
 
 /// Converts a line to integers. Returns ZERORATE_E_COEFFICIENT if a coefficient does not fit, or if the correction is
-/// a curve: use zerorate_correction_to_curve.
+/// a curve. For a curve, use zerorate_correction_to_curve.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -126,8 +126,8 @@ pub unsafe extern "C" fn zerorate_correction_to_integer(
     }))
 }
 
-/// Converts a correction of order 3 or less to integers. Returns ZERORATE_E_COEFFICIENT if it does not fit. Within
-/// 148 deg C of T3, the result is off by at most 1/2 + 2.69 / 2^fraction codes.
+/// Converts a correction of order 3 or less to integers. Returns ZERORATE_E_COEFFICIENT if a coefficient does not fit.
+/// Within 148 deg C of T3, a corrected code differs from the exact curve by at most 1/2 + 2.69 / 2^fraction codes.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -143,20 +143,20 @@ pub unsafe extern "C" fn zerorate_correction_to_curve(from: *const Correction, t
     }))
 }
 
-/// The corrected rate, deg/s; the rate itself where `correction` is null.
+/// Returns the corrected rate, deg/s. Returns the rate itself if `correction` is null.
 ///
 /// # Safety
-/// `correction` is null or points to one.
+/// `correction` is null or points to a correction.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_correct(correction: *const Correction, rate_dps: f64, temp_c: f64) -> f64 {
     // SAFETY: by the contract.
     unsafe { boundary::input(correction) }.map_or(rate_dps, |correction| correction.to_core().apply(rate_dps, temp_c))
 }
 
-/// The corrected rate in single precision, deg/s; the rate itself where `correction` is null.
+/// Returns the corrected rate in single precision, deg/s. Returns the rate itself if `correction` is null.
 ///
 /// # Safety
-/// `correction` is null or points to one.
+/// `correction` is null or points to a correction.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_correct_f32(correction: *const CorrectionF32, rate_dps: f32, temp_c: f32) -> f32 {
     // SAFETY: by the contract.
@@ -167,11 +167,11 @@ pub unsafe extern "C" fn zerorate_correct_f32(correction: *const CorrectionF32, 
     })
 }
 
-/// The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits. It is rounded to
-/// nearest and held to 0 ... 2^24 - 1. Returns the rate code itself where `correction` is null.
+/// Corrects a 24-bit rate code with the 24-bit temperature code that was read with it. The result is rounded to
+/// nearest and limited to 0 ... 2^24 - 1. Returns the rate code itself if `correction` is null.
 ///
 /// # Safety
-/// `correction` is null or points to one.
+/// `correction` is null or points to a correction.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_correct_integer(
     correction: *const CorrectionInteger,
@@ -188,11 +188,11 @@ pub unsafe extern "C" fn zerorate_correct_integer(
     )
 }
 
-/// The corrected rate code by a curve, like zerorate_correct_integer. A temperature farther than 148 deg C from T3
-/// counts as 148 deg C away.
+/// Corrects a rate code by a curve, as zerorate_correct_integer does by a line. A temperature farther than 148 deg C
+/// from T3 counts as 148 deg C away.
 ///
 /// # Safety
-/// `curve` is null or points to one.
+/// `curve` is null or points to a curve.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_correct_curve(curve: *const CorrectionCurve, rate_code: u32, temp_code: u32) -> u32 {
     // SAFETY: by the contract.

@@ -1,12 +1,12 @@
-//! A correction applied to a stream of readings.
+//! Applies a correction to a stream of readings.
 
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::status::{self, Status, ZERORATE_NOTHING, ZERORATE_OK};
 use zerorate::CorrectorConfig;
 
-/// A correction with the temperature that was read last. The memory is the caller's, the contents are private; begin
-/// it with zerorate_corrector_begin. It needs no tear-down.
+/// A correction with the temperature that was read last. The caller owns the memory, and the contents are private.
+/// Begin it with zerorate_corrector_begin. It needs no tear-down.
 #[repr(C)]
 pub struct Corrector {
     /// Private.
@@ -18,15 +18,15 @@ impl Object for Corrector {
     const MARK: u32 = 0x7A72_6331;
 }
 
-/// The span of temperatures in which a correction holds, as the calibration states it.
+/// The span of temperatures in which a correction holds, from the `validity` of its calibration.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Validity {
-    /// Lowest temperature seen while measuring, deg C.
+    /// Lowest temperature of the calibration, deg C.
     pub temp_min_c: f64,
-    /// Highest temperature seen while measuring, deg C.
+    /// Highest temperature of the calibration, deg C.
     pub temp_max_c: f64,
-    /// How far a temperature may leave the span without a mark, deg C: 0.5.
+    /// Distance from the span up to which a temperature does not count as extrapolated, deg C: 0.5 for the ADIS16130.
     pub margin_c: f64,
 }
 
@@ -36,13 +36,13 @@ pub struct Validity {
 pub struct Corrected {
     /// The corrected rate, deg/s (F-50).
     pub rate_dps: f64,
-    /// The temperature that was used, deg C.
+    /// The temperature that the correction used, deg C.
     pub temp_c: f64,
-    /// 1 = that temperature lies outside the span where the correction holds.
+    /// 1 = `temp_c` lies outside the span in which the correction holds, by more than its margin. Otherwise 0.
     pub extrapolated: u8,
 }
 
-/// Begins a stream, before its first temperature. `valid` may be null: then nothing is extrapolated.
+/// Begins a stream, before its first temperature. If `valid` is null, no temperature counts as extrapolated.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -63,9 +63,9 @@ pub unsafe extern "C" fn zerorate_corrector_begin(
     }))
 }
 
-/// Corrects the next rate, deg/s, with the temperature that was read with it, deg C. Where none was read, pass NaN:
-/// the last one is used. Returns ZERORATE_NOTHING and writes nothing before the first temperature, and where the rate
-/// is NaN, which marks a reading that must not be used.
+/// Corrects the next rate, deg/s, with the temperature that was read with it, deg C. If no temperature was read, pass
+/// NaN, and the last temperature is used. A rate of NaN stands for a reading that must not be used. Returns
+/// ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.

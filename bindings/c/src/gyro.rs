@@ -12,8 +12,8 @@ use adis16130::{
     TempCode, WaitBound, Width,
 };
 
-/// A gyroscope. The memory is the caller's, the contents are private; set it up with zerorate_gyro_set_up. It needs no
-/// tear-down.
+/// A gyroscope. The caller owns the memory, and the contents are private. Set it up with zerorate_gyro_set_up. It
+/// needs no tear-down.
 #[repr(C)]
 pub struct Gyro {
     /// Private.
@@ -22,7 +22,7 @@ pub struct Gyro {
 
 /// The contents of a [`Gyro`], which C sees as opaque memory.
 pub struct State {
-    /// The Rust driver on the caller's functions.
+    /// The Rust driver, which calls the functions of `bus`.
     pub driver: Adis16130<Port, Line>,
     sampler: Sampler,
     /// The caller's functions, as given at set-up.
@@ -38,26 +38,26 @@ impl Object for Gyro {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Settings {
-    /// Nominal master clock of the part, Hz: 6000000.
+    /// Nominal master clock of the part, Hz. Default: 6000000.
     pub mclk_hz: u32,
-    /// Read the temperature with every n-th sample (F-55): 1 = with each, 0 = never.
+    /// Read the temperature with every n-th sample (F-55): 1 = with each sample, 0 = never.
     pub every_temp: u16,
-    /// Read on every n-th edge of RDY (F-56): 1 = on each.
+    /// Read on every n-th edge of RDY (F-56): 1 = on each edge.
     pub divider: u16,
-    /// Width of the data registers: 24 or 16.
+    /// Width of the data registers, bits: 24 or 16.
     pub bits: u8,
-    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte. With 0 CS
-    /// stays low for a whole command, which is faster and works too (F-22).
+    /// 1 = CS rises between all bytes, as AN-1042 prescribes, and `transfer` is called once per byte. 0 = CS stays low
+    /// for a whole command, which is faster and works too (F-22).
     pub per_byte_framing: u8,
-    /// Which edge of the line says "new data": 0 = falling, 1 = rising, as behind an inverting level shifter.
+    /// The edge of RDY that announces new data: 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
-    /// 1 = read the status of the rate channel with every sample, 0 = only where an edge is doubtful.
+    /// 1 = read the status of the rate channel with every sample, 0 = only if an edge may not announce new data.
     pub read_status: u8,
-    /// Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 and 1 = no counter.
+    /// Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 or 1 = no counter.
     pub divided: u16,
 }
 
-/// Rate and temperature, as codes of 24 bits; with 16-bit registers they are multiples of 256.
+/// Rate and temperature as 24-bit codes. With 16-bit registers the codes are multiples of 256.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Codes {
@@ -67,27 +67,27 @@ pub struct Codes {
     pub temp_code: u32,
 }
 
-/// A sample of the rate, with the temperature where that was due.
+/// A sample of the rate, with the temperature if it was due.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Sample {
-    /// Time of the sample's edge, ns.
+    /// Time of the edge of RDY that announced the sample, ns.
     pub t_ns: u64,
-    /// Number of the sample's edge.
+    /// Number of that edge.
     pub seq: u32,
-    /// The rate, as a code of 24 bits.
+    /// The rate as a 24-bit code.
     pub rate_code: u32,
-    /// The temperature, as a code of 24 bits, if `has_temp`.
+    /// The temperature as a 24-bit code. 0 if `has_temp` is 0.
     pub temp_code: u32,
-    /// Rate samples lost since the sample before.
+    /// Number of rate samples lost since the previous sample.
     pub lost: u32,
-    /// Width in which the codes were read: 24 or 16.
+    /// Width in which the codes were read, bits: 24 or 16.
     pub bits: u8,
-    /// True if the temperature was read.
+    /// 1 = the temperature was read, otherwise 0.
     pub has_temp: u8,
-    /// True if the status of the rate channel was read.
+    /// 1 = the status of the rate channel was read, otherwise 0.
     pub has_status: u8,
-    /// The status of the rate channel, as read; bit 0 = out of range (F-35).
+    /// The status register of the rate channel. Bit 0 = the rate is out of range (F-35). 0 if `has_status` is 0.
     pub status: u8,
 }
 
@@ -106,7 +106,7 @@ impl Sample {
         }
     }
 
-    /// Converts the sample to the driver's type. It fails if `bits` is neither 16 nor 24.
+    /// Converts the sample to the driver's type. Returns ZERORATE_E_ARGUMENT if `bits` is neither 16 nor 24.
     pub fn to_driver(self) -> Result<DriverSample, Status> {
         let width = width(self.bits)?;
         let raw = |code24: u32| code24 >> (24 - width.bits());
@@ -142,10 +142,11 @@ impl Settings {
     }
 }
 
-/// The default settings: F-30, the note's framing (F-22), temperature and status with every sample.
+/// Writes the default settings: the initialisation of F-30, CS that rises after each byte (F-22), temperature and
+/// status with every sample.
 ///
 /// # Safety
-/// `settings` is null or points to writable memory for it.
+/// `settings` is null or points to writable memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_settings_default(settings: *mut Settings) -> Status {
     let default = Settings {
@@ -162,10 +163,10 @@ pub unsafe extern "C" fn zerorate_settings_default(settings: *mut Settings) -> S
     status::of(unsafe { boundary::output(settings, default) })
 }
 
-/// Sets a gyroscope up. Copies `bus` and `settings`, sends nothing: initialise it next.
+/// Sets up a gyroscope. Copies `bus` and `settings`, and sends nothing. Call zerorate_gyro_initialise next.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; what `bus` points to may be called and used as its
+/// Each pointer is null or points to memory of its type. The functions and the context of `bus` may be used as its
 /// documentation says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) -> Status {
@@ -186,11 +187,11 @@ unsafe fn set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) ->
     unsafe { boundary::set_up(gyro, State { driver, sampler, bus }) }
 }
 
-/// Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an
-/// error of the bus: samples go on, and the next one says what was lost.
+/// Resets the part, writes its configuration (F-30) and reads it back, with 13 commands and no wait. Call it again
+/// after an error of the bus. Sampling then goes on, and `lost` of the next sample counts the lost samples.
 ///
 /// # Safety
-/// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+/// `gyro` is null or points to a gyroscope that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_initialise(gyro: *mut Gyro) -> Status {
     let initialise = |State { driver, sampler, .. }: &mut State| {
@@ -202,12 +203,15 @@ pub unsafe extern "C" fn zerorate_gyro_initialise(gyro: *mut Gyro) -> Status {
     status::of(unsafe { boundary::state(gyro) }.and_then(initialise))
 }
 
-/// Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where
-/// the rate is beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first
-/// conversion. Up to 9 more commands where an answer is doubtful or a conversion ends in between.
+/// Reads the rate, its status and the temperature now, whether they are new or not. Returns ZERORATE_E_OUT_OF_RANGE if
+/// the rate is beyond its range, also if its code has wrapped (F-35). Returns ZERORATE_E_NO_READING before the first
+/// conversion.
+///
+/// Sends 3 commands, and up to 16 more if an answer could come from a dead line or from a part that was reset, if a
+/// conversion ends between two reads, or at the first reading after an initialisation.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
+/// Each pointer is null or points to memory of its type. Nothing else uses the gyroscope during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Codes) -> Status {
     let read = |state: &mut State| {
@@ -218,11 +222,11 @@ pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Codes
     status::of(unsafe { boundary::state(gyro).and_then(read).and_then(|value| boundary::output(reading, value)) })
 }
 
-/// Waits for new data: looks at RDY every 5 us, for `timeout_us` and a little more at most. Needs `rdy` and
-/// `delay_us`.
+/// Waits for new data. Calls `rdy` every 5 us, and returns ZERORATE_E_TIMEOUT after `timeout_us`, plus the time that
+/// the calls take. Needs `rdy` and `delay_us` of the bus.
 ///
 /// # Safety
-/// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+/// `gyro` is null or points to a gyroscope that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u32) -> Status {
     let wait = |State { driver, bus, .. }: &mut State| {
@@ -235,14 +239,15 @@ pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u
     status::of(unsafe { boundary::state(gyro) }.and_then(wait))
 }
 
-/// Handles an edge of RDY: reads what is due, 1 to 3 commands, and counts the samples that were lost.
+/// Handles an edge of RDY: reads the registers that are due, and counts the lost samples. Sends 1 to 3 commands, and
+/// at most 10 at the first sample after an initialisation or if an answer could come from a dead line.
 ///
-/// `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges
-/// that were not handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge
-/// was stale.
+/// `t_ns` is the time of the edge by a clock that runs evenly. `seq` is the running number of the edge, which also
+/// counts the edges that were not handled and may wrap. Returns ZERORATE_NOTHING and writes nothing if nothing was
+/// due, or if the data of the edge had been read before.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
+/// Each pointer is null or points to memory of its type. Nothing else uses the gyroscope during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u32, sample: *mut Sample) -> Status {
     let edge = Edge { t_ns, seq };
@@ -257,16 +262,17 @@ pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u
     }
 }
 
-/// Checks that edges of RDY still come. Returns ZERORATE_OK, or ZERORATE_E_TIMEOUT if none has been handed to
-/// zerorate_gyro_sample for 64 periods of the rate (11.2 ms with F-30). Then the part has lost its supply or its
-/// configuration, or RDY is cut: zerorate_gyro_diagnose says which, zerorate_gyro_initialise starts anew. Sends
-/// nothing.
+/// Checks that edges of RDY still come. Sends nothing. Returns ZERORATE_E_TIMEOUT if zerorate_gyro_sample has got no
+/// edge for 64 periods of the rate (11.2 ms with F-30), otherwise ZERORATE_OK. After a timeout, the part has lost its
+/// supply or its configuration, or RDY is cut. zerorate_gyro_diagnose finds the cause, and zerorate_gyro_initialise
+/// starts the part again.
 ///
-/// `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time
-/// counts from the first call on, so call it regularly, and at least once before you go to sleep.
+/// `now_ns` is the present time of the clock that gives the edges their time. Before the first edge, and after an
+/// initialisation, the time counts from the first call of this function. So call it regularly, and at least once
+/// before a sleep.
 ///
 /// # Safety
-/// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+/// `gyro` is null or points to a gyroscope that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_silent(gyro: *mut Gyro, now_ns: u64) -> Status {
     let check = |State { sampler, .. }: &mut State| match sampler.silent_since(now_ns) {
@@ -277,10 +283,11 @@ pub unsafe extern "C" fn zerorate_gyro_silent(gyro: *mut Gyro, now_ns: u64) -> S
     status::of(unsafe { boundary::state(gyro) }.and_then(check))
 }
 
-/// Looks at the link: ZERORATE_OK if it works and the part is configured as written, else what is wrong. 2 commands.
+/// Checks the link with 2 commands. Returns ZERORATE_OK if the part answers and is configured as written, otherwise
+/// the fault.
 ///
 /// # Safety
-/// `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+/// `gyro` is null or points to a gyroscope that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_diagnose(gyro: *mut Gyro) -> Status {
     // SAFETY: by the contract.

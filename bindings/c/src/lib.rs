@@ -1,7 +1,7 @@
 //! The C interface: see `include/zerorate.h`, which is generated from this crate, and `README.md`.
 //!
-//! `unsafe` is only used where C's pointers are taken in (`boundary.rs`, `bus.rs`, `table.rs`) and in the exports
-//! themselves. Nothing allocates and nothing panics; `cargo xtask c` checks the library for both.
+//! Only the functions that take C pointers (`boundary.rs`, `bus.rs`, `table.rs`) and the exports use `unsafe`. Nothing
+//! allocates and nothing panics. `cargo xtask c` checks the library for both.
 
 #![cfg_attr(not(test), no_std)]
 

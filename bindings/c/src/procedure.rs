@@ -9,7 +9,7 @@ use zerorate::{
     State as CoreState, Warning, WindowWarnings,
 };
 
-/// A calibration that is going on. The memory is the caller's, the contents are private; begin it with
+/// A calibration in progress. The caller owns the memory, and the contents are private. Begin it with
 /// zerorate_procedure_begin. It needs no tear-down.
 #[repr(C)]
 pub struct Procedure {
@@ -29,28 +29,30 @@ impl Object for Procedure {
     const MARK: u32 = 0x7A72_7031;
 }
 
-/// Durations and limits. Start from zerorate_plan_default, which is the hour of AN-1042 (F-51).
+/// Durations and limits of a calibration. Start from zerorate_plan_default, the procedure of AN-1042 (F-51), which
+/// takes about an hour.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Plan {
-    /// Average of steps 4 and 6, s: 10.
+    /// Duration of each of the averages in steps 4 and 6, s. Default: 10.
     pub average_s: f64,
-    /// Warm-up by self-heating, step 5, s: 600.
+    /// Duration of the warm-up by self-heating in step 5, s. Default: 600.
     pub warmup_s: f64,
-    /// Settling, step 7, s: 2400.
+    /// Duration of the settling in step 7, s. Default: 2400.
     pub settle_s: f64,
-    /// Average of step 8, s: 150.
+    /// Duration of the average of the rate in step 8, s. Default: 150.
     pub offset_s: f64,
-    /// Time to average TEMP in step 9, s: 1.
+    /// Duration of the average of TEMP in step 9, s. Default: 1.
     pub final_temp_s: f64,
-    /// Largest share of lost samples in an average, 0 to 1: 0.001.
+    /// Largest accepted share of lost samples in an average, 0 to 1. Default: 0.001.
     pub max_lost: f64,
-    /// Largest standard uncertainty of BTC, deg/s per deg C: 0.01.
+    /// Largest accepted standard uncertainty of BTC, deg/s per deg C. Default: 0.01.
     pub max_u_btc_dps_per_c: f64,
-    /// The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within
-    /// 0.00418 (F-16); NaN where it is not known.
+    /// The component of the Earth's rotation on the part's axis, deg/s (not deg/h), from -0.00418 to 0.00418 (F-16).
+    /// It is subtracted from the measured rate. NaN if it is not known.
     pub earth_dps: f64,
-    /// 1 = the bias is a straight line over temperature: no allowance for curvature and hysteresis.
+    /// 1 = assume that the bias is a straight line over temperature: the uncertainties allow for neither curvature nor
+    /// hysteresis.
     pub assume_linear: u8,
 }
 
@@ -64,51 +66,51 @@ pub struct Outcome {
     pub u_pbc_dps: f64,
     /// Standard uncertainty of BTC, deg/s per deg C.
     pub u_btc_dps_per_c: f64,
-    /// Standard uncertainty of T3, noise alone, deg C.
+    /// Standard uncertainty of T3 from the noise alone, deg C.
     pub u_t3_c: f64,
-    /// Mean rates of steps 4 and 6, deg/s.
+    /// Mean rate of step 4, deg/s.
     pub b1_dps: f64,
-    /// See `b1_dps`.
+    /// Mean rate of step 6, deg/s.
     pub b2_dps: f64,
-    /// Mean temperatures of steps 4 and 6, deg C.
+    /// Mean temperature of step 4, deg C.
     pub t1_c: f64,
-    /// See `t1_c`.
+    /// Mean temperature of step 6, deg C.
     pub t2_c: f64,
-    /// Lowest temperature seen, deg C.
+    /// Lowest temperature of the calibration, deg C.
     pub temp_min_c: f64,
-    /// Highest temperature seen, deg C.
+    /// Highest temperature of the calibration, deg C.
     pub temp_max_c: f64,
-    /// White noise density, deg/s per root Hz.
+    /// One-sided density of the white noise, deg/s per root Hz.
     pub white_dps_per_rt_hz: f64,
-    /// Rate samples per second.
+    /// Measured number of rate samples per second.
     pub rate_hz: f64,
-    /// Rate samples read.
+    /// Number of rate samples read.
     pub samples: u64,
-    /// Rate samples lost.
+    /// Number of rate samples lost.
     pub lost: u64,
     /// Warnings about the numbers: a sum of ZERORATE_WARNING_...
     pub warnings: u32,
 }
 
-/// The Earth's rotation was not subtracted: up to 0.00418 deg/s are in PBC.
+/// The Earth's rotation was not subtracted. PBC contains up to 0.00418 deg/s of it (F-16).
 pub const ZERORATE_WARNING_EARTH_INCLUDED: u32 = 1;
-/// Two temperatures show no curvature; its typical size is in the uncertainty of BTC.
+/// Two temperatures show no curvature. The uncertainty of BTC allows for a typical curvature.
 pub const ZERORATE_WARNING_CURVATURE_UNSEEN: u32 = 2;
-/// The temperature moved between the rate average and T3.
+/// The temperature changed between the average of the rate in step 8 and T3 in step 9.
 pub const ZERORATE_WARNING_DRIFTING: u32 = 4;
-/// PBC was averaged for less than half of the best time.
+/// PBC was averaged for less than half of the best averaging time.
 pub const ZERORATE_WARNING_SHORT_AVERAGE: u32 = 8;
-/// The rate was read below twice the bandwidth: noise folds in.
+/// The rate was sampled at less than twice the bandwidth, so noise folds into the band.
 pub const ZERORATE_WARNING_ALIASED: u32 = 16;
-/// Samples were lost, within the limit.
+/// Samples were lost, but no more than `max_lost` allows.
 pub const ZERORATE_WARNING_LOST: u32 = 32;
-/// The bias wanders more than a typical unit's.
+/// The bias wanders more than the typical flicker noise of the part.
 pub const ZERORATE_WARNING_WANDERING: u32 = 64;
-/// A warning that this version of the interface has no number for.
+/// A warning for which this version of the interface has no number.
 pub const ZERORATE_WARNING_OTHER: u32 = 128;
-/// The given Earth rotation was subtracted; any other constant rotation is inside PBC.
+/// The Earth rotation `earth_dps` was subtracted. PBC contains any other constant rotation.
 pub const ZERORATE_WARNING_EARTH_SUBTRACTED: u32 = 256;
-/// BTC is close to zero: a wide hysteresis or a long lag would look the same.
+/// BTC is close to zero. A wide hysteresis or a long lag would look the same.
 pub const ZERORATE_WARNING_FLAT: u32 = 512;
 /// Always set. Steps, lag, curvature, hysteresis and slow motion between the averages were not looked for. That takes
 /// a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
@@ -117,9 +119,9 @@ pub const ZERORATE_WARNING_HOUR_UNCHECKED: u32 = 1024;
 
 /// Initialise the part, then call zerorate_procedure_initialised.
 pub const ZERORATE_INITIALISE: Status = 10;
-/// Hand in samples as they come, or the time where none come.
+/// Pass each sample to zerorate_procedure_sample. While no samples come, pass the time to zerorate_procedure_time.
 pub const ZERORATE_SAMPLE: Status = 11;
-/// Call zerorate_procedure_outcome.
+/// The calibration is complete: call zerorate_procedure_outcome.
 pub const ZERORATE_DONE: Status = 12;
 
 impl Plan {
@@ -195,7 +197,7 @@ fn flag(warning: &Warning) -> u32 {
 }
 
 impl State {
-    /// Handles an event. A refusal is final: every later call returns it.
+    /// Handles an event. Keeps a refusal, which every later call returns.
     fn handle(&mut self, event: Event<'_>) -> Result<(), Status> {
         if let Some(refused) = &self.refused {
             return Err(refused.status());
@@ -204,20 +206,21 @@ impl State {
     }
 }
 
-/// The durations and limits of AN-1042, with an unknown rotation of the Earth and a bias that may be curved.
+/// Writes the durations of AN-1042 and the default limits. The Earth's rotation counts as unknown, and the bias may be
+/// curved over temperature.
 ///
 /// # Safety
-/// `plan` is null or points to writable memory for it.
+/// `plan` is null or points to writable memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_plan_default(plan: *mut Plan) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::output(plan, Plan::new(&CorePlan::default())) })
 }
 
-/// Begins a calibration. ZERORATE_E_PLAN where a duration or limit makes no sense.
+/// Begins a calibration. Returns ZERORATE_E_PLAN if a duration or limit of the plan is not valid.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+/// Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, plan: *const Plan) -> Status {
     // SAFETY: by the contract.
@@ -230,10 +233,11 @@ pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, pla
     )
 }
 
-/// The next thing to do: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or the reason of a refusal.
+/// Returns the next thing to do: ZERORATE_INITIALISE, ZERORATE_SAMPLE or ZERORATE_DONE. If the calibration was
+/// refused, returns the negative status of the refusal.
 ///
 /// # Safety
-/// `procedure` is null or points to one that nothing else uses meanwhile.
+/// `procedure` is null or points to a procedure that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_next(procedure: *mut Procedure) -> Status {
     // SAFETY: by the contract.
@@ -248,11 +252,11 @@ pub unsafe extern "C" fn zerorate_procedure_next(procedure: *mut Procedure) -> S
     }
 }
 
-/// The remedies for the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. Returns 0 if
-/// nothing was refused, or if no remedy has this index, counted from 0.
+/// Returns a remedy for the refusal that ended the calibration, a ZERORATE_REMEDY_.... The remedy with index 0 is the
+/// best one. Returns 0 if nothing was refused, or if no remedy has this index.
 ///
 /// # Safety
-/// `procedure` is null or points to one that nothing else uses meanwhile.
+/// `procedure` is null or points to a procedure that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, index: usize) -> u8 {
     // SAFETY: by the contract.
@@ -260,21 +264,21 @@ pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, in
     refused.and_then(|refusal| refusal.remedies().get(index).copied()).map_or(0, Remedy::code)
 }
 
-/// Tells the procedure that the part was initialised at the time `t_ns`, by the clock of the samples.
+/// Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples.
 ///
 /// # Safety
-/// `procedure` is null or points to one that nothing else uses meanwhile.
+/// `procedure` is null or points to a procedure that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_initialised(procedure: *mut Procedure, t_ns: u64) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Initialised { t_ns })))
 }
 
-/// Hands in a sample. At the end of a step this takes some thousand floating-point operations, otherwise about a
-/// hundred integer ones.
+/// Passes a sample to the procedure. At the end of a step the call takes some thousand floating-point operations,
+/// otherwise about a hundred integer operations.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+/// Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_sample(procedure: *mut Procedure, sample: *const Sample) -> Status {
     // SAFETY: by the contract.
@@ -284,20 +288,21 @@ pub unsafe extern "C" fn zerorate_procedure_sample(procedure: *mut Procedure, sa
     status::of(state.and_then(|state| state.handle(Event::Reading(&Reading::from(&sample?)))))
 }
 
-/// Tells the procedure that time passed without a sample.
+/// Tells the procedure that no sample came up to the time `t_ns`, ns, by the clock of the samples.
 ///
 /// # Safety
-/// `procedure` is null or points to one that nothing else uses meanwhile.
+/// `procedure` is null or points to a procedure that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_time(procedure: *mut Procedure, t_ns: u64) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Time { t_ns })))
 }
 
-/// The current step of AN-1042: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an error.
+/// Returns the current step of AN-1042, from 3 (initialise) to 9 (final temperature), or 10 at the end. Returns a
+/// negative status for an error.
 ///
 /// # Safety
-/// `procedure` is null or points to one that nothing else uses meanwhile.
+/// `procedure` is null or points to a procedure that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_step(procedure: *mut Procedure) -> Status {
     // SAFETY: by the contract.
@@ -317,10 +322,11 @@ pub unsafe extern "C" fn zerorate_procedure_step(procedure: *mut Procedure) -> S
     }
 }
 
-/// Time since the initialisation and of the whole procedure, s.
+/// Writes the time since the initialisation to `elapsed_s`, s, and the duration of the whole procedure to `total_s`,
+/// s.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+/// Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_progress(
     procedure: *mut Procedure,
@@ -338,10 +344,10 @@ pub unsafe extern "C" fn zerorate_procedure_progress(
     }))
 }
 
-/// The result, once zerorate_procedure_next says ZERORATE_DONE; ZERORATE_E_STATE before that.
+/// Writes the result, once zerorate_procedure_next returns ZERORATE_DONE. Returns ZERORATE_E_STATE before that.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+/// Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_procedure_outcome(procedure: *mut Procedure, outcome: *mut Outcome) -> Status {
     // SAFETY: by the contract.

@@ -3,7 +3,8 @@
 use core::alloc::{GlobalAlloc, Layout};
 use core::panic::PanicInfo;
 
-/// The library has no heap. The core could allocate, but no export does, so this never gets into the library.
+/// An allocator without memory. The crate `zerorate` can allocate, but no exported function does. So the linker leaves
+/// this allocator out of the library.
 struct NoHeap;
 
 #[global_allocator]
@@ -18,7 +19,7 @@ unsafe impl GlobalAlloc for NoHeap {
     unsafe fn dealloc(&self, _: *mut u8, _: Layout) {}
 }
 
-/// The library does not contain this handler either, since nothing panics.
+/// Halts. The linker leaves this handler out too, since nothing panics.
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
     loop {

@@ -10,22 +10,24 @@ use adis16130::{SelfTestPlan as DriverPlan, WaitBound};
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SelfTestPlan {
-    /// Wait after each change of the pin, us: 100000 (ours: the time is not published).
+    /// Wait after each change of the pin, us. Default: 100000, a choice, because no time is published.
     pub settle_us: u32,
-    /// Bound of each wait for RDY, us: 20000, enough for the slowest conversion.
+    /// Longest wait for RDY, us. Default: 20000, enough for the slowest conversion.
     pub timeout_us: u32,
-    /// Rates to average without and with the self-test, rounded up to a multiple of 16: 6000, a second's worth at the
-    /// 5693 per second of F-31. A sixteenth of them must be long against 1/(300 Hz) (F-03), else `u_dps` is too small.
+    /// Number of rates to average without the self-test, and as many with it, rounded up to a multiple of 16. Default:
+    /// 6000, about a second at the 5693 per second of F-31. A sixteenth of these rates must take long compared with
+    /// 1/(300 Hz) (F-03), or else `u_dps` is too small.
     pub samples: u16,
 }
 
-/// The measured effect of the self-test. Its proper size is not known, so nothing is judged (F-11).
+/// The measured effect of the self-test. The size that it should have is not known, so the library does not judge it
+/// (F-11).
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SelfTest {
-    /// Mean rate with the self-test less mean rate without, deg/s.
+    /// Mean rate with the self-test less mean rate without the self-test, deg/s.
     pub shift_dps: f32,
-    /// Standard uncertainty of `shift_dps` from the scatter, deg/s.
+    /// Standard uncertainty of `shift_dps` from the scatter of the rates, deg/s.
     pub u_dps: f32,
     /// Number of rates averaged without the self-test. The same number is averaged with it.
     pub n: u32,
@@ -37,10 +39,10 @@ impl SelfTestPlan {
     }
 }
 
-/// The default settings: a second without and a second with the self-test, at the rate of F-30.
+/// Writes the default settings: one second without and one second with the self-test, at the rate of F-30.
 ///
 /// # Safety
-/// `plan` is null or points to writable memory for it.
+/// `plan` is null or points to writable memory of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_self_test_plan_default(plan: *mut SelfTestPlan) -> Status {
     let samples = 6000;
@@ -50,20 +52,20 @@ pub unsafe extern "C" fn zerorate_self_test_plan_default(plan: *mut SelfTestPlan
     status::of(unsafe { boundary::output(plan, default) })
 }
 
-/// Measures what the self-test does to the rate, and judges nothing (F-11). Needs `rdy` and `delay_us` of the bus and
-/// an initialised part at rest: motion counts as shift.
+/// Measures by how much the self-test shifts the rate. It does not judge the shift (F-11). Needs `rdy` and `delay_us`
+/// of the bus, and an initialised part at rest, since motion counts as shift.
 ///
-/// Blocks for two settling times and `2 * samples` rates, 3 commands each, each within `4 * timeout_us`: 2.3 s by
-/// default, so not for an interrupt. An interrupt that samples this gyroscope must be masked; what it misses counts as
-/// lost.
+/// Blocks for two settling times and `2 * samples` rates, which is 2.3 s by default. Each rate takes 3 commands, and
+/// at most `4 * timeout_us`. Do not call it from an interrupt. Mask the interrupt that samples this gyroscope. The
+/// samples that it misses count as lost.
 ///
-/// The self-test is off when this returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN.
-/// ZERORATE_E_MISSING: a function is null, nothing was done. ZERORATE_E_TIMEOUT: RDY was silent, or no new rate came.
-/// Else the errors of zerorate_gyro_read, and ZERORATE_E_PIN.
+/// The self-test is off when the function returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN.
+/// Returns ZERORATE_E_MISSING, and does nothing, if a function is null. Returns ZERORATE_E_TIMEOUT if RDY was silent
+/// or no new rate came. The other errors are ZERORATE_E_PIN and those of zerorate_gyro_read.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type. Nothing else uses the gyroscope meanwhile. The
-/// function in `pin` may be called as its documentation says.
+/// Each pointer is null or points to memory of its type. Nothing else uses the gyroscope during the call. The function
+/// in `pin` may be called as its documentation says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_self_test(
     gyro: *mut Gyro,

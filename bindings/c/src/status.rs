@@ -1,4 +1,4 @@
-//! The numbers that functions return. They are stable.
+//! The status numbers that the functions return, and their texts.
 
 use adis16130::{BusError, Fault, InitError, ReadError, SampleError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
@@ -15,61 +15,65 @@ pub const ZERORATE_OK: Status = 0;
 pub const ZERORATE_NOTHING: Status = 1;
 /// A pointer that must not be null is null.
 pub const ZERORATE_E_NULL: Status = -1;
-/// The object has not been set up, or a call came too early for it.
+/// The object has not been set up, or the function was called too early, such as zerorate_procedure_outcome before the
+/// end of the calibration.
 pub const ZERORATE_E_STATE: Status = -2;
-/// An argument is out of range; its documentation has the range.
+/// An argument is out of range. The documentation of the argument states the range.
 pub const ZERORATE_E_ARGUMENT: Status = -3;
-/// `transfer` returned other than 0. It may have left the part in the middle of a command: initialise it.
+/// `transfer` returned a number other than 0. The part may be in the middle of a command: initialise it.
 pub const ZERORATE_E_BUS: Status = -10;
-/// `rdy` is missing or returned a negative number.
+/// `rdy` or `delay_us` is null, or `rdy` returned a negative number.
 pub const ZERORATE_E_PIN: Status = -11;
 /// RDY gave no sign of new data within the time given.
 pub const ZERORATE_E_TIMEOUT: Status = -12;
-/// A function that the self-test needs is null: `rdy` or `delay_us` of the bus, or `set` of its pin. Nothing was done.
+/// A function that the self-test needs is null: `rdy` or `delay_us` of the bus, or `set` of the pin. Nothing was done.
 pub const ZERORATE_E_MISSING: Status = -13;
-/// `set` of the self-test pin returned other than 0. If the self-test is still on, it offsets the rate.
+/// `set` of the self-test pin returned a number other than 0. If the self-test is still on, it offsets the rate.
 pub const ZERORATE_E_SELF_TEST_PIN: Status = -14;
-/// `transfer` has failed before, so the part may be in the middle of that command and what it sends would be misread.
-/// Nothing was sent: initialise it.
+/// `transfer` has failed in an earlier call, so the part may be in the middle of a command, and its bytes would be
+/// misread. Nothing was sent: initialise the part.
 pub const ZERORATE_E_INTERRUPTED: Status = -15;
 /// SDO is stuck at ones: check its wire, CS and the supply.
 pub const ZERORATE_E_STUCK_HIGH: Status = -20;
 /// SDO is stuck at zeros: check its wire, CS and the supply.
 pub const ZERORATE_E_STUCK_LOW: Status = -21;
-/// The part has been reset, as by a dip of the supply: initialise it.
+/// The part has been reset, for example by a dip of the supply: initialise it.
 pub const ZERORATE_E_CONFIGURATION_LOST: Status = -22;
-/// A register contradicts what was written: bit errors on the line, or another part.
+/// A register does not read the value that was written: the line has bit errors, or the part is another one.
 pub const ZERORATE_E_UNEXPECTED: Status = -23;
-/// The input is out of range, on a healthy link (F-35).
+/// The input is out of range (F-35). The link is healthy.
 pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;
 /// The link is healthy, but no reading exists yet. The part has not been initialised, or its first conversion has not
 /// ended. Initialise it, wait for RDY and read again.
 pub const ZERORATE_E_NO_READING: Status = -25;
-/// A coefficient does not fit the integer correction: |BTC| up to 1.19 deg/s/deg C, PBC and T3 within the codes.
+/// A coefficient does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s per deg C, and PBC
+/// and T3 are within the range of the codes.
 pub const ZERORATE_E_COEFFICIENT: Status = -30;
-/// Step and span must be positive, the span a whole number of steps, at most 100001 rows.
+/// The layout of the table is not valid. Step and span must be positive, the span must be a whole number of steps, and
+/// the table may have at most 100001 rows.
 pub const ZERORATE_E_TABLE_LAYOUT: Status = -31;
-/// The memory given holds fewer rows than the table has.
+/// The memory has fewer rows than the table.
 pub const ZERORATE_E_TABLE_ROOM: Status = -32;
-/// A row does not fit 32 bits in millionths of a deg/s.
+/// A row of the table, in millionths of a deg/s, does not fit 32 bits.
 pub const ZERORATE_E_TABLE_STEEP: Status = -33;
-/// The temperature lies beyond the table, whose last row does not fit it.
+/// The temperature lies more than half a step beyond the table. The first or the last row was written, which is wrong
+/// at this temperature.
 pub const ZERORATE_E_TABLE_OUTSIDE: Status = -34;
-/// A duration or limit of the plan makes no sense.
+/// A duration or limit of the plan is not valid.
 pub const ZERORATE_E_PLAN: Status = -40;
-/// Refused: the rate varies more than noise and temperature explain (or jumped during an average).
+/// Refused: the rate varies more than noise and temperature explain, or it jumped during an average.
 pub const ZERORATE_E_MOVING: Status = -50;
-/// Refused: a mean rate that no bias explains.
+/// Refused: the mean rate is larger than a bias can be.
 pub const ZERORATE_E_TURNING: Status = -51;
-/// Refused: white noise far above the part's.
+/// Refused: the white noise is far above the typical one.
 pub const ZERORATE_E_NOISY: Status = -52;
 /// Refused: the two temperatures are too close for the wanted uncertainty of BTC.
 pub const ZERORATE_E_SPAN: Status = -53;
-/// Refused: BTC would be too uncertain, by the curvature that two temperatures cannot show.
+/// Refused: BTC would be too uncertain, because two temperatures cannot show a curvature.
 pub const ZERORATE_E_CURVATURE: Status = -54;
 /// Refused: too many samples were lost.
 pub const ZERORATE_E_LOST: Status = -55;
-/// Refused: readings beyond the range.
+/// Refused: readings were out of range.
 pub const ZERORATE_E_OVERRANGED: Status = -56;
 /// Refused: the readings stopped changing.
 pub const ZERORATE_E_FROZEN: Status = -57;
@@ -79,10 +83,10 @@ pub const ZERORATE_E_TOO_FEW: Status = -58;
 pub const ZERORATE_E_NO_TEMPERATURE: Status = -59;
 /// Refused: the rate wanders or steps so much during the offset average that BTC would be too uncertain.
 pub const ZERORATE_E_UNSTEADY: Status = -61;
-/// Refused, for a reason that this version of the interface has no number for.
+/// Refused, for a reason for which this version of the interface has no number.
 pub const ZERORATE_E_REFUSED: Status = -60;
 
-/// A status in words: a static string without end of line. Never null.
+/// Returns a status in words: a static string without an end of line, never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
     let text: &'static CStr = match status {

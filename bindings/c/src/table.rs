@@ -1,21 +1,21 @@
-//! The table of F-52, in memory of the caller.
+//! The look-up table of F-52, in memory of the caller.
 
 use crate::boundary;
 use crate::correction::Correction;
 use crate::status::{self, Status, StatusNumber, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_TABLE_OUTSIDE};
 use zerorate::{Axis, RowIndex};
 
-/// A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay
-/// where they are as long as the table is used; looking up only reads, so one table may serve a main loop and
-/// interrupts.
+/// A table of the correction over temperature without PBC, in millionths of a deg/s: (temperature - T3) * BTC for a
+/// line. The caller owns the rows, which must stay in place as long as the table is used. A look-up changes nothing,
+/// so the main loop and interrupts may share a table.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Table {
-    /// Row 0 is for T3 + span, the last one for T3 - span.
+    /// The rows, in millionths of a deg/s. Row 0 is for T3 + span, the last one for T3 - span.
     pub rows_udps: *const i32,
     /// Number of rows.
     pub rows: usize,
-    /// The row of t3_code and a half, times 2^32.
+    /// The row at which `t3_code` lies, with its fraction, plus 1/2, times 2^32.
     pub middle_q32: i64,
     /// Rows per temperature code, times 2^32.
     pub rows_per_code_q32: i64,
@@ -23,11 +23,11 @@ pub struct Table {
     pub t3_code: i32,
 }
 
-/// Lays the table of a correction out in `memory`, which has `room` rows. The table goes from +`span_c` down to
-/// -`span_c` in steps of `step_c`, deg C, and has 2 * span / step + 1 rows.
+/// Lays out the table of a correction in `memory`, which has space for `room` rows. The rows go from T3 + `span_c`
+/// down to T3 - `span_c` in steps of `step_c`, deg C. Their number is 2 * span_c / step_c + 1.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type, `memory` to `room` numbers of it.
+/// Each pointer is null or points to memory of its type, and `memory` points to `room` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_table_lay_out(
     table: *mut Table,
@@ -60,15 +60,15 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
     status::of(done)
 }
 
-/// The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC +
+/// Writes the row nearest to the temperature of a 24-bit code, in millionths of a deg/s: corrected rate = rate + PBC +
 /// row.
 ///
-/// Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. It then still writes the first or last
-/// row, which is wrong there by BTC times the distance to it. Returns ZERORATE_E_ARGUMENT without a table.
+/// Returns ZERORATE_E_TABLE_OUTSIDE if the temperature lies more than half a step beyond the table. The function then
+/// still writes the first or the last row, which is wrong by BTC times the distance from that row. Returns
+/// ZERORATE_E_ARGUMENT if the table was not laid out.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still
-/// there.
+/// Each pointer is null or points to memory of its type. The rows of `table` are still in place.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_table_look_up(table: *const Table, temp_code: u32, row_udps: *mut i32) -> Status {
     // SAFETY: by the contract.

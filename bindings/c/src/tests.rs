@@ -1,4 +1,4 @@
-//! Each export with objects of its own memory, for Miri: `cargo xtask proofs miri`.
+//! Calls each exported function under Miri (`cargo xtask proofs miri`). Each object has its own memory block.
 
 use crate::bus::{Bus, SelfTestPin};
 use crate::correction::*;
@@ -17,7 +17,7 @@ use embedded_hal::digital::{InputPin, OutputPin, PinState};
 use embedded_hal::spi::SpiDevice;
 use std::boxed::Box;
 
-/// The state behind the caller's functions.
+/// The twin with its bus and pins. The `context` of the bus points to it.
 struct Rig {
     twin: Twin,
     spi: TwinSpi,
@@ -26,13 +26,13 @@ struct Rig {
     pin: adis16130_twin::SelfTestPin,
 }
 
-/// Memory of its own for an object. Miri detects writes outside of it, and uses after it was freed.
+/// Allocates a separate memory block for an object, so that Miri detects writes outside it and uses after it is freed.
 fn memory<T>() -> Box<T> {
     // SAFETY: the types of the interface are plain numbers and pointers, for which zeros are valid.
     unsafe { Box::<T>::new_zeroed().assume_init() }
 }
 
-/// Calls an exported function. This module keeps the contracts of all of them.
+/// Calls an exported function. The tests keep the contract of each function.
 macro_rules! call {
     ($name:ident($($argument:expr),*)) => {{
         // SAFETY: each pointer is null, or points to memory of its type that nothing else uses.
@@ -63,7 +63,7 @@ unsafe extern "C" fn set(context: *mut c_void, level: i32) -> i32 {
     rig(context).pin.set_state(PinState::from(level != 0)).map_or(-1, |()| 0)
 }
 
-/// A twin behind C's pointer, and a gyroscope that is initialised on it.
+/// Makes a twin, returned as the context of the bus, and a gyroscope that is initialised on this twin.
 fn gyro() -> (*mut c_void, Box<Gyro>) {
     let twin = Twin::new(Spec::parse_keys("seed=3").expect("keys"));
     let (spi, rdy_pin, delay, pin) = (twin.spi(), twin.rdy(), twin.delay(), twin.self_test_pin());
@@ -115,7 +115,7 @@ fn the_self_test_is_measured() {
     end(context);
 }
 
-/// Calibrates a part that warms at rest. With `jump`, its rate jumps.
+/// Calibrates a part that warms at rest. With `jump`, its rate jumps. Returns the status that ends the calibration.
 fn calibrate(procedure: &mut Procedure, jump: bool) -> Status {
     let mut plan = memory::<Plan>();
     call!(zerorate_plan_default(&mut *plan));

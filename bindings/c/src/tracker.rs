@@ -1,4 +1,4 @@
-//! A bias that is learned whenever the part is at rest.
+//! Tracks the bias: learns it whenever the part is at rest.
 
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
@@ -6,8 +6,8 @@ use crate::status::{self, Status, ZERORATE_E_ARGUMENT};
 use zerorate::Axis;
 use zerorate::track::{COVARIANCES, Counts, Filter, Phase, Prior, RestPrior, STATES, Saved, TrackerConfig};
 
-/// A bias that is learned whenever the part rests. The memory is the caller's, the contents are private; begin it with
-/// zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
+/// Tracks the bias: learns it whenever the part is at rest. The caller owns the memory, and the contents are private.
+/// Begin it with zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
 #[repr(C)]
 pub struct Tracker {
     /// Private.
@@ -19,7 +19,7 @@ impl Object for Tracker {
     const MARK: u32 = 0x7A72_7431;
 }
 
-/// The uncertainty of the calibration, as `uncertainty` in its file.
+/// The uncertainties of the calibration, from `uncertainty` in the calibration file, and the noise of the part.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct TrackerPrior {
@@ -27,25 +27,28 @@ pub struct TrackerPrior {
     pub u_pbc_dps: f64,
     /// Standard uncertainty of BTC, deg/s per deg C.
     pub u_btc_dps_per_c: f64,
-    /// Covariance of both.
+    /// Covariance of PBC and BTC, (deg/s)^2 per deg C.
     pub cov_pbc_btc: f64,
-    /// White noise, deg/s per root Hz, one-sided, as `noise` in its file; 0.0125 is typical (F-02).
+    /// One-sided density of the white noise, deg/s per root Hz, from `noise` in the calibration file. 0.0125 is
+    /// typical (F-02).
     pub white_dps_per_rt_hz: f64,
 }
 
-/// The learned bias in plain numbers, to be stored while the power is off.
+/// The learned bias in plain numbers. Store it while the power is off.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct TrackerState {
-    /// Offset, slope and curvature of the bias, and its three flicker states, in deg/s and deg C.
+    /// Offset (deg/s), slope (deg/s per deg C), curvature (deg/s per (deg C)^2) and three flicker states (deg/s) of
+    /// the bias that the correction leaves.
     pub state: [f32; 6],
-    /// Lower triangle of their covariance, row by row.
+    /// Lower triangle of the covariance of `state`, row by row.
     pub covariance: [f32; 21],
-    /// T - T3 when something was learned last, deg C.
+    /// T - T3 at the last mean from which the tracker learned, deg C.
     pub at_c: f32,
-    /// Number of rests and number of rotations among the quiet periods, each plus one.
+    /// Number of rests and number of rotations among the quiet periods, each plus one. Old periods fade out.
     pub odds: [f32; 2],
-    /// Seconds learned from, doubtful seconds, and number of times that a rotation began within a rest.
+    /// Seconds of rest from which the tracker learned, quiet seconds that may be a slow rotation, and number of times
+    /// that a rotation began within a rest.
     pub counts: [u32; 3],
 }
 
@@ -57,9 +60,10 @@ const _: () = assert!(STATES == 6 && COVARIANCES == 21);
 pub struct Tracked {
     /// The bias beyond the correction, deg/s: subtract it from corrected rates.
     pub change_dps: f64,
-    /// Its standard uncertainty, deg/s.
+    /// Standard uncertainty of `change_dps`, deg/s.
     pub u_dps: f64,
-    /// 0 = moving, 1 = quiet, 2 = at rest and learned from, 3 = quiet, but perhaps a slow turn.
+    /// Motion of the part: 0 = it moves, 1 = it is quiet, 2 = it rests, and its bias is learned, 3 = it is quiet, but
+    /// perhaps it rotates slowly.
     pub phase: u8,
 }
 
@@ -77,7 +81,7 @@ fn config(correction: &Correction, prior: &TrackerPrior) -> TrackerConfig {
     config
 }
 
-/// Begins with the calibration, `age_s` seconds after it was made.
+/// Begins from the calibration, which was made `age_s` seconds ago.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -98,8 +102,8 @@ pub unsafe extern "C" fn zerorate_tracker_begin(
     }))
 }
 
-/// Begins with the saved state, `off_s` seconds after the power went off. Returns ZERORATE_E_ARGUMENT for a state that
-/// is not possible.
+/// Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is not
+/// possible, or `off_s` is negative or not finite.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -128,10 +132,10 @@ pub unsafe extern "C" fn zerorate_tracker_resume(
     }))
 }
 
-/// Takes in the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s; NaN where they are missing.
+/// Passes the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s. Pass NaN for a missing mean.
 ///
 /// # Safety
-/// `tracker` is null or points to one.
+/// `tracker` is null or points to a tracker.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_tracker_push(tracker: *mut Tracker, rate_dps: f64, temp_c: f64) -> Status {
     let known = |value: f64| Some(value).filter(|value| !value.is_nan());
@@ -141,7 +145,7 @@ pub unsafe extern "C" fn zerorate_tracker_push(tracker: *mut Tracker, rate_dps: 
     }))
 }
 
-/// The bias at a temperature, deg C.
+/// Writes the bias at the temperature `temp_c`, deg C.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -161,7 +165,7 @@ pub unsafe extern "C" fn zerorate_tracker_bias(tracker: *mut Tracker, temp_c: f6
     }))
 }
 
-/// The state to keep while the power is off.
+/// Writes the state to keep while the power is off.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.

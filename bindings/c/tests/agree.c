@@ -1,7 +1,7 @@
 /*
- * Makes the same computations with the C interface as lab/src/c/expected.rs with the Rust crates, and prints the
- * results. Both must print the same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export
- * --format c` writes for the same correction. */
+ * Makes the same computations with the C interface as lab/src/c/expected.rs does with the Rust crates, and prints the
+ * results. Both programs must print the same, on a host and on a microcontroller. "unit.h" is the header that
+ * `zerorate export --format c` writes for the same correction. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -58,7 +58,7 @@ static zerorate_bus bus_of(void *rig)
     return bus;
 }
 
-/* A bus that fails at one transfer, and works again after it. */
+/* A bus whose transfer number `fails_in` fails, counted from 1. The transfers after it work again. */
 typedef struct {
     void *rig;
     int32_t fails_in;
@@ -74,7 +74,7 @@ static int32_t transfer_or_not(void *context, uint8_t *bytes, size_t length)
     return zerorate_twin_transfer(bus->rig, bytes, length);
 }
 
-/* Sets up and initialises a gyroscope on a twin with these keys. */
+/* Sets up and initialises a gyroscope on a new twin with these keys. Returns the twin, or null. */
 static void *started(const char *keys, uint32_t mclk_hz, zerorate_gyro *gyro)
 {
     void *rig = zerorate_twin_new(keys);
@@ -91,7 +91,7 @@ static void *started(const char *keys, uint32_t mclk_hz, zerorate_gyro *gyro)
     return rig;
 }
 
-/* Reads the next sample; ZERORATE_E_TIMEOUT if no edge comes. */
+/* Reads the next sample. Returns ZERORATE_E_TIMEOUT if no edge comes. */
 static zerorate_status next_sample(void *rig, zerorate_gyro *gyro, zerorate_sample *sample)
 {
     zerorate_status status = ZERORATE_NOTHING;
@@ -162,7 +162,8 @@ static void take(zerorate_corrector *corrector, double rate_dps, double temp_c)
     printf("extrapolated %u\n", (unsigned)corrected.extrapolated);
 }
 
-/* A stream: no temperature yet, the first one, the last one again, an invalid rate, a temperature beyond the span. */
+/* Corrects a stream with these cases: no temperature yet, a temperature, none again, an invalid rate, a temperature
+ * beyond the span. */
 static void stream(void)
 {
     const zerorate_validity valid = {25.0, 33.0, 0.5};
@@ -192,7 +193,8 @@ static void bias(zerorate_tracker *tracker)
     printf("phase %u\n", (unsigned)tracked.phase);
 }
 
-/* Tracks a minute at rest, 0.004 deg/s above the calibration, a motion, a day without power, and an invalid state. */
+/* Tracks a minute at rest, 0.004 deg/s above the calibration, a missing rate and a day without power. Then resumes an
+ * invalid state. */
 static void track(void)
 {
     const zerorate_tracker_prior prior = {0.003, 0.003, 0.0, 0.0125};
@@ -215,7 +217,7 @@ static void track(void)
     print_status("unsound", zerorate_tracker_resume(&tracker, &CORRECTION, &prior, &state, 0.0));
 }
 
-/* Codes that must not count as readings: before the first conversion, wrapped codes, and bytes after a failed
+/* Codes that must not count as readings: codes before the first conversion, wrapped codes, and bytes after a failed
  * transfer. */
 static void no_numbers(void)
 {
@@ -329,7 +331,7 @@ static void samples(const char *keys)
     zerorate_twin_free(rig);
 }
 
-/* The self-test pin of a twin. It can refuse one call, and set a fault of the twin when it goes high. */
+/* The self-test pin of a twin. It fails at call number `refused_call`, and sets `fault` when it goes high. */
 typedef struct {
     void *rig;
     int32_t refused_call;
@@ -358,7 +360,8 @@ static int32_t broken_rdy(void *context)
     return -1;
 }
 
-/* A self-test that must fail. Prints how often the pin was set, its level, and a result that must be unchanged. */
+/* Runs a self-test that must fail. Prints the number of calls and the level of the pin, and `n` of the result, which
+ * must still be 7. */
 static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
 {
     const zerorate_self_test_pin set = {&pin, set_test_pin};
@@ -370,7 +373,7 @@ static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
     zerorate_twin_set_fault(pin.rig, 0);
 }
 
-/* A self-test on a bus without some of its functions. */
+/* Runs a self-test on a bus in which a function is missing or fails. */
 static void lacking_test(const char *what, zerorate_bus bus)
 {
     const test_pin pin = {bus.context, 0, 0, 0, 0};

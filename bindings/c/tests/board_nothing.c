@@ -1,4 +1,4 @@
-/* A board that does nothing, so that an example links for a core that no emulator runs here. */
+/* A board whose functions do nothing. The examples link with it for cores that the tests do not emulate. */
 #include "board.h"
 
 int32_t board_spi_transfer(void *context, uint8_t *bytes, size_t length)

@@ -1,6 +1,6 @@
 /*
- * The board of the examples, on the twin. It ends after 1000 plausible rates. After 500 the supply dips, so that no
- * more edges come. That must be reported once, and the rates must go on. */
+ * The board of the examples, on the twin. It ends the program after 1000 plausible rates. After 500 rates the supply
+ * dips, so that no more edges come. The example must report the dip once, and the rates must go on. */
 #include "board.h"
 #include "twin.h"
 
@@ -14,7 +14,7 @@ static int in_interrupt;
 static int used;
 static int reports;
 
-/* Largest number of sleeps, rates and reports together. It ends an example that does nothing. */
+/* Largest number of sleeps, rates and reports together. This limit ends an example that makes no progress. */
 #define STEPS 5000
 static int steps;
 
@@ -76,7 +76,7 @@ void board_sleep(void)
 
 void board_use(uint32_t corrected_code, uint32_t lost)
 {
-    /* a default unit at rest reads within 10 deg/s of zero */
+    /* the rate of this unit at rest is within 10 deg/s (234880 codes) of zero */
     if ((lost != 0 && used != 500) || abs((int32_t)corrected_code - (1 << 23)) > 234880) {
         printf("corrected code %lu, %lu lost\n", (unsigned long)corrected_code, (unsigned long)lost);
         exit(2);

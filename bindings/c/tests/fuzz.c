@@ -1,7 +1,7 @@
 /*
  * Calls every function of the header in random order, with null pointers, objects that were not set up, numbers of any
- * size and a bus that fails or returns wrong bytes, as far as the contract allows. Sanitizers detect errors. Each
- * object is in its own memory block, so that they detect accesses beside it.
+ * size, and a bus that fails or returns wrong bytes, as far as the contract allows. Sanitizers detect errors. Each
+ * object has its own memory block, so that the sanitizers detect accesses outside it.
  *
  *     fuzz SEED CALLS
  */
@@ -15,7 +15,7 @@
 
 static uint64_t state;
 
-/* xorshift64* */
+/* The random number generator xorshift64*. */
 static uint64_t next(void)
 {
     state ^= state >> 12;
@@ -29,7 +29,7 @@ static uint32_t below(uint32_t bound)
     return (uint32_t)((next() >> 32) % bound);
 }
 
-/* Random bits, an end of the range, or a small number. */
+/* Returns random bits, a limit of an integer type or of the codes, or a small number. */
 static uint64_t integer(void)
 {
     static const uint64_t ends[] = {0, 1, 2, 0x7FFF, 0x8000, 0xFFFF, 0x7FFFFF, 0x800000, 0xFFFFFF, 0x7FFFFFFF,
@@ -63,7 +63,7 @@ static float single(void)
     return (float)number();
 }
 
-/* Picks one of a few blocks of this size, so that calls share objects; null now and then. */
+/* Returns one of three blocks of this size, so that calls share objects. Returns null in one call of twelve. */
 static void *block(void **blocks, size_t size)
 {
     void **chosen = &blocks[below(3)];
@@ -108,7 +108,7 @@ BLOCK(zerorate_tracker_prior)
 BLOCK(zerorate_tracker_state)
 BLOCK(zerorate_tracked)
 
-/* ---- the bus of the twin, which may fail or lie ---- */
+/* ---- the bus of the twin, which sometimes fails or returns wrong bytes ---- */
 
 static void *rig;
 
@@ -197,7 +197,7 @@ static struct zerorate_tracker_state *saved(void)
     return one;
 }
 
-/* A short plan. In one of four, one setting is a random number. */
+/* Returns a short plan. In one plan of four, one of the numbers and assume_linear are random. */
 static struct zerorate_plan *plan(void)
 {
     struct zerorate_plan *one = A(zerorate_plan);
@@ -271,7 +271,7 @@ static zerorate_status self_test(void)
     return zerorate_gyro_self_test(A(zerorate_gyro), below(20) ? &pin : NULL, one, A(zerorate_self_test));
 }
 
-/* The time of a clock that never goes back, as the procedure requires. */
+/* Returns the time of a clock that never goes back, as the procedure requires. */
 static uint64_t later_ns(void)
 {
     static uint64_t now_ns;
@@ -280,7 +280,7 @@ static uint64_t later_ns(void)
     return now_ns;
 }
 
-/* Hands in a run of samples that get warmer. Each may be the last of a step. */
+/* Passes up to 400 samples with a rising temperature to the procedure. Each may be the last of a step. */
 static zerorate_status feed(void)
 {
     struct zerorate_procedure *procedure = A(zerorate_procedure);
@@ -374,7 +374,7 @@ static zerorate_status fault(void)
     return ZERORATE_OK;
 }
 
-/* The status of a function that returns none: ZERORATE_OK if its result can be used. */
+/* Makes a status for a function that returns none: ZERORATE_OK if its result can be used. */
 static zerorate_status well(int is_used)
 {
     return is_used ? ZERORATE_OK : ZERORATE_E_STATE;

@@ -1,4 +1,4 @@
-/* The twin, like Rust's own precompiled libraries for a host, refers to a function for unwinding. Nothing unwinds. */
+/* The twin and Rust's precompiled libraries for a host refer to this function for unwinding. Nothing calls it. */
 #include <stdlib.h>
 
 void rust_eh_personality(void);

@@ -1,4 +1,4 @@
-/* Start of the test image on the mps2-an386: vectors, floating point unit, then newlib. */
+/* Start-up code of the test image for the board mps2-an386: the vectors, the floating-point unit, then newlib. */
 #include <stdint.h>
 
 extern uint32_t stack_top[];
@@ -18,7 +18,7 @@ void reset_handler(void)
     }
 }
 
-/* A semihosting exit with an error, so that a fault ends the emulator. */
+/* Ends the emulator with an error, by semihosting. */
 void fault_handler(void)
 {
     register uint32_t number __asm("r0") = 0x18;

@@ -1,5 +1,5 @@
-//! The twin as the functions that `zerorate_bus` and `zerorate_self_test_pin` point to. For tests only: pointers are
-//! trusted.
+//! C functions of the twin, to which `zerorate_bus` and `zerorate_self_test_pin` can point. They do not check
+//! pointers, since they are for tests only.
 
 #![no_std]
 
@@ -23,7 +23,7 @@ pub struct Rig {
     self_test: SelfTestPin,
 }
 
-/// Makes a twin by keys such as `seed=7,warmup_s=30`; null if they are invalid.
+/// Makes a twin from keys such as `seed=7,warmup_s=30`. Returns null if the keys are invalid.
 ///
 /// # Safety
 /// `keys` is a C string.
@@ -49,7 +49,7 @@ pub unsafe extern "C" fn zerorate_twin_free(rig: *mut Rig) {
     drop(unsafe { Box::from_raw(rig) });
 }
 
-/// Transfers one frame of CS.
+/// Exchanges `length` bytes in one frame of CS. Returns 0.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`]; `bytes` points to `length` bytes.
@@ -60,7 +60,7 @@ pub unsafe extern "C" fn zerorate_twin_transfer(rig: *mut Rig, bytes: *mut u8, l
     rig.spi.transfer_in_place(bytes).map_or(-1, |()| 0)
 }
 
-/// The level of RDY.
+/// Returns the level of RDY: 1 = high, 0 = low.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn zerorate_twin_rdy(rig: *mut Rig) -> i32 {
     unsafe { &mut *rig }.rdy.is_high().map_or(-1, i32::from)
 }
 
-/// Lets simulated time pass.
+/// Lets `us` microseconds of simulated time pass.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn zerorate_twin_delay_us(rig: *mut Rig, us: u32) {
     unsafe { &mut *rig }.delay.delay_us(us);
 }
 
-/// Drives the self-test pins.
+/// Drives the self-test pins: high if `level` is not 0. Returns 0.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
@@ -90,7 +90,7 @@ pub unsafe extern "C" fn zerorate_twin_self_test(rig: *mut Rig, level: i32) -> i
     unsafe { &mut *rig }.self_test.set_state(PinState::from(level != 0)).map_or(-1, |()| 0)
 }
 
-/// Simulated time since the start, ns.
+/// Returns the simulated time since the start, ns.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.
@@ -100,10 +100,11 @@ pub unsafe extern "C" fn zerorate_twin_now_ns(rig: *mut Rig) -> u64 {
     unsafe { &*rig }.twin.now_ns()
 }
 
-/// The next falling edge of RDY: returns 1, with its time and number, or 0 if none comes within a tenth of a second.
+/// Waits for the next falling edge of RDY. Returns 1, and writes its time, ns, and its number. Returns 0 if no edge
+/// comes within a tenth of a second.
 ///
 /// # Safety
-/// `rig` came from [`zerorate_twin_new`]; the others can be written to.
+/// `rig` came from [`zerorate_twin_new`]. `t_ns` and `seq` can be written to.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_next_edge(rig: *mut Rig, t_ns: *mut u64, seq: *mut u32) -> i32 {
     // SAFETY: by the contract.
@@ -133,7 +134,7 @@ pub unsafe extern "C" fn zerorate_twin_set_fault(rig: *mut Rig, fault: i32) {
     unsafe { &*rig }.twin.set_fault(fault);
 }
 
-/// The allocator of C.
+/// The allocator of the C library.
 struct Malloc;
 
 #[global_allocator]
