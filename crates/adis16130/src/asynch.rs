@@ -31,7 +31,7 @@
 //! ```
 //!
 //! A future may be dropped at any time, by a `select` or a timeout. If it is dropped in the middle of a command, the
-//! next calls return `Interrupted` until `reset` or `restart` succeeds.
+//! next calls return [`BusError::Interrupted`](crate::BusError::Interrupted) until `reset` or `restart` succeeds.
 
 use core::future::{Future, poll_fn};
 use core::pin::pin;
@@ -53,8 +53,8 @@ pub use driver::Adis16130;
 mod driver;
 
 impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Waits until RDY shows unread data (F-32). If the time of `bound` ends first, as measured by `delay`, the result
-    /// is [`WaitError::TimedOut`].
+    /// Waits until RDY shows unread data (F-32). Returns [`WaitError::TimedOut`] if the time of `bound`, measured by
+    /// `delay`, ends first.
     pub async fn wait_ready(
         &mut self,
         delay: &mut impl DelayNs,

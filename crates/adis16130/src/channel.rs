@@ -35,7 +35,7 @@ impl Channel {
 }
 
 /// The channels that are known to have converted since MODE was written. In the data register of any other channel,
-/// the code that it has after a reset is not a reading.
+/// the code that the register has after a reset is not a reading.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ConvertedChannels(u8);
 

@@ -3,13 +3,13 @@
 /// The 16-bit shift register over every written bit: the value of the CHECKSUM register (F-34, not verified on
 /// silicon).
 ///
-/// It sees the COM byte of every command and the data bytes of writes. The zeros clocked out during a read are not
-/// written bits. The bits enter most significant first, each as follows: `fb = s >> 15`, `s <<= 1`,
-/// `if fb { s ^= 2Dh }`, `s ^= bit`.
+/// It covers the COM byte of every command and the data bytes of writes. The zeros clocked out during a read are not
+/// written bits. The bits enter most significant first. Each bit changes the register s as follows: `fb = s >> 15`,
+/// `s <<= 1`, `if fb { s ^= 2Dh }`, `s ^= bit`.
 ///
 /// ```
 /// use adis16130::registers::Checksum;
-/// // The first read after reset: the register has seen its own COM byte, read of 05h.
+/// // The first read of CHECKSUM after a reset: the register covers the COM byte of this read of 05h.
 /// assert_eq!(Checksum::RESET_VALUE.fed(&[0x45]).bits(), 0xE45E);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -18,7 +18,7 @@
 pub struct Checksum(u16);
 
 impl Checksum {
-    /// FFFFh, its state after a reset (F-34).
+    /// FFFFh, the value after a reset (F-34).
     pub const RESET_VALUE: Self = Self(0xFFFF);
 
     /// Makes the value of the CHECKSUM register from its 16 bits.
@@ -36,8 +36,8 @@ impl Checksum {
         bytes.iter().fold(self, |state, &byte| state.fed_byte(byte))
     }
 
-    /// Feeds eight bits at once. The degree of the polynomial 2Dh is so low that no bit shifted out feeds back twice
-    /// within a byte.
+    /// Takes in eight bits at once. This is possible because the degree of the polynomial 2Dh is low: no bit that the
+    /// feedback changes is shifted out within the same byte.
     const fn fed_byte(self, byte: u8) -> Self {
         let out = self.0 >> 8;
         Self(((self.0 << 8) | byte as u16) ^ out ^ (out << 2) ^ (out << 3) ^ (out << 5))
@@ -50,14 +50,14 @@ impl Checksum {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WriteCheck {
-    /// The value that CHECKSUM must have if the part has seen every bit.
+    /// The value that CHECKSUM must have if the part has received every bit.
     pub expected: Checksum,
-    /// The value that CHECKSUM has.
+    /// The value that was read from CHECKSUM.
     pub got: Checksum,
 }
 
 impl WriteCheck {
-    /// Whether CHECKSUM has the expected value, so that the part has seen every bit.
+    /// Whether CHECKSUM has the expected value, which means that the part has received every bit.
     pub fn agrees(&self) -> bool {
         self.expected == self.got
     }

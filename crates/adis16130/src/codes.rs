@@ -41,7 +41,7 @@ impl Width {
     }
 }
 
-/// The 16-bit code of a 24-bit code: divided by 256, rounded to nearest, ties away from 2¹⁵, limited to 65 535 (F-43).
+/// Converts a 24-bit code to 16 bits: divided by 256, rounded to nearest, ties away from 2¹⁵, at most 65 535 (F-43).
 ///
 /// ```
 /// assert_eq!(adis16130::round_to_16_bits(14_260_608), 55_706); // +250 °/s
@@ -49,13 +49,14 @@ impl Width {
 /// ```
 pub const fn round_to_16_bits(code24: u32) -> u16 {
     let code24 = code24 & Width::Bits24.max_code();
-    // A tie lies at +128: above zero it goes up, below zero it goes down, that is away from 2¹⁵ both times.
+    // A tie is 128 codes above a multiple of 256. It is rounded up above the zero code, and down below the zero code.
     let half = if code24 >= ZERO_CODE { 128 } else { 127 };
     let code = (code24 + half) >> 8;
     if code > u16::MAX as u32 { u16::MAX } else { code as u16 }
 }
 
-/// An angular rate as the part delivers it: offset binary, positive with the rotation of the data sheet's arrow.
+/// An angular rate as the part delivers it, in offset binary. It is positive for a rotation along the data sheet's
+/// arrow.
 ///
 /// rate \[°/s\] = (code24 − 2²³) / 23 488 (F-40).
 ///
@@ -108,7 +109,7 @@ impl RateCode {
     }
 }
 
-/// A temperature of the sensor as the part delivers it: offset binary.
+/// A temperature of the sensor as the part delivers it, in offset binary.
 ///
 /// temperature \[°C\] = (code24 − 2²³) / 14 093 + 25 (F-41).
 ///
@@ -180,7 +181,7 @@ impl Code {
         self.code << self.width.dropped_bits()
     }
 
-    /// The code less the zero code on the 24-bit scale: code24 − 2²³.
+    /// The difference from the zero code on the 24-bit scale: code24 − 2²³.
     const fn signed(self) -> i32 {
         self.code24() as i32 - ZERO_CODE as i32
     }

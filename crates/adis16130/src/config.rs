@@ -202,8 +202,8 @@ impl Config {
 
     /// The commands that configure the part, in the order of F-30.
     ///
-    /// A disabled channel is written as disabled, since the part may have been configured otherwise before. Its
-    /// conversion time is left alone. So F-30's twelve bytes become ten.
+    /// The setup of a disabled channel is written too, since the part may have been configured otherwise before. Its
+    /// conversion time is not written. So with one channel the twelve bytes of F-30 become ten.
     pub fn writes(&self) -> impl Iterator<Item = Write> + use<> {
         let values = [
             (true, Iop::ADDRESS, self.iop.bits()),
@@ -235,8 +235,8 @@ impl Write {
     }
 }
 
-/// A [`Config`] as it is stored: the arguments of the builders, so that it holds only what these can set. A
-/// missing field has its value of F-30.
+/// A [`Config`] as it is stored: the arguments of its builders. So it can hold only values that the builders can set.
+/// A missing field has its value of F-30.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -6,7 +6,7 @@ use crate::ZERO_CODE;
 use crate::codes::{RateCode, Width};
 use crate::registers::{Address, ChannelStatus, Mode, RateStatus, Register, TempStatus};
 
-/// A register that does not read the value that it must have.
+/// A register whose value differs from the value that it must have.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -36,7 +36,8 @@ pub enum Fault {
     StuckLow(Mismatch),
     /// MODE reads 00h: the part has been reset, for example by a brown-out.
     ConfigurationLost(Mismatch),
-    /// The line works, but the register contradicts the value written or its own address: bit errors, or another part.
+    /// The line works, but the register does not have the written value, or a status names another channel. The line
+    /// has bit errors, or the part is another one.
     Unexpected(Mismatch),
 }
 
@@ -110,8 +111,8 @@ impl Display for Fault {
 
 impl core::error::Error for Fault {}
 
-/// Whether the answer of a one-byte register must be checked: a dead line would give it too, or it names the wrong
-/// channel.
+/// Whether the answer of a one-byte register must be checked, because a dead line would give the same answer, or
+/// because the answer names the wrong channel.
 pub(crate) fn is_doubtful(register: Address, answer: u8) -> bool {
     answer == 0 || answer == 0xFF || meaning_on_healthy_link(register, answer).is_some()
 }

@@ -1,8 +1,6 @@
-//! The one source of both drivers. In `asynch`, `bisync` leaves the code as it is. In `blocking`, it removes `async`
-//! and `.await`.
-//!
-//! Two modules include this file: `blocking.rs` and `asynch.rs`. Each brings its own `SpiDevice`, `DelayNs` and
-//! `RdyPin`.
+//! The common source of both drivers. Two modules include this file: `blocking.rs` and `asynch.rs`. Each brings its
+//! own `SpiDevice`, `DelayNs`, `RdyPin` and `bisync`. In `asynch`, `bisync` leaves the code as it is. In `blocking`,
+//! it removes `async` and `.await`.
 
 use super::{DelayNs, RdyPin, SpiDevice, bisync};
 
@@ -51,7 +49,7 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
         Self { spi, rdy, config, written: WriteLog::NOTHING, seen: ConvertedChannels::NOTHING, in_flight: None }
     }
 
-    /// Gives bus and pin back. The part goes on converting.
+    /// Returns the bus and the pin. The part goes on converting.
     pub fn release(self) -> (SPI, RDY) {
         (self.spi, self.rdy)
     }
@@ -92,16 +90,16 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// [`reset`](Self::reset), then [`init_verified`](Self::init_verified): call it at the start, after an error, and
-    /// after an async call was dropped. Then call [`Sampler::restarted`] of a sampler in use. The next reading comes
-    /// from a new conversion.
+    /// Does a [`reset`](Self::reset), then [`init_verified`](Self::init_verified). Call it at the start, after an
+    /// error, and after an async call was dropped. Then call [`Sampler::restarted`] of a sampler in use. The next
+    /// reading comes from a new conversion.
     pub async fn restart(&mut self) -> Result<(), InitError<SPI::Error>> {
         self.reset().await?;
         self.init_verified().await
     }
 
-    /// Writes the configuration: with the default one, the twelve bytes of F-30. Does not reset the part and
-    /// does not read back.
+    /// Writes the configuration. With the default configuration these are the twelve bytes of F-30. Does not reset the
+    /// part and does not read back.
     pub async fn init(&mut self) -> Result<(), InitError<SPI::Error>> {
         for write in self.config.writes() {
             self.send(write).await?;
@@ -109,14 +107,14 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// [`init`](Self::init), then [`verify`](Self::verify).
+    /// Does an [`init`](Self::init), then [`verify`](Self::verify).
     pub async fn init_verified(&mut self) -> Result<(), InitError<SPI::Error>> {
         self.init().await?;
         Ok(self.verify().await?)
     }
 
-    /// [`init`](Self::init) between two reads of CHECKSUM, which tell whether the part has seen every bit of it.
-    /// A disagreement is not an error: the register is not verified on this part (F-34).
+    /// Does an [`init`](Self::init) between two reads of CHECKSUM, which show whether the part has received every
+    /// written bit. A disagreement is not an error, because the register is not verified on this part (F-34).
     pub async fn init_checksummed(&mut self) -> Result<WriteCheck, InitError<SPI::Error>> {
         let before = self.read_register::<Checksum>().await?;
         self.init().await?;
@@ -126,7 +124,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(WriteCheck { expected, got })
     }
 
-    /// Reads back every configuration register written since the reset, and returns those that differ.
+    /// Reads back every configuration register written since the reset. Returns an error with the registers that
+    /// differ, if there are any.
     pub async fn verify(&mut self) -> Result<(), VerifyError<SPI::Error>> {
         if !self.written.is_complete() {
             return Err(VerifyError::NotInitialised);
@@ -188,7 +187,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         rate.ok_or_else(|| self.no_reading(Channel::Rate))
     }
 
-    /// Reads the temperature; see [`read_rate`](Self::read_rate).
+    /// Reads the temperature, with the same checks as [`read_rate`](Self::read_rate).
     pub async fn read_temp(&mut self) -> Result<TempCode, ReadError<SPI::Error>> {
         let temp = self.reading::<TempData>(Channel::Temp).await?;
         temp.ok_or_else(|| self.no_reading(Channel::Temp))
@@ -201,8 +200,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok((rate, temp))
     }
 
-    /// Reads the rate and the status that belongs to it, and reports a rate out of range as [`ReadError::OutOfRange`]
-    /// also where CLAMP = 0 has wrapped its code (F-35). It is for loops that do not follow RDY;
+    /// Reads the rate and the status that belongs to it. Reports a rate out of range as [`ReadError::OutOfRange`],
+    /// also if its code has wrapped, as with CLAMP = 0 (F-35). This method is for loops that do not follow RDY.
     /// [`sample`](Self::sample) handles every edge of RDY.
     ///
     /// If a conversion ends between the two reads, both are read once more. A conversion may end between them again,
@@ -298,7 +297,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(Some(Sample { t_ns: edge.t_ns, seq: edge.seq, rate, status, temp, lost }))
     }
 
-    /// Handles a status without unread data: the edge is stale, unless a fault makes it look so.
+    /// Checks a status without unread data: returns an error if a fault is the reason. Otherwise the edge is stale.
     #[cold]
     async fn require_stale(&mut self, status: ChannelStatus) -> Result<(), SampleError<SPI::Error>> {
         if is_doubtful(RateStatus::ADDRESS, status.bits()) {
@@ -334,7 +333,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         self.diagnose().await?.map_or(Ok(()), |fault| Err(fault.into()))
     }
 
-    /// Reads the data register of `channel`. `None` if it has not converted since MODE was written.
+    /// Reads the data register of `channel`. Returns `None` if the channel has not converted since MODE was written.
     #[inline]
     async fn reading<D: Readable>(&mut self, channel: Channel) -> Result<Option<D::Value>, SampleError<SPI::Error>> {
         if !self.seen.has(channel) {

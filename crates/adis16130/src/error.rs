@@ -12,8 +12,8 @@ use crate::registers::{Address, ChannelStatus, Mode, Operation};
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BusError<E> {
-    /// The bus refused a transfer. The part may be in the middle of the command, which CS alone does not end (F-22),
-    /// so every call after this one is [`Interrupted`](Self::Interrupted).
+    /// The bus returned an error for a transfer. The part may be in the middle of the command, which CS alone does not
+    /// end (F-22). So every later call returns [`Interrupted`](Self::Interrupted).
     Transfer {
         /// The register that was addressed.
         register: Address,
@@ -181,15 +181,15 @@ pub struct OutOfRange {
     pub status: Option<ChannelStatus>,
 }
 
-/// A data register that holds its reset value, if no conversion of its channel is known to have ended since MODE was
-/// written.
+/// The evidence that there is no reading yet: a data register holds its reset value, and no conversion of its channel
+/// is known to have ended since MODE was written.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NoReading {
     /// The data register.
     pub register: Address,
-    /// MODE as it was written, and as the part has it.
+    /// The value of MODE, which reads back as it was written.
     pub mode: Mode,
 }
 

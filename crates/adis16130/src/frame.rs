@@ -1,4 +1,4 @@
-//! Commands as bytes on the wire, without a bus.
+//! Converts commands to the bytes on the wire, without a bus.
 
 use crate::codes::Width;
 use crate::registers::{Address, Readable, Writable};
@@ -6,7 +6,7 @@ use crate::registers::{Address, Readable, Writable};
 /// The software reset: one CS-low frame with 32 ones in a row, in either framing (F-23).
 pub const RESET_FRAME: [u8; 5] = [0x00, 0xFF, 0xFF, 0xFF, 0xFF];
 
-/// The framing of the bytes of a command by CS. The part accepts both ways; AN-1042 prescribes the default (F-22).
+/// The framing of the bytes of a command by CS. The part accepts both ways. AN-1042 prescribes the default (F-22).
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -14,7 +14,8 @@ pub enum Framing {
     /// CS rises between all 8-bit words, as AN-1042 prescribes: each byte is its own `SpiDevice` transaction.
     #[default]
     PerByte,
-    /// CS stays low for the whole command, as Linux does: one full-duplex transfer per command. Faster on every host.
+    /// CS stays low for the whole command, as with the Linux driver: one full-duplex transfer per command. It is
+    /// faster on every host.
     Command,
 }
 
@@ -38,7 +39,7 @@ pub const fn com_write(address: Address) -> u8 {
 /// assert_eq!(Frame::write::<RateConv>(ConversionTime::new(5)).bytes(), [0x30, 0x05]);
 /// let mut read = Frame::read::<RateData>(Width::Bits24);
 /// assert_eq!(read.bytes(), [0x48, 0, 0, 0]);
-/// read.bytes_mut().copy_from_slice(&[0xFF, 0x80, 0x00, 0x01]); // what the bus makes of it
+/// read.bytes_mut().copy_from_slice(&[0xFF, 0x80, 0x00, 0x01]); // the bus replaces the bytes
 /// assert_eq!(read.answer(), 0x80_0001);
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

@@ -49,7 +49,7 @@ pub const ZERO_CODE: u32 = 1 << 23;
 /// The temperature at [`ZERO_CODE`], in °C (F-41).
 pub const TEMP_AT_ZERO_CODE_C: i32 = 25;
 
-/// Nominal master clock in Hz (F-31). A part may be 2 % off: measure the rate, never assume it.
+/// Nominal master clock in Hz (F-31). The clock of a part may be 2 % off, so measure the rate.
 pub const MCLK_HZ: u32 = 6_000_000;
 
 /// MCLK cycles for which RDY is high before it falls on an update (F-32).

@@ -1,6 +1,6 @@
-//! Division of 64 bits, small rather than fast. The compiler's own division takes a kilobyte of a microcontroller's
-//! flash, a quarter of the whole driver. The driver divides rarely: for a learned period, for a long gap, and for a
-//! sample if a divider is set.
+//! A 64-bit division that is small rather than fast. The compiler's own division takes a kilobyte of a
+//! microcontroller's flash, a quarter of the whole driver. The driver divides rarely: for a learned period, for a long
+//! gap, and for a sample if a divider is set.
 
 /// Returns ⌊dividend / divisor⌋, or 0 if the divisor is 0, which no caller passes. Takes two rounds for each bit of
 /// the quotient.

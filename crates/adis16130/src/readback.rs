@@ -12,7 +12,8 @@ const CONFIGURED: [Address; 6] =
 /// The values written with success to the configuration registers since the reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct WriteLog {
-    /// The values in the order of [`CONFIGURED`]. MODE resets to 0; the others mean nothing until written.
+    /// The values in the order of [`CONFIGURED`]. The value of MODE is 0 until it is written. The other values have no
+    /// meaning before.
     values: [u8; CONFIGURED.len()],
     /// Bit n is set when register n of [`CONFIGURED`] (from 0) has been written.
     known: u8,
@@ -21,8 +22,8 @@ pub(crate) struct WriteLog {
 impl WriteLog {
     pub(crate) const NOTHING: Self = Self { values: [Mode::RESET.bits(); CONFIGURED.len()], known: 0 };
 
-    /// Records a successful write. Returns whether it restarts the conversions, as a write of MODE does. Registers
-    /// that configure nothing (CHECKSUM) are not kept.
+    /// Records a successful write. Returns whether the write restarts the conversions, as a write of MODE does.
+    /// Registers outside [`CONFIGURED`] (CHECKSUM) are not recorded.
     pub(crate) fn record(&mut self, register: Address, value: u32) -> bool {
         for (place, (address, slot)) in CONFIGURED.iter().zip(&mut self.values).enumerate() {
             if *address == register {
@@ -44,7 +45,7 @@ impl WriteLog {
         self.known >> (CONFIGURED.len() - 1) != 0
     }
 
-    /// Register and value of each write.
+    /// The written registers, with their values.
     pub(crate) fn iter(self) -> impl Iterator<Item = (Address, u8)> {
         let written = CONFIGURED.into_iter().zip(self.values).enumerate();
         written.filter(move |(place, _)| self.known >> place & 1 != 0).map(|(_, entry)| entry)

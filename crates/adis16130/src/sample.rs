@@ -14,7 +14,7 @@ pub struct Edge {
     pub seq: u32,
 }
 
-/// A reading of the rate, and of the temperature if that was due.
+/// A reading of the rate, and of the temperature if it was due.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

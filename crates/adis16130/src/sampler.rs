@@ -86,7 +86,7 @@ pub struct Due {
     is_rate: bool,
 }
 
-/// Number of samples whose status is read after a doubtful edge. It gives a late host time to catch up.
+/// Number of samples whose status is read after a doubtful edge. Within this number, a late host can catch up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
 /// Number of periods without an edge, or of intervals between divided edges, after which the part counts as silent. It
@@ -101,16 +101,16 @@ const MAX_AHEAD: i32 = 3;
 /// edge of the second sample the temperature was unread (F-32), and it has not been read since.
 const RATES_ONLY: u8 = 2;
 
-/// After this many readings in a row that fail, or find nothing new, a pause follows each further one.
+/// Number of readings in a row that may fail or find nothing new. A pause follows each further one.
 const PATIENT_READINGS: u8 = 16;
 
-/// The longest pause is 2¹⁰ edges. While nothing is read, these take a tenth of a second with F-30.
+/// Binary logarithm of the longest pause in edges. 2¹⁰ edges take a tenth of a second with F-30 while nothing is read.
 const LONGEST_PAUSE_LOG2: u8 = 10;
 
-/// Facts about the previous sample.
+/// The previous sample.
 #[derive(Copy, Clone, Debug)]
 struct LastSample {
-    /// Time, in ns, and number of the sample's edge.
+    /// Time, in ns modulo 2³², and number of the sample's edge.
     t_ns: u32,
     seq: u32,
     /// Whether no sample was taken before this one.
@@ -244,8 +244,8 @@ struct Rules {
     reads_rate: bool,
     /// Whether edges keep to one kind of update, rate or temperature, so that the sampler can find out the kind.
     steady: bool,
-    /// An edge that comes sooner than this after the edge that was read cannot be new. Times are compared modulo
-    /// 2³² ns. A wrong match only costs a read of the status.
+    /// An edge that comes sooner than this after the edge of the previous sample cannot announce new data. Times are
+    /// compared modulo 2³² ns, so a late edge may look early. That costs only reads of the status.
     early_ns: u32,
     /// Number of conversions from one reading that is due to the next.
     conversions: u32,
@@ -361,7 +361,7 @@ impl Sampler {
         self.rules.reads_rate.then_some(due)
     }
 
-    /// Notes that the due reading has been taken. Returns the number of rate samples lost since the reading before.
+    /// Notes that the due reading has been taken. Returns the number of rate samples lost since the previous reading.
     #[inline]
     pub fn taken(&mut self, due: &Due) -> u32 {
         self.suspicious = self.suspicious.saturating_sub(1);

@@ -1,4 +1,4 @@
-//! The self-test: the shift of the rate by its pins (F-11).
+//! The self-test: measures by how much the self-test pins shift the rate (F-11).
 
 use core::num::NonZeroU16;
 
@@ -68,9 +68,9 @@ impl SelfTestPlan {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SelfTest {
-    /// Mean rate with the self-test less mean rate without, in °/s.
+    /// Mean rate with the self-test less mean rate without the self-test, in °/s.
     pub shift_dps: f32,
-    /// Standard uncertainty of `shift_dps` from the scatter, in °/s.
+    /// Standard uncertainty of `shift_dps` from the scatter of the rates, in °/s.
     pub u_dps: f32,
     /// Number of rates averaged without the self-test. The same number is averaged with it.
     pub n: u32,
@@ -148,7 +148,7 @@ impl<'a, P: OutputPin> Active<'a, P> {
 impl<P: OutputPin> Drop for Active<'_, P> {
     fn drop(&mut self) {
         if let Some(pin) = self.0.take() {
-            // An error here cannot be handled: the caller that drops this already returns one.
+            // An error here cannot be handled. The call that drops this guard already returns an error.
             let _ = pin.set_low();
         }
     }

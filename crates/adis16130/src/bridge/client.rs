@@ -16,17 +16,18 @@ pub const SILENT: &str =
 /// The message about a connection that has ended. It follows the name of the bridge.
 pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
 
-/// Sends requests and reads the answers. The caller moves the bytes, and passes the time since any fixed moment.
+/// Makes requests and reads the answers. The caller moves the bytes, and passes the time since any fixed moment.
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     decoder: Decoder,
     /// The tag of the last request.
     tag: u8,
-    /// Number of damaged frames. The first after opening a port is often cut, so the owner may reset the number.
+    /// Number of damaged frames. The first frame after a port is opened is often cut, so the owner may reset the
+    /// number.
     pub damaged: u64,
 }
 
-/// A request to a bridge. It is sent up to three times, until it is answered.
+/// A request to a bridge. The client sends it up to three times, until it is answered.
 #[derive(Copy, Clone, Debug)]
 pub struct Pending<'a> {
     command: Command<'a>,
@@ -76,15 +77,16 @@ pub struct Frame {
 }
 
 impl<'a> Pending<'a> {
-    /// Makes a request that is not sent yet.
+    /// Makes a request that has not been sent yet.
     pub const fn new(command: Command<'a>) -> Self {
         Self { command, attempts: ATTEMPTS, deadline: None }
     }
 }
 
 impl Client {
-    /// Looks for the answer in the received bytes, and returns the next step. `take` converts the answer, or returns
-    /// `None` to ignore an answer to another command. Samples before the answer are dropped.
+    /// Looks for the answer in the received bytes, and returns the next step. `now` is the time since a fixed moment.
+    /// `take` converts the answer, or returns `None` to ignore an answer to another command. Samples before the answer
+    /// are dropped.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,
@@ -140,7 +142,7 @@ impl Client {
         })
     }
 
-    /// The message that ends with this byte.
+    /// Returns the message that ends with this byte. Counts damaged frames.
     fn message(&mut self, byte: u8) -> Option<Message<'_>> {
         let message = self.decoder.push(byte)?;
         self.damaged = self.damaged.wrapping_add(u64::from(message.is_err()));

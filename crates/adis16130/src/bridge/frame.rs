@@ -1,4 +1,4 @@
-//! Messages as bytes: postcard, CRC-32, COBS, and a zero at the end of each.
+//! Encodes and decodes messages as frames: postcard with a CRC-32, then COBS, and a zero at the end.
 
 use core::fmt::{Display, Formatter, Result as Printed};
 use crc::{CRC_32_ISO_HDLC, Crc};

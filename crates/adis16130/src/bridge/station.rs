@@ -35,7 +35,7 @@ pub struct Station<S> {
     sclk_hz: u32,
     last: Edge,
     sampling: Option<Sampling>,
-    /// Number n of a counter in the line, which lets every n-th edge of RDY through.
+    /// Divisor n of a counter in the RDY line, which lets every n-th edge through. 1 = no counter.
     divided: u16,
     /// The bytes that the part sent in the last transfer.
     received: [u8; MAX_TRANSFER],
@@ -63,7 +63,7 @@ impl<S: Bus> Station<S> {
         self.sampling.is_some()
     }
 
-    /// Ends sampling and releases the self-test pin, as when the host is gone.
+    /// Ends sampling and releases the self-test pin. Call it when the host is gone.
     pub fn stop(&mut self) {
         self.sampling = None;
         self.part.bus_mut().set_self_test(false);
@@ -107,7 +107,8 @@ impl<S: Bus> Station<S> {
         Message::Answer { tag, answer }
     }
 
-    /// Takes an edge of RDY, and returns the message to send. Pass every edge, also while the bridge does not sample.
+    /// Takes an edge of RDY, and returns the message to send, if there is one. Pass every edge, also while the bridge
+    /// does not sample.
     pub async fn edge(&mut self, edge: Edge) -> Option<Message<'static>> {
         self.last = edge;
         let sampling = self.sampling.as_mut()?;

@@ -32,7 +32,7 @@ pub enum Size {
     Byte,
     /// Two bytes.
     Word,
-    /// Two or three bytes, as bit 24/16 of MODE says.
+    /// Two or three bytes. Bit 24/16 of MODE selects the size.
     Data,
 }
 
@@ -55,20 +55,21 @@ pub trait Register {
     const ADDRESS: Address;
     /// The size of the register on the wire.
     const SIZE: Size;
-    /// The value after a reset. A read of IOP shows the levels of its pins besides. The data registers are then 16
-    /// bits wide.
+    /// The value after a reset. A read of IOP also shows the levels of its pins. The data registers are 16 bits wide
+    /// after a reset.
     const RESET: Self::Value;
 }
 
 /// A register that can be read.
 pub trait Readable: Register {
-    /// The value of the bytes on the wire, most significant byte first. `width` is the width of the data registers.
+    /// Converts the bytes on the wire, most significant byte first, to the value. `width` is the width of the data
+    /// registers.
     fn decode(raw: u32, width: Width) -> Self::Value;
 }
 
 /// A register that can be written.
 pub trait Writable: Register {
-    /// The bytes on the wire, most significant byte first.
+    /// Converts the value to the bytes on the wire, most significant byte first.
     fn encode(value: Self::Value) -> u32;
 }
 

@@ -7,7 +7,7 @@ use crate::codes::Width;
 /// The texts for a clear and for a set RDY bit of a channel.
 const WAITING: [&str; 2] = ["nothing waits to be read", "a reading waits"];
 
-/// `bits` with the bits of `mask` set or cleared.
+/// Returns `bits` with the bits of `mask` set if `on`, otherwise cleared.
 const fn with(bits: u8, mask: u8, on: bool) -> u8 {
     if on { bits | mask } else { bits & !mask }
 }
@@ -73,12 +73,12 @@ byte_value! {
         0x20 "P0DIR" Bit(["output", "input"]),
             /// Whether P0 is an input (b5).
             p0_is_input,
-            /// Makes P0 an input or an output.
+            /// Sets P0DIR (b5): `true` makes P0 an input, `false` an output.
             with_p0_input;
         0x10 "P1DIR" Bit(["output", "input"]),
             /// Whether P1 is an input (b4).
             p1_is_input,
-            /// Makes P1 an input or an output.
+            /// Sets P1DIR (b4): `true` makes P1 an input, `false` an output.
             with_p1_input;
         0x08 "RDYFN" Bit([
             "data ready (RDY) tells that any channel has new data",
@@ -103,7 +103,7 @@ impl Iop {
 }
 
 byte_value! {
-    /// REVISION, 02h. 24h for the AD7732 inside (not verified on an ADIS16130).
+    /// REVISION, 02h. The value is 24h for the AD7732 inside (not verified on an ADIS16130).
     Revision {
         0xFF "REVISION" Number("of the converter inside");
     }
@@ -153,8 +153,8 @@ impl ChannelStatus {
     }
 }
 
-/// The input range of a channel (b1–0 of RATECS and TEMPCS). F-40 and F-41 hold for [`Range::Bits10`] only, which is
-/// what F-30 writes.
+/// The input range of a channel (b1–0 of RATECS and TEMPCS). F-40 and F-41 hold for [`Range::Bits10`] only, which F-30
+/// writes.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -241,7 +241,7 @@ impl ConversionTime {
         self.0 & 0x7F
     }
 
-    /// Sets the filter word; `None` if it does not fit into seven bits.
+    /// Sets the filter word. `None` if the word does not fit into seven bits.
     pub const fn with_filter_word(self, word: u8) -> Option<Self> {
         if word > 0x7F { None } else { Some(Self((self.0 & 0x80) | word)) }
     }
@@ -267,7 +267,7 @@ impl ConversionTime {
 pub enum Operation {
     /// 000: idle, the state after reset.
     Idle,
-    /// 001: the enabled channels are converted in turn, for ever.
+    /// 001: the enabled channels are converted in turn, again and again.
     Continuous,
     /// 010: one conversion.
     Single,

@@ -6,11 +6,11 @@ use crate::quotient::quotient;
 /// The pattern in which edges follow each other.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Pattern {
-    /// The edges announce one kind of update, rate or temperature, as long as the host is prompt.
+    /// The edges announce one kind of update, rate or temperature, as long as the host reads in time.
     Steady,
     /// The edges may announce any update, and begin with a temperature after an initialisation.
     Mixed,
-    /// Each update has its edge, and the first is a rate.
+    /// Each update has its own edge, and the first edge announces a rate.
     Each,
     /// The edges come from a counter that divides RDY. They are so far apart that no phase is followed, and each edge
     /// is a tick.
@@ -35,7 +35,8 @@ pub(crate) struct EdgeGrid {
 const LONGEST_PERIOD: u64 = 1 << (36 + FRACTION_BITS);
 
 impl EdgeGrid {
-    /// Makes a grid. The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for none.
+    /// Makes a grid. The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for a
+    /// disabled channel.
     pub(crate) fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32, pattern: Pattern) -> Self {
         let cycles = u64::from((rate_cycles + temp_cycles).max(1));
         let period = quotient((cycles * 1_000_000_000) << FRACTION_BITS, mclk_hz.max(1_000).into()) as i64;
@@ -46,7 +47,7 @@ impl EdgeGrid {
         grid
     }
 
-    /// The grid of edges that come from a counter, on average `numerator`/`denominator` periods of this one apart.
+    /// Makes the grid of edges that come from a counter, on average `numerator`/`denominator` periods of `self` apart.
     pub(crate) fn divided(self, numerator: u32, denominator: u32) -> Self {
         let ratio = quotient(u64::from(numerator) << FRACTION_BITS, denominator.into());
         let period = ((self.period >> FRACTION_BITS) as u64).saturating_mul(ratio).min(LONGEST_PERIOD) as i64;
@@ -82,8 +83,8 @@ impl EdgeGrid {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
 
-    /// The time from a tick to the next temperature update where ticks have this period, accurate to half a ns. It is
-    /// not inlined, which saves flash.
+    /// The time from a tick to the next temperature update, for this period of the ticks, accurate to half a ns. The
+    /// function is not inlined, which saves flash.
     #[inline(never)]
     pub(super) const fn share_of_temp(&self, period: i64) -> i64 {
         (period >> FRACTION_BITS) * self.temp_fraction
@@ -140,9 +141,9 @@ impl EdgeGrid {
 
 /// The kind of update that the edges announce: rate or temperature.
 ///
-/// As long as they announce one kind, a deviation of up to half a period is jitter. The kind changes when the host is
-/// late (F-33): then all edges that follow are off. A change is accepted at once if the jitter is small, or else after
-/// some edges.
+/// As long as the edges announce one kind, a deviation of up to half a period is jitter. The kind changes when the
+/// host is late (F-33). Then all edges that follow deviate from the grid points of the old kind. A change is accepted
+/// at once if the jitter is small, otherwise after [`DOUBTS`] edges.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeKind {
     pub(super) is_rate: bool,
@@ -155,8 +156,8 @@ pub(super) struct EdgeKind {
 /// of T/9 puts one of 41 there, and eight in a row once in 10¹³ edges.
 const DOUBTS: u8 = 8;
 
-/// A change is accepted at once if the mean absolute error is below T/48. With normal jitter of that size the other
-/// grid point, T/2 away, is nearer by chance only from 9.6 standard deviations on.
+/// A change is accepted at once if the mean absolute error is at most T/48. With normal jitter of this size, an edge
+/// is nearer to the other grid point, T/2 away, only if its deviation exceeds 9.6 standard deviations.
 const SURE: i64 = 48;
 
 impl EdgeKind {

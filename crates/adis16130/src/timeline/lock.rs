@@ -14,8 +14,8 @@ pub(super) struct Gaps {
     far: bool,
 }
 
-/// The relative offset of the clock has steps of 2⁻²⁰, about 10⁻⁶. The mean of 128 gaps with σ = 15 µs has a noise
-/// that is a thousand times larger.
+/// The relative offset of the clock is computed in steps of 2⁻²⁰, about 10⁻⁶. The mean of 128 gaps with σ = 15 µs has
+/// a noise that is a thousand times larger.
 const OFFSET_BITS: u32 = 20;
 
 impl Gaps {
@@ -60,7 +60,7 @@ pub(super) enum Grip {
 const HELD_CHECKS: u8 = 16;
 
 impl Grip {
-    /// The state that follows from a check.
+    /// Returns the state after a check, which found whether the lock is `lost`.
     pub(super) const fn after(self, lost: bool) -> Self {
         match (self, lost) {
             (Self::Held(0), _) | (Self::Firm, true) => Self::Loose,
@@ -71,8 +71,8 @@ impl Grip {
     }
 }
 
-/// Checks after every 256 edges (45 ms with F-31) whether they still lie on the grid. 256 is twice the number of gaps
-/// that are averaged before the loop begins. So the second check at the latest finds a grid that was learned wrong.
+/// Checks after every 256 edges (45 ms with F-31) whether the edges still lie on the grid. 256 is twice the number of
+/// gaps that are averaged before the loop begins. So the second check at the latest finds a wrong grid.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lock {
     edges: u8,

@@ -76,7 +76,7 @@ const TOP_GEAR: u32 = 10;
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Phase {
     Assumed,
-    /// Also assumed. The edge of the first sample had two possible numbers, and the samples count from the higher one.
+    /// Assumed, too. The edge of the first sample had two possible numbers, and the samples count from the higher one.
     AnchoredHigh,
     Known,
 }
@@ -131,8 +131,8 @@ impl Timeline {
     /// Takes the next edge, and returns the ticks up to it since [`count_from`](Self::count_from). `None` if it is
     /// the previous edge again.
     ///
-    /// As long as it is unknown whether the first edge announced a rate or a temperature update, this is the lower of
-    /// the two possible numbers.
+    /// As long as it is unknown whether the first edge announced a rate or a temperature update, the returned number
+    /// is the lower of two possible ones.
     pub(crate) fn advance(&mut self, edge: Edge) -> Option<i32> {
         let Some(last) = self.last.replace(edge) else {
             self.assume_first_edge();
@@ -153,8 +153,8 @@ impl Timeline {
         Some(self.number())
     }
 
-    /// Whether the newest edge has two possible numbers. This is so if the edges have changed from one kind of update
-    /// to the other, and it is unknown which kind is which.
+    /// Whether the newest edge has two possible numbers. This is the case if the edges have changed from one kind of
+    /// update to the other, and it is unknown which of the two kinds is the rate.
     pub(crate) fn is_ambiguous(&self) -> bool {
         self.kind.is_rate && self.phase != Phase::Known
     }
@@ -187,8 +187,8 @@ impl Timeline {
         one_more
     }
 
-    /// States that the samples count from the edge just taken. Of the two possible numbers that is the higher one, so
-    /// that each loss is real. Returns whether there are two.
+    /// States that the samples count from the edge just taken. If the edge has two possible numbers, the higher one
+    /// counts, so that each reported loss is real. Returns whether the edge has two possible numbers.
     pub(crate) fn anchor(&mut self) -> bool {
         let is_ambiguous = self.is_ambiguous();
         if is_ambiguous {
@@ -271,8 +271,8 @@ impl Timeline {
         learned
     }
 
-    /// Learns the grid anew if the edges do not lie on it. If that does not help, the nominal period holds for a
-    /// while.
+    /// Learns the grid anew if the edges do not lie on it. If they do not lie on the new grid either, uses the nominal
+    /// period for a while.
     #[cold]
     fn hold(&mut self, lost: bool) {
         self.grip = self.grip.after(lost);
@@ -299,10 +299,10 @@ impl Timeline {
         }
     }
 
-    /// Counts the periods in a gap whose phase is lost: it is too long, conversions started anew, or the clock went
-    /// back or stands. The clock counts them. The number of edges is a lower bound, since each takes at least one
-    /// conversion. Divided edges come faster while nothing is read, so their number is used only if the clock shows no
-    /// period.
+    /// Counts the periods in a gap over which the phase is lost: the gap is too long, the conversions started anew, or
+    /// the clock went back or stands still. The clock gives the number of periods. The number of edges gives a lower
+    /// bound, since each edge takes at least one conversion. Divided edges come faster while nothing is read, so their
+    /// number is used only if the clock shows no period.
     #[cold]
     fn leap(&mut self, elapsed_ns: i64, edges: u32) {
         let elapsed = elapsed_ns.clamp(0, LONGEST_GAP_NS) << FRACTION_BITS;
@@ -318,8 +318,8 @@ impl Timeline {
         self.assume_first_edge();
     }
 
-    /// Sets the phase where it is unknown: the edge is taken for the first one after an initialisation. Where that is
-    /// a temperature update, this holds until [`align`](Self::align).
+    /// Sets an unknown phase by assuming that the edge is the first one after an initialisation. If such an edge
+    /// announces a temperature, the phase stays an assumption until [`align`](Self::align).
     fn assume_first_edge(&mut self) {
         let is_rate = self.grid.begins_with_rate();
         self.since_tick = if is_rate { 0 } else { self.temp };
