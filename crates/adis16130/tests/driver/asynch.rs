@@ -1,4 +1,4 @@
-//! The async driver is the blocking one with other traits: only waiting differs.
+//! Tests of the async driver where it differs from the blocking driver: in waits and dropped futures.
 
 use std::future::Future;
 use std::pin::pin;
@@ -42,7 +42,7 @@ fn a_dropped_self_test_releases_the_pin() {
     assert_eq!(levels.0.borrow().levels, [false, true, false], "dropped");
 }
 
-/// A delay whose second settling never ends.
+/// A delay whose second call, the second settling time of a self-test, never ends.
 struct Stalls(u32);
 
 impl embedded_hal_async::delay::DelayNs for Stalls {

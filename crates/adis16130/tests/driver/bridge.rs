@@ -1,5 +1,5 @@
-//! The bridge, with the mock of `part.rs` as its gyroscope. Its frames are compared with bytes that were put together
-//! by hand from `docs/formats/bridge.md`.
+//! The bridge, with the mock of `part.rs` as its gyroscope. Its frames are compared with bytes that were made by hand
+//! from `docs/formats/bridge.md`.
 
 use std::time::Duration;
 
@@ -22,7 +22,7 @@ const READING: WireSample = WireSample {
     temp: Some(0x80_1EA6),
 };
 
-/// Requests and their frames; the CRC-32 was computed by another implementation (zlib's).
+/// Requests and their frames. zlib computed the CRC-32.
 const REQUESTS: [(Request<'_>, &[u8]); 5] = [
     (Request { tag: 7, command: Command::Hello }, &[0x02, 0x07, 0x05, 0x38, 0x84, 0x98, 0x0E, 0x00]),
     (
@@ -347,10 +347,10 @@ fn station() -> (std::rc::Rc<std::cell::RefCell<Part>>, Station<Slow>) {
     (part.clone(), Station::new(Slow { wire: Wire(part), pin: None }, 1_000_000, "test 1"))
 }
 
-/// A bus with a clock in steps of 1 MHz.
+/// A bus whose clock can be set in steps of 1 MHz.
 struct Slow {
     wire: Wire,
-    /// Drives the self-test pins.
+    /// The level of the self-test pins. `None` if the bridge has no self-test pin.
     pin: Option<std::rc::Rc<std::cell::Cell<bool>>>,
 }
 

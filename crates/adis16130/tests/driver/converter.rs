@@ -1,4 +1,5 @@
-//! The sampler with a simulated converter and a late host. It must report exactly the losses that happened.
+//! Tests the sampler with a simulated converter and a late host. The sampler must report exactly the losses that
+//! happened.
 
 use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
@@ -7,7 +8,7 @@ use crate::sampler::Random;
 /// A data register: the number of the update that it holds, and whether this update is unread.
 #[derive(Copy, Clone, Default)]
 struct Channel {
-    /// Updates so far, lost or not.
+    /// Number of updates so far, lost or not.
     updates: u64,
     holds: u64,
     unread: bool,
@@ -92,7 +93,7 @@ impl Converter {
     }
 }
 
-/// The delays of the host, ns: a fixed time per read, a random one before it, and a pause at one edge in
+/// The delays of the host, ns: a fixed time per read, a random time before the read, and a random pause at one edge in
 /// `pause_one_in`.
 #[derive(Copy, Clone)]
 struct Host {
@@ -100,7 +101,7 @@ struct Host {
     jitter_ns: f64,
     pause_one_in: f64,
     pause_ns: f64,
-    /// The timestamps of the edges are late by up to this, and at least 0.6 of it apart.
+    /// Largest delay of the timestamps of edges. Timestamps are at least 0.6 of this delay apart.
     stamp_ns: f64,
 }
 
@@ -109,7 +110,7 @@ const SLOW: Host = Host { reads_ns: 45_000.0, jitter_ns: 30_000.0, pause_one_in:
 const PAUSING: Host =
     Host { reads_ns: 10_000.0, jitter_ns: 20_000.0, pause_one_in: 30.0, pause_ns: 700_000.0, stamp_ns: 0.0 };
 
-/// Samples, and the losses that happened and that were reported.
+/// Numbers of samples, samples that were read twice, losses that happened, and losses that were reported.
 #[derive(Debug, Default)]
 struct Count {
     samples: u64,
@@ -177,8 +178,8 @@ const SAMPLINGS: [SamplerConfig; 4] = [
     SamplerConfig::new().with_read_status(false),
 ];
 
-/// Behind a busy bus, timestamps are late by up to a period, so the period cannot be learned from them. The reported
-/// losses are then right to within 3.5 % of the samples.
+/// On a busy bus, timestamps are late by up to a period, so the period cannot be learned from them. The number of
+/// reported losses is then right to within 3.5 % of the samples.
 #[test]
 fn late_timestamps_cost_no_more_than_the_tolerance_of_the_clock() {
     for stamp_ns in [60_000.0, 120_000.0, 175_000.0] {

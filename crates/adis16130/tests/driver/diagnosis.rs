@@ -1,4 +1,4 @@
-//! Each fault on the wire becomes its own error, with the evidence.
+//! Each fault on the wire gives its own error, with the register that shows the fault.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;

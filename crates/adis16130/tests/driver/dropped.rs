@@ -1,4 +1,4 @@
-//! Async calls on the twin are dropped at any wait and anywhere in a transfer. The next reading is correct or an
+//! Drops async calls on the twin at each wait and anywhere in a transfer. The next reading must be correct or an
 //! error.
 
 use std::cell::Cell;
@@ -17,8 +17,7 @@ use embedded_hal::spi::Operation;
 
 use crate::part::now;
 
-/// Number of steps until the bus stalls for ever. The beginning of a transaction, each byte, and the end are one step
-/// each.
+/// Number of steps until the bus stalls. The beginning of a transaction, each byte, and the end are one step each.
 #[derive(Clone)]
 struct Steps(Rc<Cell<usize>>);
 
@@ -31,8 +30,8 @@ impl Steps {
     }
 }
 
-/// The twin's bus with a transfer that can be dropped in its middle, as a DMA transfer can: the bytes until then have
-/// been sent.
+/// The twin's bus with transfers that can be dropped in the middle, as a DMA transfer can. The bytes before that point
+/// have then been sent.
 struct Bus {
     spi: TwinSpi,
     steps: Steps,
@@ -84,8 +83,8 @@ impl Bench {
         bench
     }
 
-    /// Restarts the part, and waits for two edges. The first may be an old one, so only after the second edge have
-    /// both channels converted.
+    /// Restarts the part, and waits for two edges. The first edge may be an old one, so both channels are known to
+    /// have converted only after the second edge.
     fn restart(&mut self) {
         now(self.gyro.restart()).unwrap();
         self.sampler.restarted();
@@ -93,7 +92,7 @@ impl Bench {
         self.wait();
     }
 
-    /// The next edge. If the part does not convert, this is an edge that it did not make.
+    /// Waits for the next edge. If the part does not convert, returns an edge that the part did not make.
     fn wait(&mut self) -> Edge {
         match self.twin.next_falling_edge(1_000_000) {
             Some(edge) => Edge { t_ns: edge.t_ns, seq: edge.seq },
@@ -101,7 +100,7 @@ impl Bench {
         }
     }
 
-    /// Begins a call that gets this many steps, and drops its future. Returns whether the call had ended before.
+    /// Begins a call that gets this many steps, and drops its future. Returns whether the call had already ended.
     fn drop_after(&mut self, steps: usize, call: Call) -> bool {
         let edge = self.wait();
         self.steps.0.set(steps);

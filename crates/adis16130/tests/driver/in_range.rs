@@ -1,5 +1,5 @@
-//! A rate beyond the scale wraps with CLAMP = 0 (F-35). The reads that look at the status report it, with any SPI
-//! clock.
+//! A rate beyond the scale wraps with CLAMP = 0 (F-35). The calls that read the status report such a rate, with any
+//! SPI clock.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
@@ -26,7 +26,7 @@ impl Turning {
         Self { twin, gyro }
     }
 
-    /// Readings at many phases of the conversions, once both channels have converted.
+    /// Takes readings at many phases of the conversions, once both channels have converted.
     fn readings(&mut self, count: usize) -> impl Iterator<Item = Reading> {
         self.twin.advance_ns(400_000);
         (0..count).map(move |n| {

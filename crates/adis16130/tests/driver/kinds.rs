@@ -11,27 +11,27 @@ struct Bench {
 }
 
 impl Bench {
-    /// A part whose rate conversion takes 527 cycles (F-30), its temperature conversion `temp_cycles`. The clock is
-    /// fast by `ppm` millionths.
+    /// Makes a sampler for a part whose rate conversion takes 527 cycles (F-30), and whose temperature conversion
+    /// takes `temp_cycles`. The clock of the part is fast by `ppm` millionths.
     fn new(sampling: SamplerConfig, config: Config, temp_cycles: u32, ppm: f64) -> Self {
         let period_ns = f64::from(527 + temp_cycles) / 6e6 * 1e9 / (1.0 + ppm * 1e-6);
         Self { sampler: Sampler::new(sampling, &config, MCLK_HZ), period_ns, seq: 0 }
     }
 
-    /// The edge at this time, in periods. `missed` edges before it were not seen.
+    /// Makes the edge at this time, in periods. The host missed `missed` edges before this one.
     fn edge(&mut self, periods: f64, missed: u32) -> Edge {
         self.seq += 1 + missed;
         Edge { t_ns: 1_000_000_000 + (periods * self.period_ns) as u64, seq: self.seq }
     }
 
-    /// The losses at an edge with a new rate.
+    /// Takes an edge with a new rate. Returns the number of reported losses.
     fn lost(&mut self, periods: f64, missed: u32) -> u32 {
         let edge = self.edge(periods, missed);
         let due = self.sampler.edge(edge).expect("due");
         self.sampler.taken(&due)
     }
 
-    /// An edge without a new rate.
+    /// Takes an edge without a new rate.
     fn stale(&mut self, periods: f64) {
         let edge = self.edge(periods, 0);
         self.sampler.edge(edge).expect("due");
@@ -99,7 +99,8 @@ fn samples_before_the_first_one_do_not_count_as_lost() {
 
 #[test]
 fn an_edge_of_the_longer_conversion_is_not_believed() {
-    // After a read of both, the next edge comes a period later. This one came before that read, which was late.
+    // After a read of both channels, the next edge comes a period later. An edge after 0.937 periods must have come
+    // before the read, which was late.
     let config = Config::new().with_temp_conversion(ConversionTime::new(0xBB));
     let mut bench = Bench::new(SamplerConfig::new().with_read_status(false), config, 7_801, 0.0);
     assert_eq!(bench.lost(1.0, 0), 0);

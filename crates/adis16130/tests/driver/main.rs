@@ -1,4 +1,4 @@
-//! The driver against a part written by hand from docs/facts.md, with its own register table.
+//! Tests the driver with a mock of the part, which was written from docs/facts.md and has its own register table.
 
 #[cfg(feature = "async")]
 mod asynch;

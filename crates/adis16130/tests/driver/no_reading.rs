@@ -1,5 +1,5 @@
-//! A data register that has not been written since the reset holds 8000h (docs/facts.md section 3), which is 0.0 °/s
-//! and 25.0 °C. It is a reading only where the part says so.
+//! A data register that has not been updated since the reset holds 8000h (docs/facts.md section 3), the code of 0.0
+//! °/s and 25.0 °C. This code is a reading only if a conversion has ended.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::{Address, Mode, Operation};
@@ -11,8 +11,8 @@ use std::{cell::RefCell, rc::Rc};
 
 type Gyro = Adis16130<Wire, Pin>;
 
-/// All framings and widths, with several values that SDO may have in a third byte, which a part of 16 bits does not
-/// send.
+/// All framings and widths. SDO has several levels outside a read, which the host sees as the third byte if it reads
+/// 24 bits from a part with 16-bit registers.
 fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     let framings = [Framing::PerByte, Framing::Command];
     let widths = [Width::Bits24, Width::Bits16];
@@ -29,7 +29,7 @@ fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     })
 }
 
-/// Sets both data registers, as a conversion does, from codes of 24 bits.
+/// Sets both data registers and their status, as conversions with these 24-bit codes do.
 fn convert(part: &Rc<RefCell<Part>>, config: Config, rate: u32, temp: u32) {
     let drop = 24 - config.width().bits();
     let mut part = part.borrow_mut();

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use embedded_hal::digital;
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
-/// Address, bytes (0 = as MODE says), value after reset, readable, writable: docs/facts.md section 3.
+/// Address, bytes (0 = 2 or 3, as MODE sets), value after reset, readable, writable: docs/facts.md section 3.
 pub const TABLE: [(u8, usize, u32, bool, bool); 13] = [
     (0x01, 1, 0x30, true, true),
     (0x02, 1, 0x24, true, false),
@@ -45,9 +45,9 @@ pub struct Part {
     /// MOSI bytes, one entry per CS-low frame.
     pub frames: Vec<Vec<u8>>,
     pub line: Line,
-    /// Writes to this register are lost.
+    /// The register to which writes have no effect.
     pub deaf_at: Option<u8>,
-    /// The bus fails once this many transfers have gone through.
+    /// Number of transfers that succeed before the bus fails.
     pub fails_after: Option<usize>,
     /// Whether the bus works again after one failure.
     pub fails_once: bool,
@@ -85,7 +85,7 @@ impl Part {
         self.registers[&address]
     }
 
-    /// All bytes from the host since the last call, without the borders of the frames.
+    /// Takes all bytes that the host has sent since the last call, joined over the frames.
     pub fn take_bytes(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.frames).concat()
     }
@@ -119,12 +119,12 @@ impl Part {
 
     fn start(&mut self, com: u8) {
         if com == 0xFF {
-            return; // part of a reset that cut a command short
+            return; // the rest of a reset that began within a command
         }
         assert_eq!(com & 0x80, 0, "b7 of COM is 0 (F-24)");
         self.feed(com);
         if com == 0 {
-            self.command = Some((0, 0, 1)); // the software reset: no register takes what follows
+            self.command = Some((0, 0, 1)); // the software reset: the next byte is not for a register
             return;
         }
         let address = com & 0x3F;
@@ -185,7 +185,7 @@ impl Part {
         self.get(address)
     }
 
-    /// Feeds the checksum bit by bit (F-34).
+    /// Adds a byte to the checksum, bit by bit (F-34).
     fn feed(&mut self, byte: u8) {
         for n in (0..8).rev() {
             let fed_back = self.checksum >> 15 != 0;
@@ -240,7 +240,7 @@ impl SpiDevice for Wire {
     }
 }
 
-/// A pin. As an input it is low after `looks_until_low` reads. As an output it records its levels.
+/// A pin. As an input, the pin is low after `looks_until_low` reads. As an output, it records its levels.
 #[derive(Clone, Debug, Default)]
 pub struct Pin(pub Rc<RefCell<PinState>>);
 
@@ -249,7 +249,7 @@ pub struct PinState {
     pub looks_until_low: u32,
     pub looks: u32,
     pub levels: Vec<bool>,
-    /// Setting the pin to this level fails.
+    /// The level to which the pin cannot be set.
     pub refuses: Option<bool>,
 }
 
@@ -287,7 +287,7 @@ impl digital::OutputPin for Pin {
     }
 }
 
-/// Adds up the delays that it is asked for, in ns.
+/// Adds up the requested delays, in ns.
 #[derive(Clone, Debug, Default)]
 pub struct Delay(pub Rc<RefCell<u64>>);
 
@@ -308,7 +308,7 @@ mod asynch {
     use std::pin::pin;
     use std::task::{Context, Poll, Waker};
 
-    /// Neither mock nor twin waits, so one poll must be enough.
+    /// Returns the output of a future. One poll must be enough, since neither the mock nor the twin waits.
     pub fn now<F: Future>(future: F) -> F::Output {
         match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
             Poll::Ready(output) => output,

@@ -1,4 +1,4 @@
-//! The sampler on synthetic edges: which readings are due, and which are lost.
+//! Tests the sampler on synthetic edges: which readings are due, and which are lost.
 
 use adis16130::{Channels, Config, Due, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
@@ -58,8 +58,8 @@ fn a_doubled_interval_is_one_lost_sample() {
 
 #[test]
 fn missed_edges_are_lost_samples() {
-    // Nothing is read for 100 periods, so there are 199 edges, one per conversion after the first pair (F-32); the
-    // host sees the last.
+    // Nothing is read for 100 periods, so there are 199 edges, one per conversion after the first pair (F-32). The
+    // host sees only the last of these.
     let mut sampler = sampler(SamplerConfig::new());
     let lost = losses(&mut sampler, ramp(50));
     assert_eq!(lost.iter().sum::<u32>(), 0);
@@ -150,7 +150,7 @@ fn jitter_of_the_timestamps_neither_adds_nor_hides_losses() {
         let mut random = Random(seed);
         let mut jitter = |sd_us: f64| random.normal() * sd_us * 1e3 / PAIR_NS;
         for every_temp in [1, 4] {
-            // 15 µs standard deviation on top of 1 % of the clock; every 97th sample is dropped by the part.
+            // a standard deviation of 15 µs, and a clock that is 1 % slow. The part drops every 97th sample.
             let times: Vec<f64> =
                 ramp(20_000).filter(|k| k % 97.0 != 96.0).map(|k| k * 1.01 + 5.0 + jitter(15.0)).collect();
             let dropped = 20_000 - times.len() as u32;

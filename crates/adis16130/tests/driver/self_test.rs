@@ -1,4 +1,4 @@
-//! The self-test (F-11): the shift, its uncertainty, and the pin, which is always released.
+//! The self-test (F-11): the shift, the uncertainty of the shift, and the pin, which is always released.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, SelfTestError, SelfTestPlan, WaitBound};
@@ -8,7 +8,7 @@ use crate::part::{Delay, Part, Pin, Wire};
 /// One sample per batch, so that the scatter of the batches equals the scatter of the samples.
 const PLAN: SelfTestPlan = SelfTestPlan::new(16).with_settle_us(1_000);
 
-/// 0.1 °/s in codes. The rate alternates by this around 0, and around 1 °/s with the self-test.
+/// 0.1 °/s in codes. The rate alternates by ±0.1 °/s around 0, and around 1 °/s with the self-test.
 const SPREAD: u32 = 2_349;
 
 fn gyro(levels: usize) -> Adis16130<Wire, Pin> {

@@ -105,7 +105,7 @@ impl Bench {
         self.judge.sample(result.and_then(Result::ok).flatten(), edge_ns, learned_ns)
     }
 
-    /// An edge that the part did not make, which the host counts like any other.
+    /// Passes an edge that the part did not make. The host counts this edge like any other.
     fn glitch(&mut self) -> Verdict {
         let t_ns = self.twin.now_ns().wrapping_add(self.clock.0);
         let Some(newest) = self.newest else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! The twin's bus, on which a failure or a fault can happen in the middle of a call.
+//! The twin's bus, which can fail in the middle of a call, or on which a fault can set in.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -9,14 +9,14 @@ use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 /// A failure or fault that happens once.
 #[derive(Copy, Clone, Debug)]
 pub enum Trouble {
-    /// The bus fails, or never answers an async call, which is then dropped.
+    /// A blocking transfer fails. An async transfer never ends, and its future is dropped.
     Cut,
-    /// A fault sets in.
+    /// This fault of the part or its wires sets in.
     Fault(Fault),
 }
 
-/// The trouble that is planned, with the number of bytes before it, and the trouble that has happened. The bus and the
-/// test share this record.
+/// The planned trouble, with the number of bytes before it, and the trouble that has happened since the last check.
+/// The bus and the test share this record.
 #[derive(Clone, Default)]
 pub struct Ahead(Rc<RefCell<Troubles>>);
 
@@ -35,12 +35,12 @@ impl Ahead {
         self.0.borrow_mut().ahead = None;
     }
 
-    /// The trouble that has happened since the last call.
+    /// Takes the trouble that has happened since the last call.
     pub fn take_struck(&self) -> Option<Trouble> {
         self.0.borrow_mut().struck.take()
     }
 
-    /// The trouble that happens in a transfer of `length` bytes, with the number of bytes before it.
+    /// Returns the trouble that happens in a transfer of `length` bytes, with the number of bytes before it.
     fn strike(&self, length: usize) -> Option<(usize, Trouble)> {
         let Troubles { ahead, struck } = &mut *self.0.borrow_mut();
         let (bytes, trouble) = (*ahead)?;
@@ -70,8 +70,8 @@ impl Bus {
         Self { spi: twin.spi(), twin: twin.clone(), ahead: ahead.clone() }
     }
 
-    /// Carries out one operation, up to the trouble if it happens there. The frame of a reset is not split: trouble
-    /// within it happens before its first byte.
+    /// Carries out one operation. Trouble stops it in the middle, or sets a fault there. The frame of a reset is not
+    /// split: trouble within it happens before its first byte.
     fn carry_out(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         let [operation] = operations else { panic!("one operation per transaction: {operations:?}") };
         let (length, splits) = match operation {

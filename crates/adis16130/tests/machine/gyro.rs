@@ -1,4 +1,4 @@
-//! The blocking or the async driver, behind one set of calls.
+//! Calls the blocking or the async driver by the same macros.
 
 use adis16130::blocking;
 use adis16130_twin::{Twin, TwinRdy};
@@ -29,7 +29,7 @@ impl Gyro {
     }
 }
 
-/// Calls a method of the driver. `None` = the future of an async call was dropped.
+/// Calls a method of the driver. The result is `None` if the future of an async call was dropped.
 macro_rules! call {
     ($gyro:expr, $method:ident $(::<$register:ty>)? ($($argument:expr),*)) => {
         match &mut $gyro {
@@ -55,8 +55,8 @@ macro_rules! on {
 
 pub(crate) use {call, on};
 
-/// The output of a future that is ready at once. Simulated time passes within a call, so a future that is not ready
-/// never will be.
+/// Returns the output of a future that is ready at once, otherwise `None`. Simulated time passes within a call, so a
+/// future that is not ready will never be.
 #[cfg(feature = "async")]
 pub fn polled<F: Future>(future: F) -> Option<F::Output> {
     use std::task::{Context, Poll, Waker};

@@ -6,7 +6,7 @@ use adis16130_twin::{Conversion, Fault, Reading, Twin};
 use crate::bus::Trouble;
 use crate::ledger::{Ledger, SampleRecord};
 
-/// The outcome of a check. The error names the rule that was broken.
+/// The result of a check. The error names the broken rule.
 pub type Verdict = Result<(), String>;
 
 pub struct Judge {
@@ -20,26 +20,28 @@ pub struct Judge {
     /// of the period. The edges of a shorter conversion cannot be told from those of the other channel before the
     /// period is learned.
     counts: bool,
-    /// Whether the sampler finds out which edges announce rates.
+    /// Whether the sampler can find out which edges announce rates.
     knows_edges: bool,
     ledger: Ledger,
-    /// Numbers of the conversions from which the last sample had its rate and its temperature.
+    /// Numbers of the latest conversions of the rate and of the temperature that a sample has contained.
     handed: (u64, u64),
     fault: Fault,
-    /// Bits were flipped, or bytes were sent past the driver. Part and driver may disagree until a restart.
+    /// Whether bits were flipped, or bytes were sent without the driver. Part and driver may disagree until a restart.
     spoiled: bool,
-    /// Conversions stopped or began anew, or an edge was false, and the sampler does not know. `lost` may have any
-    /// value until a restart.
+    /// Whether conversions stopped or began anew, or an edge was false, without a call that tells the sampler. `lost`
+    /// may have any value until a restart.
     uncounted: bool,
-    /// The line lost edges, or a reading outside the sampler took their data.
+    /// Whether the line lost edges, or a reading outside the sampler took their data.
     edges_missing: bool,
-    /// The sampler was given edges while [`uncounted`](Self::uncounted), so a restart does not put it right.
+    /// Whether the sampler got edges while [`uncounted`](Self::uncounted). Then `Sampler::restarted` is not enough,
+    /// and a new sampler is needed.
     bewildered: bool,
-    /// A call was cut short, so nothing may be sent until a reset.
+    /// Whether a call was cut short, so that nothing may be sent until a reset.
     interrupted: bool,
-    /// A fault set in during this call. The driver cannot detect a fault that begins in the middle of a reading.
+    /// Whether a fault set in during this call. The driver cannot detect a fault that begins in the middle of a
+    /// reading.
     struck: bool,
-    /// The start of a call that may send nothing, in ns of the twin's time.
+    /// Start of the present call if it may send nothing, in ns of the twin's time.
     silent_from_ns: Option<u64>,
 }
 
@@ -70,7 +72,7 @@ impl Judge {
 
     // ---- events ----
 
-    /// Notes another configuration, for which there is a new sampler.
+    /// Notes another configuration, with a new sampler.
     pub fn configure(&mut self, config: &Config, sampling: SamplerConfig) {
         let (rate, temp) = cycles(config);
         self.period_ns = (rate + temp) * 1e9 / self.mclk_hz;
@@ -87,13 +89,13 @@ impl Judge {
         self.uncounted = true;
     }
 
-    /// Notes that the sampler was misled, so that a new one is needed.
+    /// Notes that the sampler got false information, so that a new one is needed.
     pub fn bewilder(&mut self) {
         self.uncounted = true;
         self.bewildered = true;
     }
 
-    /// Notes that a call outside the sampler may have taken a reading, and the edges that would have followed.
+    /// Notes that a call outside the sampler may have taken a reading, so that edges are missing.
     pub fn read_beside(&mut self) {
         self.edges_missing = true;
         self.ledger.read_beside();
@@ -114,13 +116,13 @@ impl Judge {
         }
     }
 
-    /// Notes that another driver has the bus, without a record of the part.
+    /// Notes that a new driver has the bus, which does not know what was written to the part.
     pub fn released(&mut self) {
         self.interrupted = false;
         self.spoil();
     }
 
-    /// Notes that the part was restarted. `false` if the sampler was misled before, so that a new one is needed.
+    /// Notes that the part was restarted. Returns `false` if a new sampler is needed.
     pub fn restarted(&mut self) -> bool {
         let is_fit = !std::mem::take(&mut self.bewildered);
         if !is_fit {
@@ -210,8 +212,8 @@ impl Judge {
         self.ledger.enter(SampleRecord { lost: sample.lost, edge_ns, conversion }, self.period_ns)
     }
 
-    /// Checks that a sample is not an old conversion. Without the status the driver relies on the edges: then none may
-    /// be missing, and the bus must be fast enough.
+    /// Checks that a sample is not an old conversion. If the status is not read, the driver relies on the edges. Then
+    /// the check applies only if no edge is missing and the bus is fast enough.
     fn is_new(&mut self, conversion: Conversion) -> Verdict {
         let before = std::mem::replace(&mut self.handed.0, conversion.number);
         let unbelievable = !self.sampling.read_status && (self.uncounted || self.edges_missing || !self.is_fast);
@@ -226,7 +228,7 @@ impl Judge {
     }
 }
 
-/// The conversion that a code comes from. An error if the part did not give this code.
+/// Returns the conversion that a code comes from, or an error if the part did not give this code.
 fn measured(what: &str, read: Option<Reading>, code: u32, width: Width) -> Result<Conversion, String> {
     let read = read.ok_or_else(|| format!("a {what} came without being read"))?;
     let expected = if width == Width::Bits16 { in_16_bits(read.code) } else { read.code };

@@ -1,16 +1,16 @@
-//! Checks `lost`: the sum must be the conversions that the twin made, less the samples that were handed out.
+//! Checks `lost`: its sum must be the number of conversions of the twin, less the number of samples.
 //!
 //! The documentation of `Sampler` promises that each reported loss is real, and that each loss is reported within five
-//! samples. A host that reads late gets a newer conversion than its edge announced. So only samples that were read at
-//! once count among these five. The driver cannot know more than this:
+//! samples. A host that reads late gets a newer conversion than the edge announced. So only samples that were read at
+//! once count among these five. In these cases the driver can count only approximately:
 //!
 //! * A gap that is too long for the learned period is counted by the clock, to within one at either end.
 //! * A restart stops the conversions. The loss is counted by the clock, to within three.
 //! * Before the period is learned, a gap over which the clock moves an edge past its margin costs one sample.
 //! * A reading outside the sampler changes the kind of the edges (rate or temperature), which costs one sample.
 //! * With RDYFN = 0, or with conversions of two lengths, a wrong guess at the kind of the first edge costs one sample.
-//! * A first sample that was read late counts from its edge, or from its reading. An edge whose data is gone looks as
-//!   if it had been late, so what is missing between the first two samples need not be reported.
+//! * A first sample that was read late counts from its edge, or from its reading. An edge whose data was overwritten
+//!   looks late. So the losses between the first two samples need not be reported.
 //!
 //! Once all losses are reported, the difference between reported and true losses changes by at most two.
 
@@ -19,50 +19,50 @@ use adis16130_twin::Conversion;
 /// Number of samples after which a loss must have been reported.
 const REPORTED_WITHIN: u32 = 5;
 
-/// A gap of this many periods is counted exactly from the first edge on: 4/α = 8 periods between edges in gear 1, and
-/// one less between conversions.
+/// Up to a gap of this many periods, losses are counted exactly from the first edge on: 4/α = 8 periods between edges
+/// in gear 1, and one less between conversions.
 const REACH_AT_FIRST: f64 = 8.0 - 1.0;
 
-/// A gap of this many periods is counted exactly after [`SAMPLES_TO_LEARN`] samples without a longer gap: 4/α = 128
-/// periods in gear 5, less one.
+/// Up to a gap of this many periods, losses are counted exactly after [`SAMPLES_TO_LEARN`] samples without a longer
+/// gap: 4/α = 128 periods in gear 5, less one.
 const REACH: f64 = 128.0 - 1.0;
 const SAMPLES_TO_LEARN: u32 = 300;
 
-/// How early an edge may come, in periods: the margin of the edge grid with F-30.
+/// Margin of the edge grid with F-30, in periods: an edge may come this much early.
 const MARGIN: f64 = 1.0 / 16.0;
 
 /// Number of periods over which an offset of the clock adds up in the phase: twice 1/α in gear 1.
 const LAG: f64 = 4.0;
 
-/// The true period over the nominal one, or its inverse, with the master clock off by 6 %.
+/// Largest ratio of the true period to the nominal one, or its inverse. The master clock is at most 6 % off.
 const MOST_CLOCK: f64 = 1.0 / 0.94;
 
 /// Rounding error of the sums, in samples.
 const ROUNDING: f64 = 1e-6;
 
-/// A sample of the driver beside the truth.
+/// A sample of the driver, with the conversion that it contains.
 #[derive(Copy, Clone, Debug)]
 pub struct SampleRecord {
     pub lost: u32,
-    /// Time of its edge on the twin's clock, in ns.
+    /// Time of the sample's edge on the twin's clock, in ns.
     pub edge_ns: u64,
-    /// The conversion that the twin gave for it.
+    /// The conversion whose rate the twin sent.
     pub conversion: Conversion,
 }
 
-/// The balance between reported and true losses, in samples.
+/// Compares reported and true losses, in samples.
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     last: Option<SampleRecord>,
-    /// Reported less true losses.
+    /// Reported losses less true losses.
     balance: f64,
-    /// Bounds of the balance once all losses have been reported. Before, it may be lower.
+    /// Bounds of `balance` once all losses have been reported. Before that, `balance` may be lower.
     lowest: f64,
     highest: f64,
-    /// Samples in a row that were read at once, with nothing lost.
+    /// Number of samples in a row that were read at once, with nothing lost.
     calm: u32,
     samples: u64,
-    /// Samples since a gap that was counted by the clock.
+    /// Number of samples since a gap that was counted by the clock.
     learned: u32,
     /// The largest relative error of the learned period since the last sample.
     clock_off: f64,
@@ -71,14 +71,15 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Makes the ledger of a new sampler. `knows_edges` says whether the sampler finds out which edges announce rates.
+    /// Makes the ledger of a new sampler. `knows_edges`: whether the sampler can find out which edges announce rates.
     pub fn new(knows_edges: bool) -> Self {
         let mut ledger = Self::default();
         ledger.doubt(if knows_edges { 0.0 } else { 1.0 });
         ledger
     }
 
-    /// Notes that the part was initialised anew, and that the sampler was told.
+    /// Notes that the part was initialised anew, and that [`Sampler::restarted`](adis16130::Sampler::restarted) was
+    /// called.
     pub fn restarted(&mut self) {
         self.restarted = true;
     }
@@ -88,12 +89,12 @@ impl Ledger {
         self.read_beside = true;
     }
 
-    /// Notes the true period and the sampler's period, in ns. Called before each edge.
+    /// Notes the true period and the sampler's period, in ns. Call it before each edge.
     pub fn period(&mut self, period_ns: f64, learned_ns: f64) {
         self.clock_off = self.clock_off.max((period_ns / learned_ns - 1.0).abs());
     }
 
-    /// Enters a sample. `period_ns` is the true period.
+    /// Enters a sample, and checks the losses. `period_ns` is the true period.
     pub fn enter(&mut self, sample: SampleRecord, period_ns: f64) -> Result<(), String> {
         let at_once = sample.conversion.t_ns <= sample.edge_ns;
         let restarted = std::mem::take(&mut self.restarted);

@@ -1,8 +1,8 @@
-//! Random sequences of calls, faults and waits on the driver, judged by the twin.
+//! Random sequences of calls, faults and waits on the driver, compared with the twin.
 //!
-//! No step panics. No two samples have the same conversion, and no reading has a code that was never measured. `lost`
-//! is right to within the bounds that `ledger.rs` states. After a call that was cut short nothing is sent until a
-//! reset. The part starts again once its faults are removed.
+//! The test checks these rules. No step panics. No two samples have the same conversion, and no reading has a code
+//! that was never measured. `lost` is right to within the bounds that `ledger.rs` states. After a call that was cut
+//! short nothing is sent until a reset. The part starts again once its faults are removed.
 //!
 //! The environment variables `DRIVER_STEPS` and `DRIVER_SEED` set the least number of steps and the seed from which
 //! they are drawn.

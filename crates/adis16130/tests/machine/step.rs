@@ -1,5 +1,5 @@
-//! The steps of a run, and how they are drawn. If a run fails, proptest leaves steps out and makes numbers small as
-//! long as it still fails.
+//! The steps of a run, and how they are drawn. If a run fails, proptest removes steps and reduces numbers as long as
+//! the run still fails.
 
 use std::fmt;
 
@@ -14,15 +14,15 @@ use crate::gyro::Form;
 /// A call, a fault, or time that passes.
 #[derive(Clone, Debug)]
 pub enum Step {
-    /// Waits for an edge, is late by this time, and takes the sample.
+    /// Waits for an edge, then for this time, and takes the sample.
     Sample {
         late_ns: u32,
     },
-    /// Takes this many samples at once.
+    /// Takes this many samples, each at its edge.
     Samples(u16),
-    /// Hands the newest edge over again.
+    /// Passes the newest edge to the driver again.
     SameEdge,
-    /// Hands over an edge that the part did not make.
+    /// Passes an edge that the part did not make.
     Glitch,
     Pass {
         ns: u64,
@@ -40,13 +40,13 @@ pub enum Step {
     Write(WritableRegister, u8),
     /// Sends these bytes on the bus without the driver's knowledge.
     Raw(Vec<u8>),
-    /// The driver gives the bus back, and another one takes it.
+    /// Replaces the driver by a new one on the same bus.
     Release,
     Fault(Fault),
     Power(bool),
     Replug,
     Sync(bool),
-    /// Makes this trouble happen after this many bytes.
+    /// Plans this trouble after this many bytes.
     Ahead(u8, Trouble),
 }
 
@@ -89,7 +89,7 @@ pub enum WritableRegister {
     TempCs,
 }
 
-/// A unit, its wires, and the steps of the run.
+/// The unit, its wires, the configuration and the steps of a run.
 #[derive(Clone)]
 pub struct Plan {
     pub form: Form,
@@ -203,7 +203,7 @@ fn step() -> impl Strategy<Value = Step> {
     prop_oneof![60 => samples, 12 => time, 14 => calls, 1 => strange, 4 => faults, 4 => Just(Step::Recover)]
 }
 
-/// The host is prompt, or late by less than a conversion, by several periods, or by milliseconds.
+/// Draws the delay of the host: none, about a conversion at most, up to several periods, or up to 50 ms.
 fn late_ns() -> impl Strategy<Value = u32> {
     prop_oneof![10 => Just(0), 4 => 0..90_000_u32, 4 => 0..2_000_000_u32, 1 => 0..50_000_000_u32]
 }
