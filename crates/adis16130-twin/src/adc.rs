@@ -33,9 +33,9 @@ pub(crate) struct Adc {
     reading: Option<Channel>,
     plan: Plan,
     converting: Channel,
-    /// When the running conversion ends, in ps, or [`NEVER`].
+    /// Time at which the running conversion ends, in ps, or [`NEVER`].
     pub(crate) next_update_ps: u64,
-    /// Whether the data registers keep their codes, as by `Fault::Frozen`.
+    /// Whether the data registers keep their codes, as `Fault::Frozen` makes them do.
     pub(crate) frozen: bool,
 }
 
@@ -80,12 +80,12 @@ impl Plan {
     }
 }
 
-/// The effects of an update apart from the stored code.
+/// The effects of an update of a data register, apart from the stored code.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) struct Update {
-    /// Whether the condition for a low RDY holds, so that the level falls.
+    /// Whether RDY falls, because its condition of F-32 holds.
     pub(crate) rdy_falls: bool,
-    /// Whether the last conversion of the single mode is done.
+    /// Whether the last conversion of the single mode has ended.
     pub(crate) single_done: bool,
 }
 
@@ -103,7 +103,7 @@ impl Adc {
         }
     }
 
-    /// Sets the reset values. Counts keep their values.
+    /// Sets the reset values. The counts of conversions and losses stay.
     pub(crate) fn reset(&mut self) {
         self.data = self.data.map(|data| Data::reset(data.tally));
         self.unread = 0;
@@ -112,8 +112,9 @@ impl Adc {
         self.next_update_ps = NEVER;
     }
 
-    /// Takes new register contents. `restart` begins the sequence anew (after a write to MODE, or when SYNC is
-    /// released). Otherwise a running conversion ends as it was begun. `held` tells whether the SYNC pin is low.
+    /// Uses new register contents. With `restart` the sequence begins anew (after a write to MODE, or when SYNC is
+    /// released). Otherwise a running conversion keeps its end time. `held`: whether the SYNC pin holds the
+    /// conversions.
     pub(crate) fn plan(&mut self, registers: &Registers, held: bool, restart: bool, now_ps: u64) {
         self.plan = Plan::of(registers, self.mclk_hz, held);
         if !self.plan.running {
@@ -123,7 +124,7 @@ impl Adc {
         }
     }
 
-    /// Time from one conversion of a channel to its next, in ps.
+    /// Time from one conversion of a channel to the next conversion of the same channel, in ps.
     pub(crate) fn period_ps(&self) -> u64 {
         let [rate_ps, temp_ps] = self.plan.conversion_ps;
         match self.plan.enabled {
@@ -206,7 +207,7 @@ impl Adc {
         }
     }
 
-    /// Begins the read of a data register after the COM byte. Returns its 24-bit code, which counts as read from now
+    /// Begins the read of a data register after the COM byte. Returns the 24-bit code, which counts as read from now
     /// on.
     #[inline]
     pub(crate) fn begin_read(&mut self, channel: Channel) -> u32 {
@@ -218,13 +219,13 @@ impl Adc {
         code
     }
 
-    /// Ends a read, when its last byte is out.
+    /// Ends a read, after its last byte was sent.
     #[inline]
     pub(crate) fn end_read(&mut self) {
         self.reading = None;
     }
 
-    /// Returns the value of the ADC status register: a bit per channel number.
+    /// Returns the value of the ADC status register: bit n is set while channel n holds unread data.
     pub(crate) fn status(&self) -> u8 {
         let bit = |channel: Channel| u8::from(self.unread & channel.bit() != 0) << channel.number();
         bit(Channel::Rate) | bit(Channel::Temp)

@@ -1,4 +1,4 @@
-//! The digital side: bytes on the wire become register accesses.
+//! The digital side of the part, which executes the bytes on the wire as register accesses.
 
 use crate::adc::{Adc, to_16_bits};
 use crate::registers::{Channel, IOP_SYNC, MODE_MD, Register, Registers};
@@ -6,7 +6,7 @@ use crate::registers::{Channel, IOP_SYNC, MODE_MD, Register, Registers};
 /// Number of ones in a row on SDI with CS low that resets the part (F-23).
 const RESET_ONES: u32 = 32;
 
-/// The state of a command. CS does not appear here, so both framings of F-22 work.
+/// The state of a command. It does not depend on CS, so both framings of F-22 work.
 #[derive(Copy, Clone)]
 enum Phase {
     /// The next byte is a COM byte (F-24).
@@ -41,7 +41,7 @@ impl Chip {
         Self { registers: Registers::RESET, adc: Adc::new(mclk_hz), phase: Phase::Command, ones: 0, sync_high: true }
     }
 
-    /// Sets reset values everywhere. The part then waits for a COM byte.
+    /// Resets the registers and the converter. The part then waits for a COM byte.
     pub(crate) fn reset(&mut self) {
         self.registers = Registers::RESET;
         self.adc.reset();
@@ -49,7 +49,7 @@ impl Chip {
         self.ones = 0;
     }
 
-    /// Begins to count the ones of F-23 anew, because CS has risen.
+    /// Handles a rise of CS, which ends the run of ones of F-23.
     #[inline]
     pub(crate) fn deselect(&mut self) {
         self.ones = 0;
@@ -84,7 +84,7 @@ impl Chip {
     #[inline]
     fn command(&mut self, com: u8) -> Effect {
         if com & 0x80 != 0 {
-            return Effect::None; // no COM byte: bit 7 is 0 (F-24)
+            return Effect::None; // not a COM byte, in which bit 7 is 0 (F-24)
         }
         self.registers.checksum.take(com);
         let register = Register::at(com & 0x3F);
@@ -152,7 +152,8 @@ impl Chip {
         self.plan(false, now_ps);
     }
 
-    /// Sets the level of pin 18. With IOP.SYNC = 1, low holds the conversions, and its rise restarts the sequence.
+    /// Sets the level of pin 18. With IOP.SYNC = 1, a low level holds the conversions, and a rise restarts the
+    /// sequence.
     pub(crate) fn set_sync(&mut self, high: bool, now_ps: u64) {
         let rises = high && !self.sync_high;
         self.sync_high = high;

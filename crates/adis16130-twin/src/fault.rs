@@ -1,4 +1,4 @@
-//! Faults of the wiring and of the part, which begin at a specified time or by a call.
+//! Faults of the wiring and of the part. A fault begins at a specified time or by a call.
 
 use crate::normal::{Process, Uniform};
 
@@ -14,18 +14,18 @@ pub enum Fault {
     SdoLow,
     /// SDO is stuck at 1. The part still executes commands.
     SdoHigh,
-    /// The data registers keep their codes for ever; RDY goes on as if they were updated.
+    /// The data registers keep their codes. RDY goes on as if the registers were updated.
     Frozen,
-    /// The RDY line is cut and stays high; the data registers are still updated.
+    /// The RDY line is cut and stays high. The data registers are still updated.
     RdyLost,
-    /// Runs of one to five edges of RDY are missing, one run per about 100 edges; the data registers are still
-    /// updated.
+    /// One to five edges of RDY in a row are missing, about once in 100 edges. The data registers are still updated.
     RdyStutter,
     /// Bits flip on their way in both directions, at [`Spec::bit_error_rate`](crate::Spec::bit_error_rate).
     BitErrors,
-    /// The supply dips: all registers take their reset values (MODE 00h), so the conversions stop. Happens once.
+    /// The supply dips once: all registers take their reset values (MODE 00h), so the conversions stop.
     Brownout,
-    /// The cable is pulled: no supply, SDO reads all ones, RDY is high, until [`Twin::replug`](crate::Twin::replug).
+    /// The cable is pulled: the part has no supply, SDO reads all ones, and RDY is high, until
+    /// [`Twin::replug`](crate::Twin::replug).
     Unplug,
 }
 
@@ -63,7 +63,7 @@ impl WireFaults {
         self.active
     }
 
-    /// The byte that arrives at the host when the part sends `byte`.
+    /// Returns the byte that arrives at the host when the part sends `byte`.
     pub(crate) fn sdo(&mut self, byte: u8) -> u8 {
         match self.active {
             Fault::SdoLow => 0x00,
@@ -73,7 +73,7 @@ impl WireFaults {
         }
     }
 
-    /// The byte that arrives at the part.
+    /// Returns the byte that arrives at the part when the host sends `byte`.
     pub(crate) fn sdi(&mut self, byte: u8) -> u8 {
         match self.active {
             Fault::BitErrors => self.flip(byte),
@@ -81,7 +81,7 @@ impl WireFaults {
         }
     }
 
-    /// Whether the falling edge that is due reaches the host.
+    /// Whether the edge of RDY that is due reaches the host.
     pub(crate) fn edge_passes(&mut self) -> bool {
         match self.active {
             Fault::RdyLost => false,
@@ -110,7 +110,7 @@ impl WireFaults {
         byte
     }
 
-    /// Draws the number of good bits before the next bad one, from the geometric distribution.
+    /// Draws the number of good bits before the next flipped bit, from the geometric distribution.
     fn draw_gap(&mut self) -> u64 {
         if self.bit_error_rate <= 0.0 {
             return u64::MAX;

@@ -13,7 +13,7 @@ use core::str::FromStr;
 /// One key of the text form.
 #[derive(Debug)]
 pub struct Key {
-    /// The key, as in the text.
+    /// The name of the key in the text.
     pub name: &'static str,
     /// The default value, or the distribution from which the seed draws it.
     pub default: &'static str,
@@ -185,7 +185,7 @@ pub enum SpecError {
     UnknownKey {
         /// The key as written.
         key: String,
-        /// The known key that is most like it.
+        /// The known key that is most like `key`. `None` if no key is similar.
         nearest: Option<&'static str>,
     },
     /// An item has no `=`.

@@ -1,4 +1,4 @@
-//! Averages of a unit, without simulating its converter and bus. This is hundreds of times faster than the twin.
+//! Averages of a unit, computed without its converter and bus. They are hundreds of times faster than the twin.
 
 use crate::gyro::slow::Slow;
 use crate::normal::{Layers, Normal, Process};
@@ -91,18 +91,18 @@ impl Means {
         Truth::new(&self.spec, self.now_ps, &self.slow.at(self.now_ps))
     }
 
-    /// Switches the supply off or on: the part cools or warms. The averages go on either way.
+    /// Switches the supply off or on, so that the part cools or warms. The averages go on without supply, too.
     pub fn set_powered(&mut self, powered: bool) {
         self.slow.set_powered(powered, self.now_ps);
     }
 
-    /// Moves the air around the part to a temperature, in °C, linearly within `over_s` seconds, as
+    /// Changes the ambient temperature linearly to `temp_c`, in °C, within `over_s` seconds, as
     /// [`Twin::set_ambient`](crate::Twin::set_ambient) does. The change begins within 0.2 s.
     pub fn set_ambient(&mut self, temp_c: f64, over_s: f64) {
         self.slow.set_ambient(temp_c, over_s, self.now_ps);
     }
 
-    /// Moves the platform from now on (within 0.2 s), or brings it to rest.
+    /// Sets the motion of the platform. The change begins within 0.2 s.
     pub fn set_motion(&mut self, motion: Motion) {
         self.slow.platform.set_motion(motion, self.now_ps as f64 * 1e-12);
     }
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use crate::facts;
 
-    /// White noise alone gives the means a standard deviation of N/√(2T) (F-02, M-05).
+    /// With white noise alone, the standard deviation of the means is N/√(2T) (F-02, M-05).
     #[test]
     fn means_have_the_noise_of_the_facts() {
         let quiet = Spec {
@@ -136,7 +136,7 @@ mod tests {
         assert!((sd(temp) / (facts::TEMP_NOISE_C_PER_RT_HZ / libm::sqrt(2.0)) - 1.0).abs() < 0.04, "{}", sd(temp));
     }
 
-    /// Without noise, the mean after an hour agrees with the part itself.
+    /// Without noise, the mean after an hour agrees with the twin.
     #[test]
     fn means_follow_the_part() {
         let spec = Spec { noise: false, ..Spec::from_seed(3) };

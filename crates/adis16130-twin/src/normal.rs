@@ -1,7 +1,8 @@
-//! Random numbers that are the same on every machine. Each random process has a stream of its own, all from one seed.
+//! Random numbers that are the same on every machine. Each random process has its own stream, all from one seed.
 //!
-//! Why not `rand_distr`: its tails call `ln` and `exp` through `num-traits`, which any other crate of a workspace can
-//! switch to the system's mathematics library by feature unification. The ziggurat here uses `libm` only.
+//! This module does not use `rand_distr`, whose tails call `ln` and `exp` through `num-traits`. Any other crate of a
+//! workspace can switch these to the system's mathematics library by feature unification. The ziggurat here uses
+//! `libm` only.
 
 use alloc::rc::Rc;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -78,7 +79,7 @@ impl Normal {
         if low + (high - low) * self.random.sample() < density(x) { x } else { self.sample() }
     }
 
-    /// A number beyond [`TAIL`], by Marsaglia's method.
+    /// Draws a number beyond [`TAIL`], by Marsaglia's method.
     fn tail(&mut self) -> f64 {
         loop {
             let x = -libm::log(1.0 - self.random.sample()) / TAIL;
@@ -94,7 +95,7 @@ impl Normal {
 const TAIL: f64 = 3.654_152_885_361_009;
 const AREA: f64 = 0.004_928_673_233_974_655;
 
-/// Edges of the layers (outermost first) and the density there.
+/// The edges `x` of the layers, outermost first, and the normal density `f` at each edge.
 pub(crate) struct Layers {
     x: [f64; 257],
     f: [f64; 257],

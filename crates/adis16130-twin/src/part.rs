@@ -1,4 +1,4 @@
-//! The whole part on simulated time: the order of its events, and the signals on its wires.
+//! The whole part on simulated time: the order of the events, and the signals on the wires.
 
 use crate::adc::NEVER;
 use crate::chip::{Chip, Effect};
@@ -26,9 +26,9 @@ pub(crate) struct Part {
     faults: WireFaults,
     switched_on: bool,
     supplied: bool,
-    /// Whether bytes pass without being recorded or altered by a fault.
+    /// Whether bytes are neither recorded nor changed by a fault.
     plain: bool,
-    /// Whether a fault keeps RDY from announcing data, whatever the state of the converter.
+    /// Whether a fault keeps RDY from announcing data.
     rdy_masked: bool,
     edge_seq: u32,
     edge_ps: u64,
@@ -140,7 +140,7 @@ impl Part {
         }
     }
 
-    /// Returns the next edge at which the scaling time begins. It does not announce new data.
+    /// Returns the next edge at which the scaling time begins. This edge does not announce new data.
     fn next_scaling(&mut self, timeout_ps: u64) -> Option<(u64, u32)> {
         let deadline_ps = self.now_ps.saturating_add(timeout_ps).min(NEVER - 1);
         while self.next_event_ps <= deadline_ps || self.chip.adc.scaling_from_ps() <= deadline_ps {
@@ -167,7 +167,8 @@ impl Part {
         self.reported_seq = self.edge_seq;
     }
 
-    /// Runs until `done(level before, level now)` of RDY holds, `true` being high. Returns false after `limit_ps`.
+    /// Runs until `done(level before, level now)` of RDY holds. `true` is a high level. Returns `false` after
+    /// `limit_ps`.
     pub(crate) fn wait_rdy(&mut self, limit_ps: u64, done: impl Fn(bool, bool) -> bool) -> bool {
         let deadline_ps = self.now_ps.saturating_add(limit_ps).min(NEVER - 1);
         let mut before = self.rdy_high();
@@ -190,7 +191,7 @@ impl Part {
 
     // ---- wires ----
 
-    /// CS falls. A recording begins a new frame.
+    /// Handles a fall of CS: a recording begins a new frame.
     #[inline]
     pub(crate) fn select(&mut self) {
         if !self.plain
@@ -200,7 +201,7 @@ impl Part {
         }
     }
 
-    /// CS rises, and stays high for the gap.
+    /// Handles a rise of CS, which stays high for `gap_ps`.
     #[inline]
     pub(crate) fn deselect(&mut self) {
         self.chip.deselect();
@@ -310,7 +311,7 @@ impl Part {
         Truth::new(&self.spec, self.now_ps, &self.gyro.slow.at(self.now_ps))
     }
 
-    /// Handles a supply that may have come or gone. Either way the registers start from reset.
+    /// If the supply has come or gone, resets the registers and switches the self-heating.
     fn note_supply(&mut self) {
         let supplied = self.switched_on && self.faults.active() != Fault::Unplug;
         if supplied != self.supplied {
@@ -343,7 +344,7 @@ impl fmt::Debug for Part {
     }
 }
 
-/// The fault of the specification. A bit error rate alone is a fault, too.
+/// The fault of the specification. Without a fault, a bit error rate above zero means [`Fault::BitErrors`].
 fn pending_fault(spec: &Spec) -> Fault {
     if spec.fault == Fault::None && spec.bit_error_rate > 0.0 { Fault::BitErrors } else { spec.fault }
 }

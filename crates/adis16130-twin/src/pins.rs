@@ -1,4 +1,4 @@
-//! RDY, SYNC, self-test and the delay, as embedded-hal sees them.
+//! The pins RDY, SYNC and self-test, and the delay, with the traits of embedded-hal.
 
 use crate::part::Part;
 use alloc::rc::Rc;
@@ -28,14 +28,15 @@ macro_rules! pin {
 pin!(
     /// The data-ready pin (F-32). Reading it takes no simulated time.
     ///
-    /// Waiting lets simulated time pass at once, so a future here never pends. A wait gives up after one second of
-    /// simulated time, since nothing else could end it. A wait for an edge ends only with an edge after the call. It
-    /// discards an edge that [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) would have reported.
+    /// A wait lets simulated time pass at once, so its future is ready at once. A wait returns [`RdyTimeout`] after
+    /// one second of simulated time, since nothing else could end it. A wait for an edge ends only with an edge after
+    /// the call. It discards an edge that [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) would have
+    /// reported.
     TwinRdy
 );
 pin!(
-    /// The SYNC pin (18): with IOP.SYNC = 1 a low level holds the conversions, and the rising edge begins the sequence
-    /// anew.
+    /// The SYNC pin (18). With IOP.SYNC = 1 a low level holds the conversions, and the rising edge restarts the
+    /// sequence.
     SyncPin
 );
 pin!(
@@ -51,7 +52,7 @@ pin!(
 /// Longest wait on [`TwinRdy`], in ns of simulated time.
 pub const RDY_WAIT_LIMIT_NS: u64 = 1_000_000_000;
 
-/// The error if RDY does not change as awaited within [`RDY_WAIT_LIMIT_NS`].
+/// The error if the awaited change of RDY does not come within [`RDY_WAIT_LIMIT_NS`].
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct RdyTimeout;
 

@@ -1,4 +1,4 @@
-//! The register table, the values behind it and the checksum over the written bits.
+//! The register table, the values of the registers, and the checksum over the written bits.
 
 /// One of the two channels of the converter.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -10,12 +10,12 @@ pub(crate) enum Channel {
 impl Channel {
     pub(crate) const ALL: [Self; 2] = [Self::Rate, Self::Temp];
 
-    /// The number that the converter's own registers give the channel: 0 and 2.
+    /// The number of the channel in the part's registers: 0 for the rate, 2 for the temperature.
     pub(crate) const fn number(self) -> u8 {
         2 * self as u8
     }
 
-    /// The bit of the channel in a set of channels, as the twin stores it.
+    /// The bit of the channel in the sets of channels of this crate.
     pub(crate) const fn bit(self) -> u8 {
         1 << self as u8
     }
@@ -34,7 +34,7 @@ pub(crate) enum Register {
     Setup(Channel),
     Conversion(Channel),
     Mode,
-    /// No register is at the address. It reads 00h in one byte, and ignores one written byte.
+    /// The address has no register. A read gives one byte 00h, and a write ignores one byte.
     Unknown,
 }
 
@@ -60,8 +60,8 @@ impl Register {
         }
     }
 
-    /// Number of data bytes of a write to this register. A write to a data register has the register's width,
-    /// although it is ignored.
+    /// Number of data bytes of a write to this register. `wide` = the data registers have 24 bits. A write to a data
+    /// register has as many bytes as the register, although it is ignored.
     pub(crate) const fn write_len(self, wide: bool) -> u8 {
         match self {
             Self::Com => 0,
@@ -72,9 +72,9 @@ impl Register {
     }
 }
 
-/// IOP bit 7: P0 level.
+/// IOP bit 7: level of P0.
 pub(crate) const IOP_P0: u8 = 1 << 7;
-/// IOP bit 6: P1 level, which is pin 18.
+/// IOP bit 6: level of P1, which is pin 18.
 pub(crate) const IOP_P1: u8 = 1 << 6;
 /// IOP bit 5: P0 is an input.
 pub(crate) const IOP_P0_INPUT: u8 = 1 << 5;
@@ -99,7 +99,7 @@ pub(crate) const MODE_24BIT: u8 = 1 << 1;
 /// MODE bit 0: out-of-range codes saturate instead of wrapping.
 pub(crate) const MODE_CLAMP: u8 = 1 << 0;
 
-/// Value of the revision register: that of an AD7732.
+/// Value of the revision register of an AD7732.
 const REVISION: u8 = 0x24;
 
 /// The registers that keep the values written to them.
@@ -136,7 +136,7 @@ impl Registers {
         if word & CONVERSION_CHOP != 0 { filter * 128 + 248 + both } else { filter * 64 + 206 + both }
     }
 
-    /// Completes a write. Returns whether the register takes it.
+    /// Completes a write. Returns whether the register can be written.
     pub(crate) fn write(&mut self, register: Register, value: u16) -> bool {
         let byte = value as u8;
         match register {
@@ -150,7 +150,7 @@ impl Registers {
         true
     }
 
-    /// Value of an 8-bit register that is kept here, and 00h for any other. `p1` is the level of pin 18.
+    /// Value of an 8-bit register of this structure, or 00h for any other register. `p1` is the level of pin 18.
     pub(crate) fn read(&self, register: Register, p1: bool) -> u8 {
         match register {
             Register::Iop => self.iop_levels(p1),
@@ -181,8 +181,8 @@ impl Registers {
 pub(crate) struct Checksum(pub(crate) u16);
 
 impl Checksum {
-    /// Takes eight bits at once. No bit that the feedback 2Dh sets is shifted out within the same byte. So the
-    /// feedback of a whole byte is the carry-less product of 2Dh and the byte shifted out.
+    /// Takes in eight bits at once. No bit that the feedback 2Dh sets is shifted out within the same byte. So the
+    /// feedback of a whole byte is the carry-less product of 2Dh and the byte that is shifted out.
     #[inline]
     pub(crate) fn take(&mut self, byte: u8) {
         let out = self.0 >> 8;

@@ -7,9 +7,10 @@ use crate::normal::{Normal, Process};
 /// Ambient temperature over time.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// [`Spec::ambient_c`] all the time.
+    /// The temperature is [`Spec::ambient_c`] all the time.
     Constant,
-    /// From [`Spec::ambient_c`] by [`Spec::ramp_c_per_min`], stopping at −40 °C or +85 °C.
+    /// The temperature starts at [`Spec::ambient_c`], changes by [`Spec::ramp_c_per_min`], and stops at −40 °C or +85
+    /// °C.
     Ramp,
     /// The chamber profile F-57, 25 → −40 → +85 → 25 °C in 175 min. [`Spec::ambient_c`] is ignored.
     Oven,
@@ -18,31 +19,31 @@ pub enum Profile {
 /// The shape of the RDY line, as the host sees it (F-32).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum RdyOutput {
-    /// High during the scaling time, low from the update until the data is read: new data at the falling edge.
+    /// High during the scaling time, low from the update until the data is read. The falling edge announces new data.
     Level,
-    /// Low during the scaling time only, as AN-1042 says ("pulses low for 26 µs"): new data at the rising edge.
+    /// Low only during the scaling time, as AN-1042 says ("pulses low for 26 µs"). The rising edge announces new data.
     Pulse,
-    /// [`RdyOutput::Level`] behind an inverting level shifter: new data at the rising edge.
+    /// [`RdyOutput::Level`] behind an inverting level shifter. The rising edge announces new data.
     Inverted,
 }
 
 /// The component between ROA1 and ROA2 (F-04).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Roa {
-    /// Nothing: 300 Hz bandwidth (F-03).
+    /// Nothing: the bandwidth is 300 Hz (F-03).
     Open,
-    /// 10 nF: 50 Hz bandwidth (F-04).
+    /// A capacitor of 10 nF: the bandwidth is 50 Hz (F-04).
     TenNanofarad,
 }
 
 /// Unwanted motion of the platform.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// At rest.
+    /// The platform is at rest.
     None,
-    /// A sine of [`Spec::sway_dps`] (peak) at [`Spec::sway_hz`].
+    /// A sine with peak [`Spec::sway_dps`] and frequency [`Spec::sway_hz`].
     Sway,
-    /// A half-sine of [`Spec::bump_dps`] (peak) lasting 0.2 s, at [`Spec::event_s`] and every 60 s after it.
+    /// A half-sine of 0.2 s with peak [`Spec::bump_dps`], at [`Spec::event_s`] and every 60 s after that.
     Bump,
 }
 
@@ -60,7 +61,7 @@ pub enum Motion {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
-    /// The seed of everything random.
+    /// The seed of all random numbers.
     pub seed: u64,
     /// Bias at 25 °C and 5 V, in °/s (M-01).
     pub bias_dps: f64,
@@ -68,13 +69,13 @@ pub struct Spec {
     pub tempco_dps_per_c: f64,
     /// Quadratic coefficient of the bias over (T − 25 °C), in °/s/°C² (M-02).
     pub curvature_dps_per_c2: f64,
-    /// Half width of the loop of the bias over temperature, in °/s (M-02).
+    /// Half width of the hysteresis loop of the bias over temperature, in °/s (M-02).
     pub hysteresis_dps: f64,
     /// Time constant by which the sensing element's temperature follows the temperature sensor's, in s.
     pub lag_s: f64,
     /// Ambient temperature, in °C (M-05).
     pub ambient_c: f64,
-    /// Rms of the ambient wander, in °C (M-05).
+    /// Rms of the random wander of the ambient temperature, in °C (M-05).
     pub ambient_wander_c: f64,
     /// Ambient temperature over time.
     pub profile: Profile,
@@ -82,7 +83,7 @@ pub struct Spec {
     pub ramp_c_per_min: f64,
     /// Self-heating in thermal balance, in °C (M-03).
     pub warmup_c: f64,
-    /// Time constant of the slow share of the self-heating, in s; the fast one is 90/600 of it (M-03).
+    /// Time constant of the slow share of the self-heating, in s. The fast time constant is 90/600 of this (M-03).
     pub warmup_s: f64,
     /// Master clock, in Hz (M-06).
     pub mclk_hz: f64,
@@ -94,12 +95,12 @@ pub struct Spec {
     pub supply_mv: f64,
     /// Step of the supply at [`Spec::event_s`], in mV (F-01).
     pub supply_step_mv: f64,
-    /// `false` leaves the deterministic bias and the quantisation only: no white noise, resonance, flicker, random
-    /// walk, ambient wander or temperature noise. The unit stays the one that the seed drew.
+    /// `false` switches off white noise, resonance, flicker, random walk, ambient wander and temperature noise. Only
+    /// the deterministic bias and the quantisation remain. The unit is still the one that the seed draws.
     pub noise: bool,
     /// Floor of the flicker's Allan deviation, 0.664·B, in °/s (M-04).
     pub flicker_floor_dps: f64,
-    /// Frequency below which the flicker becomes flat, in Hz (M-04).
+    /// Frequency below which the spectrum of the flicker is flat, in Hz (M-04).
     pub flicker_hz: f64,
     /// Rate random walk, in °/s/√s (M-04).
     pub rrw_dps_per_rt_s: f64,
@@ -115,14 +116,14 @@ pub struct Spec {
     pub rotation_dps: f64,
     /// Motion of the platform.
     pub motion: Motion,
-    /// Peak of [`Motion::Sway`], in °/s.
+    /// Peak rate of [`Motion::Sway`], in °/s.
     pub sway_dps: f64,
     /// Frequency of [`Motion::Sway`], in Hz.
     pub sway_hz: f64,
-    /// Peak of [`Motion::Bump`], in °/s.
+    /// Peak rate of [`Motion::Bump`], in °/s.
     pub bump_dps: f64,
-    /// Probability that a bit flips on its way, in either direction. With [`Fault::BitErrors`], zero means 10⁻⁶.
-    /// Without a fault, a value above zero turns bit errors on. Other faults ignore it.
+    /// Probability that a bit on SDI or SDO flips. With [`Fault::BitErrors`], zero means 10⁻⁶. Without a fault, a
+    /// value above zero turns bit errors on. With other faults the value has no effect.
     pub bit_error_rate: f64,
     /// The fault. It begins at [`Spec::fault_at_s`].
     pub fault: Fault,
@@ -141,10 +142,10 @@ pub struct Spec {
 }
 
 impl Spec {
-    /// Draws the unit of this seed by M-01…M-08.
+    /// Draws the unit of this seed from the distributions of M-01 to M-08.
     pub fn from_seed(seed: u64) -> Self {
         let mut unit = Normal::new(seed, Process::Unit);
-        // The order of these draws is part of the meaning of a seed.
+        // Do not change the order of these draws: another order would give each seed another unit.
         let bias = unit.sample();
         let tempco = unit.sample();
         let curvature = unit.sample();

@@ -1,4 +1,4 @@
-//! The SPI port as embedded-hal devices.
+//! The SPI port, with the blocking and the async trait of embedded-hal.
 
 use crate::part::Part;
 use alloc::rc::Rc;

@@ -32,7 +32,7 @@ pub struct LastRead {
 pub struct Reading {
     /// The content of the register in 24 bits.
     pub code: u32,
-    /// The conversion that the register announced last; `None` if there was none since the reset. With
+    /// The last conversion that was stored in the register. `None` if there was none since the reset. With
     /// [`Fault::Frozen`](crate::Fault::Frozen) the code is older than this conversion.
     pub conversion: Option<Conversion>,
     /// Whether the input was out of range, so that the code has wrapped or saturated (F-35).

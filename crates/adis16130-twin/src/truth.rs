@@ -12,8 +12,8 @@ use crate::spec::Spec;
 /// bias(T) = (1 + s)·(initial + supply + f(T) + branch + random walk).
 ///
 /// Flicker and white noise are noise, not bias. Rotation and other motion are not bias either. T is the temperature
-/// that the part reports, in balance: a lag between sensor and element is an error of the measurement, not part of the
-/// truth.
+/// that the part reports in thermal balance. A lag between sensor and element is an error of the measurement, not part
+/// of the truth.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Truth {
     /// The time of this state, in ns from the start.
@@ -38,7 +38,7 @@ pub struct Truth {
     pub ambient_c: f64,
     /// Temperature of the temperature sensor, without its noise, in °C.
     pub sensor_c: f64,
-    /// Temperature of the sensing element, in °C. It is the sensor's unless there is a lag.
+    /// Temperature of the sensing element, in °C. Without a lag it equals `sensor_c`.
     pub element_c: f64,
 }
 
@@ -68,12 +68,12 @@ impl Truth {
         (1.0 + self.sensitivity_error) * sum_dps
     }
 
-    /// The PBC that a perfect measurement would find at T3 (F-50): minus the slow bias there, in °/s.
+    /// The PBC that a perfect measurement would find at T3 (F-50), in °/s: minus the slow bias at T3.
     pub fn pbc_dps(&self, t3_c: f64) -> f64 {
         -self.bias_dps(t3_c)
     }
 
-    /// The BTC that a perfect measurement would find at T3 (F-50): minus the slope of the bias there, in °/s/°C.
+    /// The BTC that a perfect measurement would find at T3 (F-50), in °/s/°C: minus the slope of the bias at T3.
     pub fn btc_dps_per_c(&self, t3_c: f64) -> f64 {
         let slope = self.tempco_dps_per_c + 2.0 * self.curvature_dps_per_c2 * (t3_c - TEMP_AT_ZERO_CODE_C);
         -(1.0 + self.sensitivity_error) * slope

@@ -1,4 +1,4 @@
-//! The twin and its handles.
+//! The twin, and the functions that make its SPI port and pins.
 
 use crate::adc::NEVER;
 use crate::fault::Fault;
@@ -17,22 +17,22 @@ use core::cell::RefCell;
 pub struct TwinEdge {
     /// Simulated time of the edge, in ns from the start.
     pub t_ns: u64,
-    /// Running number of the edge, which wraps. Edges that announce new data are counted even if not reported, the
-    /// others only if reported.
+    /// Running number of the edge, which wraps. Edges that announce new data count even if they are not reported. The
+    /// other edges count only if they are reported.
     pub seq: u32,
 }
 
-/// The simulated part. This is a handle, and clones of it are handles of the same part.
+/// The simulated part. This is a handle, and its clones are handles of the same part.
 ///
-/// Simulated time starts at 0 with the supply switched on. It passes only by SPI frames, by [`TwinDelay`], by waiting
-/// for RDY and by [`Twin::advance_ns`].
+/// Simulated time starts at 0 with the supply switched on. Only SPI frames, [`TwinDelay`], waits for RDY and
+/// [`Twin::advance_ns`] let it pass.
 #[derive(Clone, Debug)]
 pub struct Twin {
     part: Rc<RefCell<Part>>,
 }
 
 impl Twin {
-    /// Makes a part by this specification, just switched on.
+    /// Makes the part of this specification, just switched on.
     pub fn new(spec: Spec) -> Self {
         Self { part: Rc::new(RefCell::new(Part::new(spec))) }
     }
@@ -62,38 +62,38 @@ impl Twin {
         SyncPin::new(&self.part)
     }
 
-    /// Simulated time, in ns from the start.
+    /// The present simulated time, in ns from the start.
     pub fn now_ns(&self) -> u64 {
         self.part.borrow().now_ps / 1000
     }
 
-    /// Lets simulated time pass.
+    /// Lets `ns` nanoseconds of simulated time pass.
     pub fn advance_ns(&self, ns: u64) {
         self.part.borrow_mut().advance_ps(ns.saturating_mul(1000));
     }
 
-    /// The latest edge of RDY that announced new data and was not reported yet, like an interrupt flag that is still
-    /// set. It is the falling edge, unless [`Spec::rdy`] sets a line whose rising edge announces new data. If all
-    /// edges were reported, lets time pass to the next one. `None` after `timeout_ns` of simulated time without an
-    /// edge.
+    /// Returns the latest edge of RDY that announced new data and was not reported yet, like an interrupt flag that is
+    /// still set. This is a falling edge, unless [`Spec::rdy`] sets a line whose rising edge announces new data. If
+    /// all edges were reported, lets time pass to the next one. Returns `None` after `timeout_ns` of simulated time
+    /// without an edge.
     #[inline]
     pub fn next_falling_edge(&self, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_falling_edge(timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// The next rising or falling edge of RDY, whose shape [`Spec::rdy`] sets. One of the two announces new data. The
-    /// other comes 27 µs before new data, when the scaling time begins (F-32). Past edges that announced new data and
-    /// were not reported are handled as by [`Twin::next_falling_edge`]. `None` after `timeout_ns` of simulated time
-    /// without an edge.
+    /// Returns the next rising or falling edge of RDY, whose shape [`Spec::rdy`] sets. One of the two kinds announces
+    /// new data. The other kind comes 27 µs before new data, when the scaling time begins (F-32). Past edges that
+    /// announced new data and were not reported are handled as by [`Twin::next_falling_edge`]. Returns `None` after
+    /// `timeout_ns` of simulated time without an edge.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// The time at which the part next acts by itself (a conversion ends, a fault sets in), in ns from the start,
-    /// rounded up; `None` if never. New data is announced at such times, so a loop that lets simulated time follow the
-    /// wall clock can sleep until then.
+    /// The time of the next event without bus traffic (a conversion ends, a fault sets in), in ns from the start,
+    /// rounded up. `None` if there will be no event. New data is announced at such times, so a loop that lets
+    /// simulated time follow the wall clock can sleep until then.
     pub fn next_event_ns(&self) -> Option<u64> {
         match self.part.borrow().next_event_ps() {
             NEVER => None,
@@ -106,12 +106,12 @@ impl Twin {
         self.part.borrow_mut().truth()
     }
 
-    /// Switches the supply off: SDO reads all ones, RDY is high, the part cools. The slow processes go on.
+    /// Switches the supply off. SDO then reads all ones, RDY is high, and the part cools. The slow processes go on.
     pub fn power_off(&self) {
         self.part.borrow_mut().switch(false);
     }
 
-    /// Switches the supply on again: registers at reset, conversions stopped.
+    /// Switches the supply on again. The registers then have their reset values, and nothing is converted.
     pub fn power_on(&self) {
         self.part.borrow_mut().switch(true);
     }
@@ -141,24 +141,25 @@ impl Twin {
         self.part.borrow().spec.clone()
     }
 
-    /// Sets the fault from now on, instead of the present one. [`Fault::None`] mends the wires. It does not restore
-    /// the registers that a brown-out has reset.
+    /// Replaces the present fault by this one. [`Fault::None`] repairs the wires, but does not restore the registers
+    /// that a brown-out has reset.
     pub fn set_fault(&self, fault: Fault) {
         self.part.borrow_mut().set_fault(fault);
     }
 
-    /// Plugs the cable in again after [`Fault::Unplug`]: registers at reset.
+    /// Plugs the cable in again after [`Fault::Unplug`]. The registers then have their reset values.
     pub fn replug(&self) {
         self.part.borrow_mut().replug();
     }
 
-    /// Moves the air around the part to a temperature, in °C, linearly within `over_s` seconds. The change begins
-    /// within 8 ms. The air then stays there, apart from the wander. [`Spec::profile`] has no effect after this call.
+    /// Changes the ambient temperature linearly to `temp_c`, in °C, within `over_s` seconds. The change begins within
+    /// 8 ms. The temperature then stays constant, apart from the wander. [`Spec::profile`] has no effect after this
+    /// call.
     pub fn set_ambient(&self, temp_c: f64, over_s: f64) {
         self.part.borrow_mut().set_ambient(temp_c, over_s);
     }
 
-    /// Moves the platform from now on (within 8 ms), or brings it to rest.
+    /// Sets the motion of the platform. The change begins within 8 ms.
     pub fn set_motion(&self, motion: Motion) {
         self.part.borrow_mut().set_motion(motion);
     }

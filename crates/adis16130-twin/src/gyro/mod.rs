@@ -41,7 +41,8 @@ impl Gyro {
         }
     }
 
-    /// Sets the sampling period. The temperature noise is white up to half the sampling rate: sd = n/√(2·period).
+    /// Sets the sampling period. The temperature noise of density n is white up to half the sampling rate, so its
+    /// standard deviation is n/√(2·period).
     pub(crate) fn set_period_ps(&mut self, period_ps: u64) {
         let period_s = period_ps as f64 * 1e-12;
         self.temp_sd_c = self.temp_noise_c_per_rt_hz / libm::sqrt(2.0 * period_s);
@@ -75,7 +76,7 @@ impl Gyro {
 /// Returns the code that is nearest to the zero code plus `lsb`.
 #[inline]
 fn quantise(lsb: f64) -> i64 {
-    // Truncation rounds positive numbers down, and BIAS makes the number positive.
+    // `as i64` truncates, which rounds positive numbers down. BIAS makes the number positive.
     const BIAS: i64 = 1 << 40;
     (lsb + (BIAS as f64 + 0.5)) as i64 - BIAS + i64::from(facts::ZERO_CODE)
 }

@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 const BUMP_S: f64 = 0.2;
 const BUMP_EVERY_S: f64 = 60.0;
 
-/// Rotation about the sensitive axis over time.
+/// The rotation of the platform about the sensitive axis over time.
 pub(crate) struct Platform {
     rotation_dps: f64,
     motion: Motion,
@@ -45,7 +45,7 @@ impl Platform {
     }
 }
 
-/// The value of periodic bumps of height 1 at `since_first_s` after the first bump began.
+/// Periodic half-sine bumps with a peak of 1, at the time `since_first_s` after the first bump began.
 fn half_sine(since_first_s: f64) -> f64 {
     let since_s = libm::fmod(since_first_s, BUMP_EVERY_S);
     if since_first_s < 0.0 || since_s > BUMP_S {

@@ -115,7 +115,7 @@ impl Resonance {
 /// sin(2π·phase/2⁶⁴) to within 4·10⁻⁶: the Taylor polynomial of degree 9 over ±π/2.
 #[inline]
 fn sine(phase: u64) -> f64 {
-    // Reflection about a quarter turn: the phase seen as signed is in ±½ turn; fold it into ±¼ turn.
+    // As a signed number the phase is within ±½ turn. A reflection about a quarter turn brings it within ±¼ turn.
     let signed = phase as i64;
     let folded = if (phase.wrapping_add(1 << 62) as i64) < 0 { i64::MIN.wrapping_sub(signed) } else { signed };
     let x = folded as f64 * (2.0 * PI / 18_446_744_073_709_551_616.0);
@@ -126,8 +126,8 @@ fn sine(phase: u64) -> f64 {
 /// Upper end of the flicker's band, in Hz.
 const FLICKER_TOP_HZ: f64 = 10.0;
 
-/// Flicker with one-sided density S(f) = B²/(π·f) between `flicker_hz` and 10 Hz. S is flat below, and falls as 1/f²
-/// above.
+/// Flicker with one-sided density S(f) = B²/(π·f) between `flicker_hz` and 10 Hz. Below this band S is flat, and above
+/// it S falls as 1/f².
 ///
 /// It is a sum of Ornstein-Uhlenbeck processes. The band is cut into cells of equal ratio r ≤ 2. Each cell has one
 /// process, whose corner is at the cell's geometric centre and whose variance is (B²/π)·ln r. The processes start from
@@ -152,7 +152,7 @@ impl Flicker {
         Self { parts, normal }
     }
 
-    /// The value one tick later, in °/s.
+    /// Advances one tick. Returns the new value, in °/s.
     pub(crate) fn step(&mut self) -> f64 {
         let normal = &mut self.normal;
         self.parts.iter_mut().map(|part| part.step(normal)).sum()
@@ -187,7 +187,7 @@ impl OrnsteinUhlenbeck {
     }
 }
 
-/// Rate random walk, from zero (M-04).
+/// Rate random walk, which starts at zero (M-04).
 pub(crate) struct RandomWalk {
     pub(crate) value: f64,
     kick: f64,

@@ -1,4 +1,5 @@
-//! The slow processes (temperatures, bias, flicker, motion), on a tick of their own that bus traffic cannot shift.
+//! The slow processes: temperatures, bias, flicker and motion. They have their own tick, which bus traffic cannot
+//! shift.
 
 use super::motion::Platform;
 use super::noise::{Flicker, RandomWalk};
@@ -14,7 +15,7 @@ pub(crate) const TICK_PS: u64 = 4_000_000_000;
 /// The slow quantities at one instant.
 #[derive(Copy, Clone, Default)]
 pub(crate) struct Point {
-    /// The rate at the output without fast noise and self-test, in °/s.
+    /// The rate at the output without white noise, resonance and self-test, in °/s.
     pub(crate) rate_dps: f64,
     pub(crate) sensor_c: f64,
     pub(crate) element_c: f64,
@@ -80,7 +81,7 @@ impl Slow {
         }
     }
 
-    /// The rate at `t_ps` without fast noise and self-test, in °/s.
+    /// The rate at `t_ps` without white noise, resonance and self-test, in °/s.
     #[inline]
     pub(crate) fn rate_dps(&mut self, t_ps: u64) -> f64 {
         self.follow(t_ps);
@@ -117,7 +118,7 @@ impl Slow {
         self.thermal.set_powered(powered);
     }
 
-    /// Moves the ambient temperature to `to_c` within `over_s` from the next tick after `t_ps` on.
+    /// Changes the ambient temperature to `to_c`, °C, within `over_s` seconds, from the next tick after `t_ps` on.
     pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_ps: u64) {
         self.follow(t_ps);
         self.thermal.set_ambient(to_c, over_s, self.ticks as f64 * seconds(self.tick_ps));
@@ -143,7 +144,7 @@ impl Slow {
         self.right = self.point(t_s);
     }
 
-    /// Evaluates the processes, which have advanced to `t_s`.
+    /// Evaluates all processes at `t_s`, to which they have advanced.
     fn point(&mut self, t_s: f64) -> Point {
         let (flicker_dps, walk_dps) = match &self.noises {
             Some((flicker, walk)) => (flicker.value(), walk.value),

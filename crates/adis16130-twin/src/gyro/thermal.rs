@@ -48,8 +48,8 @@ impl Thermal {
         self.powered = powered;
     }
 
-    /// Moves the ambient temperature linearly to `to_c` in `over_s`, from `t_s` on, and holds it there. The profile no
-    /// longer counts.
+    /// Changes the ambient temperature linearly to `to_c`, °C, within `over_s` seconds from `t_s` on, and holds it
+    /// there instead of the profile.
     pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_s: f64) {
         let from_c = self.ambient.at(t_s);
         self.ambient.outside = Some(Outside { from_c, to_c, from_s: t_s, over_s: over_s.max(0.0) });
@@ -89,7 +89,7 @@ struct Ambient {
     profile: Profile,
     start_c: f64,
     ramp_c_per_s: f64,
-    /// A temperature that was set from outside, in place of the profile.
+    /// A temperature set by [`Thermal::set_ambient`], in place of the profile.
     outside: Option<Outside>,
 }
 
@@ -123,7 +123,7 @@ impl Ambient {
         }
         match self.profile {
             Profile::Constant => self.start_c,
-            // The ramp stops at the end of the range of F-08. If it starts beyond this end, it stays constant.
+            // The ramp stops at the end of the range of F-08. If the ramp starts beyond this end, it stays constant.
             Profile::Ramp if self.ramp_c_per_s > 0.0 => {
                 (self.start_c + self.ramp_c_per_s * t_s).min(self.start_c.max(85.0))
             }
@@ -146,12 +146,11 @@ fn oven_c(minutes: f64) -> f64 {
     before.1
 }
 
-/// The temperature part of the bias, f(T) = tempco·(T − 25) + curvature·(T − 25)², and the play with which the bias
-/// follows it.
+/// The temperature part of the bias, f(T) = tempco·(T − 25) + curvature·(T − 25)², with hysteresis by play.
 ///
-/// The play is in units of bias. The bias p stays constant while its distance from f(T) is at most h, and is dragged
-/// along at that distance otherwise. So a temperature cycle traces a loop of half width h = `hysteresis_dps` with any
-/// coefficients. The *branch offset* p − f(T) is −h after warming and +h after cooling where f rises. It starts at 0.
+/// The bias p stays constant while its distance from f(T) is at most h = `hysteresis_dps`. Otherwise it follows f(T)
+/// at that distance. So a temperature cycle traces a loop of half width h with any coefficients. The *branch offset* p
+/// − f(T) is −h after warming and +h after cooling where f rises. It starts at 0.
 pub(crate) struct TemperatureBias {
     tempco: f64,
     curvature: f64,

@@ -7,7 +7,7 @@ use embedded_hal::spi::SpiDevice;
 pub const INIT: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
 const TIMEOUT_NS: u64 = 10_000_000;
 
-/// The typical unit, without noise, hysteresis and drift with temperature. MCLK is 6.000 MHz, the bias 0.
+/// The typical unit without noise, hysteresis and temperature coefficient. MCLK is 6.000 MHz, and the bias is 0.
 pub fn quiet() -> Spec {
     Spec { noise: false, tempco_dps_per_c: 0.0, hysteresis_dps: 0.0, ..Spec::typical() }
 }
@@ -18,27 +18,27 @@ pub struct Host {
 }
 
 impl Host {
-    /// A twin that was just switched on.
+    /// Makes a host of a twin that was just switched on.
     pub fn new(spec: Spec) -> Self {
         let twin = Twin::new(spec);
         Self { spi: twin.spi(), twin }
     }
 
-    /// A twin that was initialised by F-30.
+    /// Makes a host of a twin that was initialised by F-30.
     pub fn started(spec: Spec) -> Self {
         let mut host = Self::new(spec);
         host.send(&INIT);
         host
     }
 
-    /// Sends each byte in a frame of its own.
+    /// Sends each byte in its own frame of CS.
     pub fn send(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.spi.write(&[*byte]).unwrap();
         }
     }
 
-    /// Reads with a frame per byte.
+    /// Reads `N` bytes of a register, each in its own frame of CS.
     pub fn read<const N: usize>(&mut self, address: u8) -> [u8; N] {
         self.send(&[0x40 | address]);
         let mut data = [0];
@@ -82,12 +82,12 @@ impl Host {
     }
 }
 
-/// The rate of a code, in °/s (F-40).
+/// Converts a rate code to °/s (F-40).
 pub fn dps(code24: u32) -> f64 {
     (f64::from(code24) - 8_388_608.0) / 23_488.0
 }
 
-/// The temperature of a code, in °C (F-41).
+/// Converts a temperature code to °C (F-41).
 pub fn celsius(code24: u32) -> f64 {
     (f64::from(code24) - 8_388_608.0) / 14_093.0 + 25.0
 }

@@ -1,9 +1,9 @@
-//! The same seed gives the same bytes, on this and on every machine.
+//! The same seed gives the same bytes on every machine.
 
 use crate::bus::Host;
 use adis16130_twin::Spec;
 
-/// FNV-1a over the codes and times of the first pairs.
+/// Hash (FNV-1a) of the codes and times of the first pairs of readings.
 fn fingerprint(spec: Spec, pairs: usize) -> u64 {
     let mut host = Host::started(spec);
     let mut hash = 0xCBF2_9CE4_8422_2325u64;

@@ -1,4 +1,4 @@
-//! The twin against `docs/facts.md`: every number here is written down from the facts again, not taken from the twin.
+//! Compares the twin with `docs/facts.md`. Every number in these tests comes from the facts, not from the twin.
 
 mod bus;
 mod determinism;

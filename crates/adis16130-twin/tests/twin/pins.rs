@@ -1,4 +1,4 @@
-//! RDY as the async trait sees it, and the delay.
+//! RDY by its blocking and async traits, the async SPI port, and the delay.
 
 use crate::bus::{Host, quiet};
 use adis16130_twin::{RdyOutput, RdyTimeout, Spec};
@@ -10,7 +10,7 @@ use embedded_hal::digital::InputPin;
 use embedded_hal_async::digital::Wait;
 use embedded_hal_async::spi::SpiDevice;
 
-/// The twin's futures never pend.
+/// Returns the output of a future of the twin, which is ready at once.
 fn run<F: Future>(future: F) -> F::Output {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(output) => output,

@@ -3,7 +3,7 @@
 use crate::bus::{Host, INIT, quiet};
 use embedded_hal::digital::OutputPin;
 
-/// Address, reset value, bits that can be written.
+/// Address, reset value, and mask of the bits that can be written.
 const TABLE: [(u8, u8, u8); 12] = [
     (0x01, 0x70, 0x3F), // IOP: 30h, and pin 18 is high; P0 and P1 are inputs
     (0x02, 0x24, 0x00),

@@ -5,7 +5,7 @@ use adis16130_twin::{Profile, Spec, Truth, Twin};
 
 const SECOND: u64 = 1_000_000_000;
 
-/// The truth of an idle twin, `seconds` from the start.
+/// Lets time pass up to `seconds` from the start. Returns the truth at that time.
 fn at(twin: &Twin, seconds: u64) -> Truth {
     twin.advance_ns(seconds * SECOND - twin.now_ns());
     twin.truth()

@@ -1,11 +1,11 @@
-//! F-31, F-32, F-33: when conversions end, when RDY moves, what gets lost.
+//! The times at which conversions end (F-31) and RDY changes (F-32), and lost samples (F-33).
 
 use crate::bus::{Host, INIT, dps, quiet};
 use adis16130_twin::{Motion, Spec};
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal::spi::SpiDevice;
 
-/// Number of edges per simulated second if `read` is called after each.
+/// Number of edges of RDY per simulated second, with a call of `read` after each edge.
 fn edges_per_second(host: &mut Host, mut read: impl FnMut(&mut Host)) -> f64 {
     host.edge();
     read(host);
