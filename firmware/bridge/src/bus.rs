@@ -1,5 +1,5 @@
-//! The part's bus: an SPI controller, CS, the self-test pin, a clock that can be set, and the edge of RDY that counts
-//! as "new data".
+//! The part's bus: an SPI controller whose clock can be set, CS, the self-test pin, and the choice of the edge of RDY
+//! that announces new data.
 
 use core::convert::Infallible;
 
@@ -11,7 +11,7 @@ use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
 
 use crate::Link;
 
-/// The part, alone on an SPI controller.
+/// The bus of a part that is alone on an SPI controller.
 pub struct PartBus<B, CS, ST> {
     device: ExclusiveDevice<B, CS, NoDelay>,
     set_clock: fn(&mut B, u32) -> u32,
@@ -20,9 +20,9 @@ pub struct PartBus<B, CS, ST> {
 }
 
 impl<B: SpiBus, CS: OutputPin<Error = Infallible>, ST: OutputPin<Error = Infallible>> PartBus<B, CS, ST> {
-    /// Makes the bus from a controller in mode 3, MSB first (F-20), and the pin of CS. It also takes a function for
-    /// [`Bus::set_sclk_hz`] with clocks up to [`MAX_SCLK_HZ`], the pin that drives the self-test pins (F-11), and the
-    /// link of the [`watch`](crate::sampling::watch) of RDY. Leaves CS high.
+    /// Makes the bus from a controller in mode 3, MSB first (F-20), and the pin of CS. `set_clock` carries out
+    /// [`Bus::set_sclk_hz`] for clocks up to [`MAX_SCLK_HZ`]. `self_test` drives the self-test pins (F-11). `link` is
+    /// the link that [`watch`](crate::sampling::watch) uses. Leaves CS high.
     pub fn new(controller: B, cs: CS, set_clock: fn(&mut B, u32) -> u32, self_test: ST, link: &'static Link) -> Self {
         let Ok(device) = ExclusiveDevice::new_no_delay(controller, cs);
         Self { device, set_clock, self_test, link }

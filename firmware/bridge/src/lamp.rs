@@ -1,4 +1,4 @@
-//! The LED, which shows the state of the bridge across a room.
+//! Shows the state of the bridge with the LED.
 
 use embassy_time::{Duration, Timer};
 
@@ -7,7 +7,7 @@ use crate::Link;
 /// Duration of a tick. A pattern has eight ticks, and repeats every second.
 const TICK: Duration = Duration::from_millis(125);
 
-/// Shows the state. `light` turns the LED on or off.
+/// Shows the state of `link`. `light` turns the LED on or off.
 pub async fn run(mut light: impl FnMut(bool), link: &Link) -> ! {
     let mut tick = 0_u8;
     loop {

@@ -1,7 +1,7 @@
 //! The code that the boards share: a bridge (`docs/formats/bridge.md`) without its pins.
 //!
-//! [`sampling`] reads the part. It runs in an interrupt, above [`port`], which carries bytes over USB when there is
-//! time. They share a [`Link`] and nothing else.
+//! [`sampling`] reads the part. It runs in an interrupt with a higher priority than [`port`], which carries bytes over
+//! USB. The two share a [`Link`] and nothing else.
 
 #![no_std]
 

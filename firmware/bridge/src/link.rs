@@ -1,4 +1,4 @@
-//! The data that pass between the port and the sampling side.
+//! The data that pass between the USB port and the sampling side.
 
 use core::cell::Cell;
 
@@ -12,20 +12,20 @@ use embassy_time::{Duration, with_timeout};
 
 use crate::state::State;
 
-/// Longest time between two calls that feed the watchdog, while nothing happens.
+/// Longest time between two calls that feed the watchdog while no event comes.
 pub const SIGN_OF_LIFE: Duration = Duration::from_millis(250);
 
-/// Size of the queue to the host, bytes: 0.17 s at the full rate with a temperature in every sample.
+/// Size of the queue to the host, bytes. It holds 0.17 s at the full rate with a temperature in every sample.
 const TO_HOST: usize = 32 * 1024;
 
 /// Size of the queue to the sampling side, bytes. A host waits for each answer, so it sends less than this.
 const FROM_HOST: usize = 256;
 
-/// Queues and signals between the port and the sampling side, and the state that the LED shows.
+/// Queues and signals between the USB port and the sampling side, and the state that the LED shows.
 pub struct Link {
-    /// The last edge of RDY that was not handled yet. Its number counts all edges before it.
+    /// The last edge of RDY that was not handled yet. The number of the edge counts the earlier edges, too.
     pub(crate) edge: Signal<CriticalSectionRawMutex, Edge>,
-    /// A kind of edge that the host has chosen as "new data", until `watch` uses it.
+    /// The kind of edge that announces new data, as the host has chosen it. `watch` takes it from here.
     pub(crate) heard: Signal<CriticalSectionRawMutex, RdyEdge>,
     pub(crate) gone: Signal<CriticalSectionRawMutex, ()>,
     pub(crate) from_host: Pipe<CriticalSectionRawMutex, FROM_HOST>,
@@ -40,7 +40,7 @@ impl Default for Link {
 }
 
 impl Link {
-    /// An empty link, over which nothing has passed yet.
+    /// Makes an empty link.
     pub const fn new() -> Self {
         Self {
             edge: Signal::new(),
@@ -66,8 +66,8 @@ impl Link {
     }
 
     /// Queues a message for the host. A sample that does not fit whole is dropped, which the number of the next sample
-    /// shows. Any other message waits for space, until the host reads or leaves, and calls `alive` meanwhile. Call it
-    /// from one task only.
+    /// shows. For any other message the call waits for space, until the host reads or leaves, and calls `alive` in the
+    /// meantime. Call it from one task only.
     pub(crate) async fn send(&self, message: &Message<'_>, mut alive: impl FnMut()) {
         let mut room = [0; MAX_FRAME];
         let Ok(frame) = encode(message, &mut room) else { return };
@@ -83,14 +83,14 @@ impl Link {
         }
     }
 
-    /// Tells the sampling side that the host is gone. Empties the queue to the host, in case a message waits for
+    /// Tells the sampling side that the host is gone. Empties the queue to the host, so that no message waits for
     /// space.
     pub(crate) fn hang_up(&self) {
         self.gone.signal(());
         self.to_host.clear();
     }
 
-    /// Empties both queues. The zero for the next host ends the frame that the port may have cut off.
+    /// Empties both queues. Then queues a zero for the next host, which ends a frame that the port may have cut off.
     pub(crate) async fn clear(&self) {
         self.from_host.clear();
         self.to_host.clear();

@@ -1,4 +1,4 @@
-//! The port: a USB CDC ACM device that carries bytes both ways while a host has it open.
+//! The port: a USB CDC ACM device, which carries bytes both ways while a host has it open.
 
 use embassy_futures::join::join;
 use embassy_futures::select::select3;
@@ -24,7 +24,7 @@ struct Buffers {
 
 static BUFFERS: StaticCell<Buffers> = StaticCell::new();
 
-/// Runs the device, which hosts recognise by its serial number. Call it once.
+/// Runs the USB device. Hosts recognise the device by its serial number. Call it once.
 pub async fn run(driver: impl Driver<'static>, serial: Option<&'static str>, link: &Link) -> ! {
     let buffers =
         BUFFERS.init_with(|| Buffers { configuration: [0; 128], bos: [0; 32], control: [0; 64], state: State::new() });
@@ -39,7 +39,7 @@ pub async fn run(driver: impl Driver<'static>, serial: Option<&'static str>, lin
     join(enumerate(&mut device, link), carry(class, link)).await.0
 }
 
-/// Enumerates the device. A bus without traffic means that the host sleeps or the cable is out.
+/// Handles the enumeration of the device. If the bus has no traffic, the host sleeps or the cable is unplugged.
 async fn enumerate<D: Driver<'static>>(device: &mut UsbDevice<'static, D>, link: &Link) -> ! {
     loop {
         device.run_until_suspend().await;
@@ -67,7 +67,7 @@ async fn until_open(control: &ControlChanged<'_>, open: bool) {
 
 /// Sends the queued bytes to the host, until the device is disconnected.
 async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) {
-    // never a full packet, because a host waits for more after one
+    // never a full packet, after which the host would wait for more bytes
     let mut packet = [0; PACKET - 1];
     loop {
         let len = link.to_host.read(&mut packet).await;
@@ -85,13 +85,13 @@ async fn receive<D: Driver<'static>>(receiver: &mut Receiver<'static, D>, link: 
     }
 }
 
-/// Formats a number of the chip as text for USB.
+/// Formats a unique number as hexadecimal text, the serial number of the USB device.
 pub fn hex(id: [u8; 8], room: &mut [u8; 16]) -> &str {
     for (digits, byte) in room.chunks_exact_mut(2).zip(id) {
         for (digit, value) in digits.iter_mut().zip([byte >> 4, byte & 15]) {
             *digit = if value < 10 { b'0' + value } else { b'A' - 10 + value };
         }
     }
-    // digits and capital letters are text
+    // digits and capital letters are always valid UTF-8
     core::str::from_utf8(room).unwrap_or_default()
 }

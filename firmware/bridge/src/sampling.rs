@@ -1,4 +1,4 @@
-//! The sampling side: two tasks at the same priority, which is above that of USB.
+//! The sampling side: two tasks of the same priority, which is higher than the priority of USB.
 
 use core::convert::Infallible;
 
@@ -16,12 +16,12 @@ use crate::state::State;
 /// long wires and level shifters.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
 
-/// The watchdog resets the chip if nothing feeds it for this time: if a transfer never ends, or the executor stands
-/// still.
+/// The watchdog resets the chip if nothing feeds it for this time, because a transfer never ends or the executor has
+/// stopped.
 pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
-/// Numbers every edge of RDY that means "new data", and notes its time, also while the part is being read. This is the
-/// falling edge, unless a host chooses the other one (F-32).
+/// Numbers every edge of RDY that announces new data, and notes the time of the edge, also while the part is being
+/// read. These are the falling edges, unless a host chooses the rising ones (F-32).
 pub async fn watch(mut rdy: impl Wait<Error = Infallible>, link: &Link) -> ! {
     let (mut seq, mut heard) = (0_u32, RdyEdge::Falling);
     loop {
@@ -42,8 +42,8 @@ async fn next(rdy: &mut impl Wait<Error = Infallible>, kind: RdyEdge) {
     };
 }
 
-/// Owns the part: reads it at edges, and fulfils the requests of hosts. `firmware` is the name as in [`Station::new`];
-/// `alive` feeds the watchdog, and is called nowhere else.
+/// Reads the part at each edge, and answers the requests of hosts. Only this task uses the bus of the part. `firmware`
+/// is the name for [`Station::new`]. `alive` feeds the watchdog, which nothing else does.
 pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link, mut alive: impl FnMut()) -> ! {
     let sclk_hz = bus.set_sclk_hz(FIRST_SCLK_HZ);
     let mut station = Station::new(bus, sclk_hz, firmware);

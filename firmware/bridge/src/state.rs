@@ -1,20 +1,20 @@
 //! The state of the bridge, and how the LED shows it.
 
-/// What the bridge is doing. Each state has its own pattern of the LED.
+/// The state of the bridge. Each state has its own pattern of the LED.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// No host has asked for anything: a flash every second.
+    /// No host has sent a request. The LED flashes once a second.
     Idle,
-    /// A host is there, and nothing is sampled: on.
+    /// A host has sent a request, and the bridge does not sample. The LED is on.
     Ready,
-    /// Samples are taken: half a second on, half a second off.
+    /// The bridge samples. The LED is on for half a second, and off for half a second.
     Sampling,
-    /// Sampling has ended, because the part no longer answers as it should: four flashes a second.
+    /// Sampling has ended, because the part no longer answers as it should. The LED flashes four times a second.
     Failed,
 }
 
 impl State {
-    /// True if the LED is lit at a tick, counted from 0.
+    /// Whether the LED is lit at a tick of 125 ms, counted from 0. The pattern repeats after eight ticks.
     pub const fn is_lit(self, tick: u8) -> bool {
         let pattern: u8 = match self {
             Self::Idle => 0b0000_0001,

@@ -1,4 +1,4 @@
-//! Tests of the sampling side on the host: a twin is on its bus, and the test replaces the port.
+//! Tests of the sampling side, run on the host. The part is a twin, and the test replaces the USB port.
 
 extern crate std;
 
@@ -245,7 +245,7 @@ impl Bench {
         assert!(poll(self.serve.as_mut()).is_pending());
     }
 
-    /// Takes the queued bytes, and the bytes that wait for space behind them.
+    /// Takes the queued bytes, and the bytes that were waiting for space in the queue.
     fn bytes(&mut self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut some = [0; 63];
@@ -315,7 +315,7 @@ impl Bus for HungBus {
     }
 }
 
-/// A pin that falls and rises this often, without waiting.
+/// A pin with this number of falls and rises, each of which comes at once.
 struct Edges {
     falls: u32,
     rises: u32,
@@ -355,7 +355,7 @@ async fn take_one(left: &mut u32) -> Result<(), Infallible> {
     Ok(())
 }
 
-/// A pin whose level can be seen.
+/// An output pin whose level the test can read.
 #[derive(Default)]
 struct Level(Rc<Cell<bool>>);
 
@@ -375,7 +375,7 @@ impl OutputPin for Level {
     }
 }
 
-/// A controller that is never used.
+/// An SPI controller that the tests never use.
 struct NoController;
 
 impl ErrorType for NoController {

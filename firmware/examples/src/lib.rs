@@ -1,21 +1,21 @@
-//! Code that the examples share: the polled loop, the correction of the unit, exported from `unit.toml`, and the
-//! pauses between attempts.
+//! Code that the examples share: the polled loop, the correction that was exported from `unit.toml`, and the pauses
+//! between attempts to restart the part.
 
 #![no_std]
 
 pub mod polled;
-/// Made by `zerorate export unit.toml --format rust`.
+/// The correction of a unit, written by `zerorate export unit.toml --format rust`.
 pub mod unit;
 
-/// Pauses between attempts to bring the part back: 10 ms, doubled up to 1.28 s, so that a dead part does not cause a
-/// storm on the bus.
+/// Pauses between attempts to restart the part: 10 ms, doubled up to 1.28 s. So a dead part does not keep the bus
+/// busy.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BackOff {
     doublings: u32,
 }
 
 impl BackOff {
-    /// Starts with the shortest pause.
+    /// Makes a back-off that starts with the shortest pause.
     #[must_use]
     pub const fn new() -> Self {
         Self { doublings: 0 }
@@ -34,8 +34,8 @@ impl BackOff {
     }
 }
 
-/// The user of the rate: takes a corrected rate code, and whether the calibration holds at the temperature of the
-/// reading.
+/// Stands for the code that uses the rate. Takes a corrected rate code, and whether the calibration holds at the
+/// temperature of the reading.
 pub fn control(rate_code: u32, calibrated: bool) {
     core::hint::black_box((rate_code, calibrated));
 }
@@ -56,7 +56,7 @@ mod tests {
         assert_eq!(back_off.pause_ms(), 10);
     }
 
-    /// After a brown-out the loop gives rates again, and gives none in between.
+    /// After a brown-out the loop gives rates again. During the brown-out it gives none.
     #[test]
     fn the_polled_loop_comes_back() {
         let twin = Twin::new(Spec::from_seed(1));

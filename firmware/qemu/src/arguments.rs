@@ -1,8 +1,8 @@
-//! The command line from the emulator.
+//! Reads the command line that the emulator passes to the image.
 
 use cortex_m_semihosting::{nr, syscall1};
 
-/// The first argument, as a number.
+/// Returns the first argument as a number. `None` if it is missing or not a number.
 pub fn seed() -> Option<u64> {
     let mut text = [0_u8; 64];
     let mut block = [text.as_mut_ptr() as usize, text.len()];

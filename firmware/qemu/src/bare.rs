@@ -1,4 +1,4 @@
-//! A bus, a pin and a clock on peripheral addresses, without a vendor's library: the least that a driver can stand on.
+//! A bus, a pin and a clock on peripheral addresses, without a vendor's library. A driver needs nothing else.
 
 use core::convert::Infallible;
 use embedded_hal::digital::{self, InputPin};
@@ -34,13 +34,13 @@ pub fn put(bytes: &[u8], number: u32) {
     write(PINS, number);
 }
 
-/// Time and running number of an edge.
+/// Returns a time and a number for an edge of RDY. The compiler cannot know these values.
 #[inline(never)]
 pub fn edge() -> (u64, u32) {
     (u64::from(read(CLOCK)) << 32 | u64::from(read(CLOCK)), read(PINS))
 }
 
-/// A bus of one device. It carries out only the operations that the driver uses.
+/// The SPI bus, with one device. It carries out only the operations that the driver uses.
 #[derive(Clone, Copy, Debug)]
 pub struct Bus;
 
@@ -69,7 +69,7 @@ fn exchange(bytes: &mut [u8]) {
     }
 }
 
-/// The line of RDY.
+/// The pin of RDY.
 #[derive(Clone, Copy, Debug)]
 pub struct Line;
 

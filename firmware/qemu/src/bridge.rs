@@ -1,4 +1,4 @@
-//! A bridge whose part is the twin, on simulated time that passes as fast as the host takes samples.
+//! A bridge whose part is the twin. Simulated time passes as fast as the host takes samples.
 //!
 //! The tests of the program `zerorate` include this file too, with a socket as the port.
 
@@ -15,22 +15,22 @@ use embedded_hal_async::spi::{ErrorType, SpiDevice};
 
 /// SPI clock until a host asks for another, Hz.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
-/// Longest simulated time between two checks for requests.
+/// Longest simulated time between two checks for requests, ns.
 const LOOK_NS: u64 = 1_000_000;
 
-/// The line to the host.
+/// The connection to the host.
 pub trait Port {
     /// The error that ends the connection.
     type Closed;
 
-    /// Reads the next byte; `None` if there is none. With `wait` it waits for a byte.
+    /// Reads the next byte. Returns `None` if there is none. With `wait`, waits for a byte.
     fn read(&mut self, wait: bool) -> Result<Option<u8>, Self::Closed>;
 
     /// Sends all bytes.
     fn write(&mut self, bytes: &[u8]) -> Result<(), Self::Closed>;
 }
 
-/// Serves the host at `port` until it closes.
+/// Serves the host at `port` until the connection closes.
 pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Result<Infallible, P::Closed> {
     let bus = TwinBus { spi: twin.spi(), self_test: twin.self_test_pin() };
     let mut station = Station::new(bus, FIRST_SCLK_HZ, firmware);
@@ -38,7 +38,7 @@ pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Resu
     loop {
         while let Some(byte) = port.read(!station.is_sampling())? {
             if let Some(Ok(request)) = requests.push(byte) {
-                // time goes on while nothing is sampled, so that RDY shows the host that the part lives
+                // simulated time goes on without sampling, so that the host sees edges of RDY
                 if let Some(message) = next_edge(twin, &mut station) {
                     send(port, &message)?;
                 }
@@ -62,7 +62,7 @@ fn send<P: Port>(port: &mut P, message: &Message<'_>) -> Result<(), P::Closed> {
     encode(message, &mut room).map_or(Ok(()), |frame| port.write(frame))
 }
 
-/// Runs a future that never waits, since nothing of the twin does.
+/// Runs a future that is ready at once, as the futures of the twin are.
 fn at_once<F: Future>(future: F) -> F::Output {
     let mut future = pin!(future);
     loop {
@@ -72,7 +72,7 @@ fn at_once<F: Future>(future: F) -> F::Output {
     }
 }
 
-/// The bus of the twin. Its clock is fixed, so setting the clock changes only the reported one.
+/// The bus of the twin. The SPI clock of the twin is fixed, so setting the clock changes only the reported clock.
 struct TwinBus {
     spi: TwinSpi,
     self_test: SelfTestPin,

@@ -1,4 +1,4 @@
-//! Memory for the twin and for readings.
+//! The heap, which the twin and the readings need.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use embedded_alloc::LlffHeap;

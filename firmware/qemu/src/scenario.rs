@@ -1,5 +1,5 @@
-//! The work that controller and host both do from a seed: read a unit of the twin through the driver, and correct it
-//! in four ways.
+//! The work that the controller and the host both do from a seed: read a unit of the twin through the driver, and
+//! correct the readings in four ways.
 //!
 //! The host includes this file too (`lab/src/firmware/`).
 
@@ -11,14 +11,14 @@ use zerorate::{Axis, CodeTable, Correction, CorrectionF32, IntegerCorrection, In
 /// Number of readings in a run.
 pub const READINGS: usize = 2_000;
 
-/// Step of the table, and its span on either side of T3, °C.
+/// Step of the table, and span of the table on either side of T3, °C.
 pub const TABLE_C: (f64, f64) = (0.02, 2.0);
 
 /// Number of rows of the table.
 pub const ROWS: usize = 201;
 
-/// Quadratic and cubic term of the curve, °/s/°C² and °/s/°C³: the spread of curvature (M-02), and a cubic term that
-/// is as large at 250 °C from T3.
+/// Quadratic and cubic coefficient of the curve, °/s/°C² and °/s/°C³. The quadratic one is the standard deviation of
+/// M-02. The two terms are equal 250 °C from T3.
 const CURVE: (f64, f64) = (0.0005, -2e-6);
 
 /// Time without an edge after which the part counts as failed, ns.
@@ -55,7 +55,7 @@ pub struct Corrections {
 }
 
 impl Corrections {
-    /// The coefficients that a perfect calibration of this unit would find.
+    /// Makes the corrections from the coefficients that a perfect calibration of this unit would find.
     pub fn of(twin: &Twin) -> Option<Self> {
         let truth = twin.truth();
         let t3_c = truth.sensor_c;
@@ -72,7 +72,7 @@ impl Corrections {
         })
     }
 
-    /// The table of the correction, in which a row is looked up by the temperature code.
+    /// The look-up table of the correction by the temperature code.
     pub fn table(&self) -> CodeTable<'_> {
         CodeTable::new(&self.rows_udps, TABLE_C.0, self.t3_c, &Axis::ADIS16130.temp)
     }
@@ -84,8 +84,8 @@ pub fn corrected_dps(single: &CorrectionF32, rate: RateCode, temp: TempCode) -> 
     single.apply(rate.to_dps(), temp.to_celsius())
 }
 
-/// Reads the unit of a seed and returns its corrections; `take` gets every reading. Returns `None` if the part did not
-/// answer.
+/// Reads the unit of a seed, and returns the corrections of the unit. Calls `take` with every reading. Returns `None`
+/// if the part did not answer.
 pub fn run(seed: u64, mut take: impl FnMut(Reading)) -> Option<Corrections> {
     let twin = Twin::new(Spec::from_seed(seed));
     let config = Config::new().with_framing(Framing::Command);

@@ -1,5 +1,5 @@
-//! The series that controller and host both track from a seed: means of 0.1 s. The part rests, begins to turn slowly,
-//! moves, rests again, gives nothing for a second, and rests. Then it is without power for a day.
+//! The series of 0.1 s means that the controller and the host both track from a seed. The part rests, rotates slowly,
+//! moves, rests again, gives no rates for a second, and rests. Then it has no power for a day.
 //!
 //! The host includes this file too (`lab/src/firmware/`).
 
@@ -8,14 +8,14 @@ use zerorate::{Axis, Correction};
 
 const CORRECTION: Correction = Correction::line(-0.25, -0.04, 26.0);
 
-/// The part's bias beyond `CORRECTION`, °/s.
+/// The bias that `CORRECTION` leaves, °/s.
 const CHANGE_DPS: f64 = 0.004;
 
 /// White noise of a mean of 0.1 s, °/s (1 σ): 0.0125 °/s/√Hz (F-02) times √5.
 const WHITE_DPS: f64 = 0.028;
 
-/// The periods of the series: number of means, and rate of rotation, °/s; `None` if there are no means. The first rest
-/// is longer than the longest test of means, 128 s. All periods are whole seconds, to stay in step with the tracker's.
+/// The periods of the series: number of means, and rate of rotation, °/s. `None` if there are no mean rates. The first
+/// rest is longer than the longest test of means, 128 s. All periods are whole seconds, as in the tracker.
 const STRETCHES: [(u32, Option<f64>); 6] =
     [(1_600, Some(0.0)), (600, Some(0.03)), (20, Some(5.0)), (400, Some(0.0)), (10, None), (300, Some(0.0))];
 
@@ -27,16 +27,16 @@ const OFF_S: f64 = 86_400.0;
 pub struct TrackerState {
     /// The bits of the bias beyond the correction, an f64 in °/s.
     pub change_bits: u64,
-    /// The bits of its standard uncertainty, an f64 in °/s.
+    /// The bits of the standard uncertainty of that bias, an f64 in °/s.
     pub u_bits: u64,
-    /// The phase of the part's motion.
+    /// The motion of the part, a [`Phase`](zerorate::track::Phase) as a number.
     pub phase: u8,
 }
 
 /// A mean over [`BLOCK_S`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mean {
-    /// The mean rate, °/s; none where it is missing.
+    /// The mean rate, °/s. `None` if it is missing.
     pub rate_dps: Option<f64>,
     /// The mean temperature, °C.
     pub temp_c: f64,
@@ -60,8 +60,8 @@ pub fn tracker() -> Tracker {
     Tracker::new(config()).aged(0.0)
 }
 
-/// Tracks the series of a seed; `take` gets the knowledge after each mean, and at last after the time without power.
-/// Returns `None` if the tracker refuses its saved state.
+/// Tracks the series of a seed. Calls `take` with the knowledge after each mean, and finally after the time without
+/// power. Returns `None` if the tracker refuses its saved state.
 pub fn run(seed: u64, mut take: impl FnMut(TrackerState)) -> Option<Counts> {
     let mut tracker = tracker();
     let mut last_c = CORRECTION.t3_c;

@@ -15,11 +15,11 @@ const BAUD_DIVIDER: *mut u32 = 0x4000_4010 as *mut u32;
 const TRANSMIT_FULL: u32 = 1 << 0;
 const RECEIVE_FULL: u32 = 1 << 1;
 const TRANSMIT_AND_RECEIVE: u32 = 0b11;
-/// Smallest divisor that the UART accepts. The emulator sends as fast as it can in any case.
+/// Smallest divisor that the UART accepts. The emulator sends as fast as it can with any divisor.
 const FASTEST: u32 = 16;
 
 impl Uart {
-    /// Switches the line on. Call it once.
+    /// Switches the UART on. Call it once.
     #[expect(clippy::new_without_default, reason = "it switches something on")]
     pub fn new() -> Self {
         write(BAUD_DIVIDER, FASTEST);

@@ -9,7 +9,7 @@
 //! | RDY  | GP20, pin 26 | 10 RDY |
 //! | self-test | GP21, pin 27 | 1 to 7, 9 |
 //!
-//! The LED is the board's own, GP25.
+//! The LED is that of the board, on GP25.
 
 #![no_std]
 #![no_main]
@@ -31,10 +31,10 @@ use static_cell::StaticCell;
 
 const FIRMWARE: &str = concat!("bridge-rp2040 ", env!("CARGO_PKG_VERSION"));
 
-/// Slowest SPI clock that is set, Hz. The HAL panics below 1.93 kHz.
+/// Slowest SPI clock that can be set, Hz. The HAL panics below 1.93 kHz.
 const SLOWEST_SCLK_HZ: u32 = 2_000;
 
-/// Size of the flash beside the chip. The chip has no serial number, so the flash's unique number is used.
+/// Size of the external flash, bytes. The RP2040 has no serial number, so the unique number of this flash is used.
 const FLASH_BYTES: usize = 2 * 1024 * 1024;
 
 bind_interrupts!(struct Irqs {
@@ -100,7 +100,8 @@ fn serial(flash: Peri<'static, FLASH>) -> Option<&'static str> {
     Some(port::hex(id, ROOM.init([0; 16])))
 }
 
-/// Sets the SPI clock and returns the resulting clock, Hz. The HAL does not report it, so this repeats the HAL's rule.
+/// Sets the SPI clock and returns the resulting clock, Hz. The HAL does not report that clock, so the function
+/// computes it as the HAL does.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let hz = hz.max(SLOWEST_SCLK_HZ);
     controller.set_frequency(hz);

@@ -9,7 +9,7 @@
 //! | RDY  | PB0 | 10 RDY |
 //! | self-test | PB1 | 1 to 7, 9 |
 //!
-//! The LED is the board's own, PC13.
+//! The LED is that of the board, on PC13.
 
 #![no_std]
 #![no_main]
@@ -90,14 +90,15 @@ async fn serve(
     sampling::serve(bus, FIRMWARE, &LINK, || watchdog.pet()).await
 }
 
-/// The LED is connected between the pin and the supply.
+/// Drives the LED, which is lit while the pin is low, since it is connected to the supply.
 #[embassy_executor::task]
 async fn shine(mut led: Output<'static>) {
     lamp::run(|lit| led.set_level((!lit).into()), &LINK).await
 }
 
-/// Sets 72 MHz from the crystal of 25 MHz, and 48 MHz for USB. SPI1 then has 9, 4.5, 2.25 and 1.125 MHz. Faster clocks
-/// that allow for USB leave SPI1 with 6 or 3 MHz (96 MHz) or 5.25 MHz (84 MHz).
+/// Sets the core clock to 72 MHz from the crystal of 25 MHz, and the USB clock to 48 MHz. The SPI clock of SPI1 can
+/// then be 9, 4.5, 2.25 or 1.125 MHz. With a faster core clock that allows for USB, the highest SPI clock below 10 MHz
+/// is lower: 6 MHz (core at 96 MHz) or 5.25 MHz (core at 84 MHz).
 fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse { freq: Hertz(25_000_000), mode: HseMode::Oscillator });
@@ -117,7 +118,8 @@ fn clocks() -> Config {
 
 /// Sets the fastest SPI clock that is not above `hz`, or else the slowest one. Returns that clock, Hz.
 ///
-/// The controller divides its clock by a power of two, and the HAL alone may take a faster one than was requested.
+/// The controller divides its clock by a power of two. The HAL may choose a faster clock than requested, so this
+/// function chooses the divisor.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let kernel_hz = rcc::frequency::<peripherals::SPI1>().0;
     let divided = (1..=8).map(|power| kernel_hz >> power).find(|clock| *clock <= hz);

@@ -1,5 +1,5 @@
-//! Embassy on an RP2040, with DMA. One task numbers the edges of RDY. The other reads the part, and brings it back
-//! where it falls silent or fails. Wired as the bridge on a Pico (`firmware/bridge/README.md`).
+//! Embassy on an RP2040, with DMA. One task numbers the edges of RDY. The other task reads the part, and restarts it
+//! if no edge comes or a reading fails. The wiring is that of the bridge on a Pico (`firmware/bridge/README.md`).
 
 #![no_std]
 #![no_main]
@@ -43,7 +43,7 @@ async fn main(spawner: Spawner) {
     let mut back_off = BackOff::new();
     spawner.spawn(watch(Input::new(p.PIN_20, Pull::Up)).expect("spawned once"));
     loop {
-        // at first, and again after a brown-out or with a broken wire
+        // at the start, after a brown-out, and while a wire is broken
         if gyro.restart().await.is_ok() {
             sampler.restarted();
             until_it_fails(&mut gyro, &mut sampler, &mut back_off).await;
@@ -52,7 +52,7 @@ async fn main(spawner: Spawner) {
     }
 }
 
-/// Numbers every falling edge and notes its time, also while the part is being read.
+/// Numbers every falling edge of RDY and notes the time of the edge, also while the part is being read.
 #[embassy_executor::task]
 async fn watch(mut rdy: Input<'static>) {
     let mut seq = 0_u32;
@@ -64,7 +64,7 @@ async fn watch(mut rdy: Input<'static>) {
     }
 }
 
-/// Reads a sample at each edge. Returns if no edge comes within the deadline, or if a reading fails.
+/// Reads a sample at each edge. Returns if no edge comes for the time of `silence_ns`, or if a reading fails.
 async fn until_it_fails(gyro: &mut Gyro, sampler: &mut Sampler, back_off: &mut BackOff) {
     let deadline = Duration::from_micros(sampler.silence_ns().div_ceil(1_000));
     let mut temp = None;

@@ -1,4 +1,4 @@
-//! The loop of `docs/firmware.md` on an STM32F411. Wired as in `docs/wiring.md`.
+//! The loop of `docs/firmware.md` on an STM32F411, with the wiring of `docs/wiring.md`.
 
 #![no_std]
 #![no_main]

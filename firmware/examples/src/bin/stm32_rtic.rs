@@ -1,5 +1,5 @@
-//! RTIC on an STM32F411: the interrupt of RDY reads samples, and a tick checks that edges still come. Wired as in
-//! `docs/wiring.md`.
+//! RTIC on an STM32F411, with the wiring of `docs/wiring.md`. The interrupt of RDY reads samples, and a tick checks
+//! that edges still come.
 
 #![no_std]
 #![no_main]
@@ -25,7 +25,7 @@ mod app {
     /// The EXTI line of RDY, which is pin PA10.
     const RDY: usize = 10;
 
-    /// Length of a tick in cycles: 10 ms of the internal oscillator of 16 MHz.
+    /// Length of a tick in cycles of the internal oscillator of 16 MHz: 10 ms.
     const TICK: u32 = 160_000;
 
     #[shared]
@@ -85,7 +85,7 @@ mod app {
         cx.shared.part.lock(|part| part.sample(t_ns));
     }
 
-    /// Initialises the part at first, and again if it falls silent or fails: after a brown-out, or with a broken wire.
+    /// Initialises the part at the start, and again if no edges come or a reading has failed.
     #[task(binds = SysTick, shared = [part], local = [wait_ticks], priority = 1)]
     fn tick(mut cx: tick::Context) {
         let wait_ticks = cx.local.wait_ticks;

@@ -1,4 +1,5 @@
-//! A bridge with the twin in it: docs/formats/bridge.md on UART 0, which the emulator connects to a socket.
+//! A bridge whose part is the twin. It speaks docs/formats/bridge.md on UART 0, which the emulator connects to a
+//! socket.
 //!
 //! The argument is the seed of the twin.
 

@@ -1,4 +1,4 @@
-//! The image of `driver` without the driver, that is, with the start-up code and the bus only.
+//! The image of `driver` without the driver: the start-up code and the bus only.
 
 #![no_std]
 #![no_main]

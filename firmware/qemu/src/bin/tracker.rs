@@ -9,8 +9,8 @@ use firmware_qemu::bare::{edge, put};
 use zerorate::track::{Prior, Tracker, TrackerConfig};
 use zerorate::{Axis, Correction};
 
-/// The core needs an allocator to link. This one never gets memory, and since nothing allocates it is not in the
-/// image. (The images with the twin have a real one.)
+/// The crate `zerorate` needs an allocator to link. This allocator never gets memory. Since nothing allocates, the
+/// linker leaves it out of the image. The images with the twin have a real allocator.
 #[cfg(not(feature = "twin"))]
 #[global_allocator]
 static NO_HEAP: LlffHeap = LlffHeap::empty();

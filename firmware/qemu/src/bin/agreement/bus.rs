@@ -1,4 +1,4 @@
-//! A bus that costs almost no instructions: the answers of all registers are prepared in memory.
+//! A bus that takes almost no instructions, because the answers of all registers are prepared in memory.
 
 use adis16130::registers::Address;
 use core::cell::Cell;
@@ -6,7 +6,7 @@ use core::convert::Infallible;
 use embedded_hal::digital::{self, InputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
 
-/// The answer of each register, by address: the four bytes that return while COM and zeros go out.
+/// The answer of each register, by address: the four bytes that the part sends while the host sends COM and zeros.
 pub struct Answers([Cell<[u8; 4]>; 64]);
 
 impl Answers {
@@ -21,14 +21,14 @@ impl Answers {
         }
     }
 
-    /// Sets a register of 24 bits.
+    /// Sets a 24-bit register.
     pub fn set_code(&self, register: Address, code24: u32) {
         let [_, bytes @ ..] = code24.to_be_bytes();
         self.set(register, bytes);
     }
 }
 
-/// The bus with these answers.
+/// The bus of a part that gives these answers.
 pub struct Bus<'a>(pub &'a Answers);
 
 impl spi::ErrorType for Bus<'_> {
@@ -51,7 +51,7 @@ impl SpiDevice for Bus<'_> {
     }
 }
 
-/// RDY, which no counted operation reads.
+/// A pin for RDY, which no counted operation reads.
 pub struct NoPin;
 
 impl digital::ErrorType for NoPin {

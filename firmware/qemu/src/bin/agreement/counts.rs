@@ -1,5 +1,5 @@
-//! Counts instructions by SysTick. It runs on virtual time, and the emulator gives every instruction the same share of
-//! it.
+//! Counts instructions by SysTick. SysTick runs on virtual time, and the emulator gives every instruction the same
+//! share of that time.
 
 use crate::bus::{Answers, Bus, NoPin};
 use adis16130::blocking::Adis16130;
@@ -42,10 +42,10 @@ impl Ticks {
     }
 }
 
-/// Counts every operation for each reading; `None` without readings.
+/// Counts the ticks of every operation for each reading. Returns `None` without readings.
 ///
-/// Each operation is a function called through a pointer that the compiler cannot see through, with its operands in
-/// memory. So nothing can be moved out of it, and the count includes call, operands and return.
+/// Each operation is a function that is called through a pointer unknown to the compiler, with its operands in memory.
+/// So the compiler cannot move anything out of the function, and the count includes call, operands and return.
 pub fn all(readings: &[Reading], corrections: &Corrections, seed: u64, systick: SYST) -> Option<Counts> {
     let mut bench = Bench { counter: Counter::new(systick), readings };
     let Corrections { integer, curve, single, .. } = *corrections;
@@ -83,8 +83,8 @@ impl Counter {
         Self(systick)
     }
 
-    /// Ticks that `work` takes, including the ticks of reading the clock. Never inlined, so that reading costs the
-    /// same around any work.
+    /// Counts the ticks of `work`, including the ticks of reading the clock. The function is never inlined, so that
+    /// reading the clock takes the same number of ticks around any work.
     #[inline(never)]
     fn ticks<I, T>(&mut self, work: fn(&mut I) -> T, operands: &mut I) -> u32 {
         let work = black_box(work);
@@ -98,7 +98,7 @@ impl Counter {
         start.wrapping_sub(end) & 0x00FF_FFFF
     }
 
-    /// Ticks of reading the clock.
+    /// Counts the ticks of reading the clock.
     #[inline(never)]
     fn ticks_of_nothing(&mut self) -> u32 {
         self.0.clear_current();
@@ -152,8 +152,8 @@ impl Bench<'_> {
         self.over(|counter, reading| counter.ticks(work, &mut (correction, Operand::new(reading))))
     }
 
-    /// Reads with F-30's settings, command framing, status, rate and temperature at each edge. The first reading,
-    /// which asks the part whether it has one, is not counted.
+    /// Counts a read with the settings of F-30 and command framing, with status, rate and temperature at each edge.
+    /// The first reading, which takes more commands, is not counted.
     fn reads(&mut self, work: fn(&mut Reader<'_>) -> bool) -> Option<Ticks> {
         let answers = Answers::new();
         READY.iter().for_each(|(register, value)| answers.set(*register, [*value, 0, 0]));
@@ -175,8 +175,8 @@ impl Bench<'_> {
         })
     }
 
-    /// Counts the tracker for a mean within a second, at the end of a second, where it learns from the last 16 s, and
-    /// where it finds a motion or a step. It also counts a request for the bias.
+    /// Counts the ticks of the tracker for five cases: a mean within a second, a mean at the end of a second, a mean
+    /// after which the tracker learns, a mean that shows a motion or a step, and a request for the bias.
     fn tracker(&mut self, seed: u64) -> Option<[Ticks; 5]> {
         let [mut within, mut second, mut learned, mut motion, mut tracked] = [Ticks::NONE; 5];
         let mut operands = (tracking::tracker(), Mean { rate_dps: None, temp_c: 0.0 });

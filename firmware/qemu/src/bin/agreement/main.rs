@@ -32,7 +32,7 @@ fn main() -> ! {
     }
 }
 
-/// Returns `None` where something failed; the last printed line says where.
+/// Returns `None` if something failed. The last printed line shows where.
 fn run(mut out: HostStream) -> Option<()> {
     let peripherals = cortex_m::Peripherals::take()?;
     heap::set_up();
