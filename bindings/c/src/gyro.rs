@@ -142,8 +142,7 @@ impl Settings {
     }
 }
 
-/// Writes the default settings: the initialisation of F-30, CS that rises after each byte (F-22), temperature and
-/// status with every sample.
+/// Writes the default settings: those of F-30, per-byte framing (F-22), temperature and status with every sample.
 ///
 /// # Safety
 /// `settings` is null or points to writable memory of its type.
@@ -267,9 +266,8 @@ pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u
 /// supply or its configuration, or RDY is cut. zerorate_gyro_diagnose finds the cause, and zerorate_gyro_initialise
 /// starts the part again.
 ///
-/// `now_ns` is the present time of the clock that gives the edges their time. Before the first edge, and after an
-/// initialisation, the time counts from the first call of this function. So call it regularly, and at least once
-/// before a sleep.
+/// `now_ns` is the present time of the clock of the edges. Before the first edge, and after an initialisation, the
+/// time counts from the first call of this function. So call it regularly, and at least once before a sleep.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses during the call.
@@ -283,8 +281,7 @@ pub unsafe extern "C" fn zerorate_gyro_silent(gyro: *mut Gyro, now_ns: u64) -> S
     status::of(unsafe { boundary::state(gyro) }.and_then(check))
 }
 
-/// Checks the link with 2 commands. Returns ZERORATE_OK if the part answers and is configured as written, otherwise
-/// the fault.
+/// Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, otherwise the fault.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses during the call.

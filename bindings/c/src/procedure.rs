@@ -29,8 +29,7 @@ impl Object for Procedure {
     const MARK: u32 = 0x7A72_7031;
 }
 
-/// Durations and limits of a calibration. Start from zerorate_plan_default, the procedure of AN-1042 (F-51), which
-/// takes about an hour.
+/// Durations and limits of a calibration. Start from zerorate_plan_default, the procedure of AN-1042 (F-51).
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Plan {
@@ -51,8 +50,7 @@ pub struct Plan {
     /// The component of the Earth's rotation on the part's axis, deg/s (not deg/h), from -0.00418 to 0.00418 (F-16).
     /// It is subtracted from the measured rate. NaN if it is not known.
     pub earth_dps: f64,
-    /// 1 = assume that the bias is a straight line over temperature: the uncertainties allow for neither curvature nor
-    /// hysteresis.
+    /// 1 = assume a bias that is linear over temperature: the uncertainties allow for no curvature or hysteresis.
     pub assume_linear: u8,
 }
 
@@ -206,8 +204,7 @@ impl State {
     }
 }
 
-/// Writes the durations of AN-1042 and the default limits. The Earth's rotation counts as unknown, and the bias may be
-/// curved over temperature.
+/// Writes the durations of AN-1042 and the default limits. `earth_dps` is NaN, and `assume_linear` is 0.
 ///
 /// # Safety
 /// `plan` is null or points to writable memory of its type.
@@ -233,8 +230,7 @@ pub unsafe extern "C" fn zerorate_procedure_begin(procedure: *mut Procedure, pla
     )
 }
 
-/// Returns the next thing to do: ZERORATE_INITIALISE, ZERORATE_SAMPLE or ZERORATE_DONE. If the calibration was
-/// refused, returns the negative status of the refusal.
+/// Returns what to do next: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or the negative status of a refusal.
 ///
 /// # Safety
 /// `procedure` is null or points to a procedure that nothing else uses during the call.
@@ -298,8 +294,7 @@ pub unsafe extern "C" fn zerorate_procedure_time(procedure: *mut Procedure, t_ns
     status::of(unsafe { boundary::state(procedure) }.and_then(|state| state.handle(Event::Time { t_ns })))
 }
 
-/// Returns the current step of AN-1042, from 3 (initialise) to 9 (final temperature), or 10 at the end. Returns a
-/// negative status for an error.
+/// Returns the step of AN-1042, 3 (initialise) to 9 (final temperature), or 10 at the end. Negative for an error.
 ///
 /// # Safety
 /// `procedure` is null or points to a procedure that nothing else uses during the call.
@@ -322,8 +317,7 @@ pub unsafe extern "C" fn zerorate_procedure_step(procedure: *mut Procedure) -> S
     }
 }
 
-/// Writes the time since the initialisation to `elapsed_s`, s, and the duration of the whole procedure to `total_s`,
-/// s.
+/// Writes the time since the initialisation to `elapsed_s` and the duration of the procedure to `total_s`, both in s.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.

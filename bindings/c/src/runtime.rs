@@ -3,8 +3,7 @@
 use core::alloc::{GlobalAlloc, Layout};
 use core::panic::PanicInfo;
 
-/// An allocator without memory. The crate `zerorate` can allocate, but no exported function does. So the linker leaves
-/// this allocator out of the library.
+/// An allocator without memory. No exported function allocates, so the linker leaves it out of the library.
 struct NoHeap;
 
 #[global_allocator]

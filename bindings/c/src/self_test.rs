@@ -20,8 +20,7 @@ pub struct SelfTestPlan {
     pub samples: u16,
 }
 
-/// The measured effect of the self-test. The size that it should have is not known, so the library does not judge it
-/// (F-11).
+/// The measured effect of the self-test. The right size is not known, so the library does not judge it (F-11).
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct SelfTest {

@@ -15,8 +15,7 @@ pub const ZERORATE_OK: Status = 0;
 pub const ZERORATE_NOTHING: Status = 1;
 /// A pointer that must not be null is null.
 pub const ZERORATE_E_NULL: Status = -1;
-/// The object has not been set up, or the function was called too early, such as zerorate_procedure_outcome before the
-/// end of the calibration.
+/// The object has not been set up, or the call came too early, such as zerorate_procedure_outcome before the end.
 pub const ZERORATE_E_STATE: Status = -2;
 /// An argument is out of range. The documentation of the argument states the range.
 pub const ZERORATE_E_ARGUMENT: Status = -3;
@@ -49,15 +48,13 @@ pub const ZERORATE_E_NO_READING: Status = -25;
 /// A coefficient does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s per deg C, and PBC
 /// and T3 are within the range of the codes.
 pub const ZERORATE_E_COEFFICIENT: Status = -30;
-/// The layout of the table is not valid. Step and span must be positive, the span must be a whole number of steps, and
-/// the table may have at most 100001 rows.
+/// Step or span is not positive, the span is not a whole number of steps, or the table has more than 100001 rows.
 pub const ZERORATE_E_TABLE_LAYOUT: Status = -31;
 /// The memory has fewer rows than the table.
 pub const ZERORATE_E_TABLE_ROOM: Status = -32;
 /// A row of the table, in millionths of a deg/s, does not fit 32 bits.
 pub const ZERORATE_E_TABLE_STEEP: Status = -33;
-/// The temperature lies more than half a step beyond the table. The first or the last row was written, which is wrong
-/// at this temperature.
+/// The temperature lies more than half a step beyond the table. The row at the end of the table was written.
 pub const ZERORATE_E_TABLE_OUTSIDE: Status = -34;
 /// A duration or limit of the plan is not valid.
 pub const ZERORATE_E_PLAN: Status = -40;

@@ -63,9 +63,8 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
 /// Writes the row nearest to the temperature of a 24-bit code, in millionths of a deg/s: corrected rate = rate + PBC +
 /// row.
 ///
-/// Returns ZERORATE_E_TABLE_OUTSIDE if the temperature lies more than half a step beyond the table. The function then
-/// still writes the first or the last row, which is wrong by BTC times the distance from that row. Returns
-/// ZERORATE_E_ARGUMENT if the table was not laid out.
+/// Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table, but writes the first or the last row. That
+/// row is wrong by BTC times its distance. Returns ZERORATE_E_ARGUMENT if the table was not laid out.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type. The rows of `table` are still in place.

@@ -29,8 +29,7 @@ pub struct TrackerPrior {
     pub u_btc_dps_per_c: f64,
     /// Covariance of PBC and BTC, (deg/s)^2 per deg C.
     pub cov_pbc_btc: f64,
-    /// One-sided density of the white noise, deg/s per root Hz, from `noise` in the calibration file. 0.0125 is
-    /// typical (F-02).
+    /// One-sided white noise density, deg/s per root Hz: `noise` of the calibration file, typically 0.0125 (F-02).
     pub white_dps_per_rt_hz: f64,
 }
 
@@ -38,8 +37,7 @@ pub struct TrackerPrior {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct TrackerState {
-    /// Offset (deg/s), slope (deg/s per deg C), curvature (deg/s per (deg C)^2) and three flicker states (deg/s) of
-    /// the bias that the correction leaves.
+    /// Bias: offset (deg/s), slope (deg/s per deg C), curvature (deg/s per (deg C)^2), three flicker states (deg/s).
     pub state: [f32; 6],
     /// Lower triangle of the covariance of `state`, row by row.
     pub covariance: [f32; 21],
@@ -62,8 +60,7 @@ pub struct Tracked {
     pub change_dps: f64,
     /// Standard uncertainty of `change_dps`, deg/s.
     pub u_dps: f64,
-    /// Motion of the part: 0 = it moves, 1 = it is quiet, 2 = it rests, and its bias is learned, 3 = it is quiet, but
-    /// perhaps it rotates slowly.
+    /// Motion of the part: 0 = moving, 1 = quiet, 2 = at rest, bias learned, 3 = quiet, but perhaps slowly rotating.
     pub phase: u8,
 }
 

@@ -162,8 +162,7 @@ static void take(zerorate_corrector *corrector, double rate_dps, double temp_c)
     printf("extrapolated %u\n", (unsigned)corrected.extrapolated);
 }
 
-/* Corrects a stream with these cases: no temperature yet, a temperature, none again, an invalid rate, a temperature
- * beyond the span. */
+/* Corrects a stream: no temperature yet, a temperature, no new one, an invalid rate, a temperature beyond the span. */
 static void stream(void)
 {
     const zerorate_validity valid = {25.0, 33.0, 0.5};
@@ -193,8 +192,7 @@ static void bias(zerorate_tracker *tracker)
     printf("phase %u\n", (unsigned)tracked.phase);
 }
 
-/* Tracks a minute at rest, 0.004 deg/s above the calibration, a missing rate and a day without power. Then resumes an
- * invalid state. */
+/* Tracks a minute at rest, 0.004 deg/s above the calibration. Then resumes after a day, and from an invalid state. */
 static void track(void)
 {
     const zerorate_tracker_prior prior = {0.003, 0.003, 0.0, 0.0125};
@@ -360,8 +358,7 @@ static int32_t broken_rdy(void *context)
     return -1;
 }
 
-/* Runs a self-test that must fail. Prints the number of calls and the level of the pin, and `n` of the result, which
- * must still be 7. */
+/* Runs a self-test that must fail. Prints the calls and the level of the pin, and `n`, which must still be 7. */
 static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
 {
     const zerorate_self_test_pin set = {&pin, set_test_pin};

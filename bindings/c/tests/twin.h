@@ -5,8 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Makes a twin from keys such as "seed=7,warmup_s=30", or returns null if they are invalid. The functions below take
- * the twin as rig. */
+/* Makes a twin from keys such as "seed=7,warmup_s=30". Returns null if they are invalid. `rig` below is the twin. */
 void *zerorate_twin_new(const char *keys);
 void zerorate_twin_free(void *rig);
 int32_t zerorate_twin_transfer(void *rig, uint8_t *bytes, size_t length);

@@ -112,9 +112,8 @@ impl Adc {
         self.next_update_ps = NEVER;
     }
 
-    /// Uses new register contents. With `restart` the sequence begins anew (after a write to MODE, or when SYNC is
-    /// released). Otherwise a running conversion keeps its end time. `held`: whether the SYNC pin holds the
-    /// conversions.
+    /// Uses new register contents. With `restart` the sequence begins anew (a write to MODE, or SYNC is released).
+    /// Otherwise a running conversion keeps its end time. `held`: whether the SYNC pin holds the conversions.
     pub(crate) fn plan(&mut self, registers: &Registers, held: bool, restart: bool, now_ps: u64) {
         self.plan = Plan::of(registers, self.mclk_hz, held);
         if !self.plan.running {
@@ -182,7 +181,6 @@ impl Adc {
         data.code = if self.plan.clamp { unlimited.clamp(0, max) as u32 } else { unlimited as u32 & facts::MAX_CODE };
     }
 
-    /// Whether the running conversion is in its scaling time.
     pub(crate) fn is_scaling(&self, now_ps: u64) -> bool {
         now_ps >= self.scaling_from_ps()
     }
@@ -194,7 +192,6 @@ impl Adc {
         unread != 0 && (!self.plan.rdy_needs_all || unread == self.plan.enabled)
     }
 
-    /// Whether RDY is low at `now_ps`.
     pub(crate) fn rdy_low(&self, now_ps: u64) -> bool {
         now_ps < self.scaling_from_ps() && self.rdy_due()
     }
@@ -219,7 +216,6 @@ impl Adc {
         code
     }
 
-    /// Ends a read, after its last byte was sent.
     #[inline]
     pub(crate) fn end_read(&mut self) {
         self.reading = None;
@@ -231,7 +227,6 @@ impl Adc {
         bit(Channel::Rate) | bit(Channel::Temp)
     }
 
-    /// Returns the value of the status register of a channel.
     #[inline]
     pub(crate) fn channel_status(&self, channel: Channel) -> u8 {
         let data = &self.data[channel as usize];

@@ -152,8 +152,7 @@ impl Chip {
         self.plan(false, now_ps);
     }
 
-    /// Sets the level of pin 18. With IOP.SYNC = 1, a low level holds the conversions, and a rise restarts the
-    /// sequence.
+    /// Sets the level of pin 18. With IOP.SYNC = 1, low holds the conversions, and a rise restarts the sequence.
     pub(crate) fn set_sync(&mut self, high: bool, now_ps: u64) {
         let rises = high && !self.sync_high;
         self.sync_high = high;

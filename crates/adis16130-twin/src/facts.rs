@@ -73,7 +73,6 @@ pub const MCLK_TOLERANCE: f64 = 0.01;
 /// Standard deviation over the units of the relative sensitivity error (M-07, F-06).
 pub const SENSITIVITY_SD: f64 = 0.03;
 
-/// The chamber profile of F-57 as points (minutes from the start, °C). Between the points the temperature is linear,
-/// outside it is constant.
+/// The chamber profile of F-57 as points (minutes from the start, °C): linear between the points, constant outside.
 pub const OVEN_MIN_C: [(f64, f64); 7] =
     [(0.0, 25.0), (5.0, 25.0), (37.5, -40.0), (67.5, -40.0), (130.0, 85.0), (145.0, 85.0), (175.0, 25.0)];

@@ -1,8 +1,7 @@
 //! Random numbers that are the same on every machine. Each random process has its own stream, all from one seed.
 //!
-//! This module does not use `rand_distr`, whose tails call `ln` and `exp` through `num-traits`. Any other crate of a
-//! workspace can switch these to the system's mathematics library by feature unification. The ziggurat here uses
-//! `libm` only.
+//! The ziggurat here uses `libm` only. `rand_distr` calls `ln` and `exp` through `num-traits`, which any other crate
+//! of a workspace can switch to the system's mathematics library by feature unification.
 
 use alloc::rc::Rc;
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -157,7 +157,6 @@ impl Part {
         None
     }
 
-    /// The time of the next event that happens without bus traffic, or [`NEVER`].
     pub(crate) fn next_event_ps(&self) -> u64 {
         self.next_event_ps
     }
@@ -167,8 +166,7 @@ impl Part {
         self.reported_seq = self.edge_seq;
     }
 
-    /// Runs until `done(level before, level now)` of RDY holds. `true` is a high level. Returns `false` after
-    /// `limit_ps`.
+    /// Runs until `done(level before, level now)` of RDY holds (`true` = high). Returns `false` after `limit_ps`.
     pub(crate) fn wait_rdy(&mut self, limit_ps: u64, done: impl Fn(bool, bool) -> bool) -> bool {
         let deadline_ps = self.now_ps.saturating_add(limit_ps).min(NEVER - 1);
         let mut before = self.rdy_high();

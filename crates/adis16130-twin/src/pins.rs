@@ -28,10 +28,9 @@ macro_rules! pin {
 pin!(
     /// The data-ready pin (F-32). Reading it takes no simulated time.
     ///
-    /// A wait lets simulated time pass at once, so its future is ready at once. A wait returns [`RdyTimeout`] after
-    /// one second of simulated time, since nothing else could end it. A wait for an edge ends only with an edge after
-    /// the call. It discards an edge that [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) would have
-    /// reported.
+    /// A wait lets simulated time pass at once, so its future is ready at once. A wait fails after one second of
+    /// simulated time, since nothing else could end it. A wait for an edge ends only with an edge after the call. It
+    /// discards an edge that [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) would have reported.
     TwinRdy
 );
 pin!(

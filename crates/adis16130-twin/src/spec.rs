@@ -9,8 +9,7 @@ use crate::normal::{Normal, Process};
 pub enum Profile {
     /// The temperature is [`Spec::ambient_c`] all the time.
     Constant,
-    /// The temperature starts at [`Spec::ambient_c`], changes by [`Spec::ramp_c_per_min`], and stops at −40 °C or +85
-    /// °C.
+    /// A ramp from [`Spec::ambient_c`] with the slope [`Spec::ramp_c_per_min`], which stops at −40 °C or +85 °C.
     Ramp,
     /// The chamber profile F-57, 25 → −40 → +85 → 25 °C in 175 min. [`Spec::ambient_c`] is ignored.
     Oven,

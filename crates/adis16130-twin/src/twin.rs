@@ -153,8 +153,7 @@ impl Twin {
     }
 
     /// Changes the ambient temperature linearly to `temp_c`, in °C, within `over_s` seconds. The change begins within
-    /// 8 ms. The temperature then stays constant, apart from the wander. [`Spec::profile`] has no effect after this
-    /// call.
+    /// 8 ms. The temperature then stays constant, apart from the wander. [`Spec::profile`] has no more effect.
     pub fn set_ambient(&self, temp_c: f64, over_s: f64) {
         self.part.borrow_mut().set_ambient(temp_c, over_s);
     }

@@ -55,8 +55,7 @@ pub const fn round_to_16_bits(code24: u32) -> u16 {
     if code > u16::MAX as u32 { u16::MAX } else { code as u16 }
 }
 
-/// An angular rate as the part delivers it, in offset binary. It is positive for a rotation along the data sheet's
-/// arrow.
+/// An angular rate as the part delivers it, in offset binary. Positive for a rotation along the data sheet's arrow.
 ///
 /// rate \[°/s\] = (code24 − 2²³) / 23 488 (F-40).
 ///

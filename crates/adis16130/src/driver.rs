@@ -124,8 +124,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(WriteCheck { expected, got })
     }
 
-    /// Reads back every configuration register written since the reset. Returns an error with the registers that
-    /// differ, if there are any.
+    /// Reads back every configuration register written since the reset. Returns an error if a register differs.
     pub async fn verify(&mut self) -> Result<(), VerifyError<SPI::Error>> {
         if !self.written.is_complete() {
             return Err(VerifyError::NotInitialised);

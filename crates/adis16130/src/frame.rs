@@ -14,8 +14,7 @@ pub enum Framing {
     /// CS rises between all 8-bit words, as AN-1042 prescribes: each byte is its own `SpiDevice` transaction.
     #[default]
     PerByte,
-    /// CS stays low for the whole command, as with the Linux driver: one full-duplex transfer per command. It is
-    /// faster on every host.
+    /// CS stays low for the whole command, as with the Linux driver: one transfer per command. Faster on every host.
     Command,
 }
 

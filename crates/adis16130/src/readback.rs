@@ -12,8 +12,7 @@ const CONFIGURED: [Address; 6] =
 /// The values written with success to the configuration registers since the reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct WriteLog {
-    /// The values in the order of [`CONFIGURED`]. The value of MODE is 0 until it is written. The other values have no
-    /// meaning before.
+    /// The values in the order of [`CONFIGURED`], 0 until written. Only for MODE is that 0 the reset value.
     values: [u8; CONFIGURED.len()],
     /// Bit n is set when register n of [`CONFIGURED`] (from 0) has been written.
     known: u8,

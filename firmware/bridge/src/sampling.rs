@@ -34,7 +34,6 @@ pub async fn watch(mut rdy: impl Wait<Error = Infallible>, link: &Link) -> ! {
     }
 }
 
-/// Waits for an edge of this kind.
 async fn next(rdy: &mut impl Wait<Error = Infallible>, kind: RdyEdge) {
     let Ok(()) = match kind {
         RdyEdge::Falling => rdy.wait_for_falling_edge().await,

@@ -11,14 +11,12 @@ const PINS: *mut u32 = 0x4001_0000 as *mut u32;
 /// The clock: the free-running counter of the FPGA's registers.
 const CLOCK: *mut u32 = 0x4002_8010 as *mut u32;
 
-/// Reads a register of the machine.
 #[expect(unsafe_code, reason = "a device register is a fixed address")]
 pub(crate) fn read(register: *mut u32) -> u32 {
     // SAFETY: only called with aligned registers that the machine has and that no Rust object overlaps.
     unsafe { register.read_volatile() }
 }
 
-/// Writes a register of the machine.
 #[expect(unsafe_code, reason = "a device register is a fixed address")]
 pub(crate) fn write(register: *mut u32, value: u32) {
     // SAFETY: as for `read`.

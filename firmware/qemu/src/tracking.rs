@@ -15,7 +15,7 @@ const CHANGE_DPS: f64 = 0.004;
 const WHITE_DPS: f64 = 0.028;
 
 /// The periods of the series: number of means, and rate of rotation, °/s. `None` if there are no mean rates. The first
-/// rest is longer than the longest test of means, 128 s. All periods are whole seconds, as in the tracker.
+/// rest is longer than the tracker's longest test, 128 s. All periods are whole seconds, as in the tracker.
 const STRETCHES: [(u32, Option<f64>); 6] =
     [(1_600, Some(0.0)), (600, Some(0.03)), (20, Some(5.0)), (400, Some(0.0)), (10, None), (300, Some(0.0))];
 

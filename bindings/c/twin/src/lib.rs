@@ -100,8 +100,7 @@ pub unsafe extern "C" fn zerorate_twin_now_ns(rig: *mut Rig) -> u64 {
     unsafe { &*rig }.twin.now_ns()
 }
 
-/// Waits for the next falling edge of RDY. Returns 1, and writes its time, ns, and its number. Returns 0 if no edge
-/// comes within a tenth of a second.
+/// Waits for the next falling edge of RDY. Returns 1, with its time, ns, and number, or 0 if none comes in 0.1 s.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`]. `t_ns` and `seq` can be written to.
@@ -134,7 +133,6 @@ pub unsafe extern "C" fn zerorate_twin_set_fault(rig: *mut Rig, fault: i32) {
     unsafe { &*rig }.twin.set_fault(fault);
 }
 
-/// The allocator of the C library.
 struct Malloc;
 
 #[global_allocator]

@@ -41,8 +41,7 @@ impl Gyro {
         }
     }
 
-    /// Sets the sampling period. The temperature noise of density n is white up to half the sampling rate, so its
-    /// standard deviation is n/√(2·period).
+    /// Sets the sampling period. White temperature noise of density n has the standard deviation n/√(2·period).
     pub(crate) fn set_period_ps(&mut self, period_ps: u64) {
         let period_s = period_ps as f64 * 1e-12;
         self.temp_sd_c = self.temp_noise_c_per_rt_hz / libm::sqrt(2.0 * period_s);

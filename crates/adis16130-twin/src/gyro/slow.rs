@@ -1,5 +1,4 @@
-//! The slow processes: temperatures, bias, flicker and motion. They have their own tick, which bus traffic cannot
-//! shift.
+//! The slow processes (temperatures, bias, flicker, motion), with their own tick, which bus traffic cannot shift.
 
 use super::motion::Platform;
 use super::noise::{Flicker, RandomWalk};
@@ -88,14 +87,12 @@ impl Slow {
         between(self.left.rate_dps, self.right.rate_dps, self.share(t_ps))
     }
 
-    /// The temperature of the temperature sensor at `t_ps`, in °C.
     #[inline]
     pub(crate) fn sensor_c(&mut self, t_ps: u64) -> f64 {
         self.follow(t_ps);
         between(self.left.sensor_c, self.right.sensor_c, self.share(t_ps))
     }
 
-    /// All slow quantities at `t_ps`.
     pub(crate) fn at(&mut self, t_ps: u64) -> Point {
         self.follow(t_ps);
         let share = self.share(t_ps);

@@ -55,7 +55,6 @@ impl Thermal {
         self.ambient.outside = Some(Outside { from_c, to_c, from_s: t_s, over_s: over_s.max(0.0) });
     }
 
-    /// Advances one tick, to `t_s`.
     pub(crate) fn step(&mut self, t_s: f64) {
         self.ambient_c = self.ambient.at(t_s) + self.wander.step(&mut self.normal);
         let powered = self.powered;

@@ -20,10 +20,8 @@ pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no powe
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     decoder: Decoder,
-    /// The tag of the last request.
     tag: u8,
-    /// Number of damaged frames. The first frame after a port is opened is often cut, so the owner may reset the
-    /// number.
+    /// Number of damaged frames. The first frame on a new port is often cut, so the owner may reset the number.
     pub damaged: u64,
 }
 
@@ -31,7 +29,6 @@ pub struct Client {
 #[derive(Copy, Clone, Debug)]
 pub struct Pending<'a> {
     command: Command<'a>,
-    /// Number of attempts that are left.
     attempts: u32,
     deadline: Option<Duration>,
 }
@@ -84,9 +81,8 @@ impl<'a> Pending<'a> {
 }
 
 impl Client {
-    /// Looks for the answer in the received bytes, and returns the next step. `now` is the time since a fixed moment.
-    /// `take` converts the answer, or returns `None` to ignore an answer to another command. Samples before the answer
-    /// are dropped.
+    /// Looks for the answer in the received bytes, and returns the next step. `take` converts the answer, or returns
+    /// `None` to ignore an answer to another command. Samples before the answer are dropped.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,

@@ -62,8 +62,7 @@ pub trait Register {
 
 /// A register that can be read.
 pub trait Readable: Register {
-    /// Converts the bytes on the wire, most significant byte first, to the value. `width` is the width of the data
-    /// registers.
+    /// Converts the bytes on the wire, most significant byte first. `width` is the width of the data registers.
     fn decode(raw: u32, width: Width) -> Self::Value;
 }
 

@@ -35,8 +35,7 @@ pub(crate) struct EdgeGrid {
 const LONGEST_PERIOD: u64 = 1 << (36 + FRACTION_BITS);
 
 impl EdgeGrid {
-    /// Makes a grid. The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for a
-    /// disabled channel.
+    /// Makes a grid from the conversion times of rate and temperature in MCLK cycles, 0 for a disabled channel.
     pub(crate) fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32, pattern: Pattern) -> Self {
         let cycles = u64::from((rate_cycles + temp_cycles).max(1));
         let period = quotient((cycles * 1_000_000_000) << FRACTION_BITS, mclk_hz.max(1_000).into()) as i64;

@@ -159,7 +159,6 @@ impl Timeline {
         self.kind.is_rate && self.phase != Phase::Known
     }
 
-    /// Whether it is known which edges announce rate updates.
     pub(crate) fn is_aligned(&self) -> bool {
         self.phase == Phase::Known
     }

@@ -56,7 +56,6 @@ impl Bench {
         left / (1.0 - alpha(self.timeline.gear))
     }
 
-    /// The error of the period, ns.
     fn period_error_ns(&self) -> f64 {
         self.timeline.period_ns() - self.period_ns
     }

@@ -1,5 +1,4 @@
-//! Tests the sampler with a simulated converter and a late host. The sampler must report exactly the losses that
-//! happened.
+//! Tests the sampler with a simulated converter and a late host. It must report exactly the losses that happened.
 
 use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 

@@ -33,13 +33,11 @@ pub struct Judge {
     uncounted: bool,
     /// Whether the line lost edges, or a reading outside the sampler took their data.
     edges_missing: bool,
-    /// Whether the sampler got edges while [`uncounted`](Self::uncounted). Then `Sampler::restarted` is not enough,
-    /// and a new sampler is needed.
+    /// Whether the sampler got edges while [`uncounted`](Self::uncounted), so that a new sampler is needed.
     bewildered: bool,
     /// Whether a call was cut short, so that nothing may be sent until a reset.
     interrupted: bool,
-    /// Whether a fault set in during this call. The driver cannot detect a fault that begins in the middle of a
-    /// reading.
+    /// Whether a fault set in during this call. The driver cannot detect a fault that begins within a reading.
     struck: bool,
     /// Start of the present call if it may send nothing, in ns of the twin's time.
     silent_from_ns: Option<u64>,
@@ -72,7 +70,6 @@ impl Judge {
 
     // ---- events ----
 
-    /// Notes another configuration, with a new sampler.
     pub fn configure(&mut self, config: &Config, sampling: SamplerConfig) {
         let (rate, temp) = cycles(config);
         self.period_ns = (rate + temp) * 1e9 / self.mclk_hz;

@@ -78,8 +78,7 @@ impl Ledger {
         ledger
     }
 
-    /// Notes that the part was initialised anew, and that [`Sampler::restarted`](adis16130::Sampler::restarted) was
-    /// called.
+    /// Notes that the part was initialised anew, and that `Sampler::restarted` was called.
     pub fn restarted(&mut self) {
         self.restarted = true;
     }

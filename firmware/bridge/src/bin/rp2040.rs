@@ -100,8 +100,7 @@ fn serial(flash: Peri<'static, FLASH>) -> Option<&'static str> {
     Some(port::hex(id, ROOM.init([0; 16])))
 }
 
-/// Sets the SPI clock and returns the resulting clock, Hz. The HAL does not report that clock, so the function
-/// computes it as the HAL does.
+/// Sets the SPI clock. Returns the resulting clock, Hz, computed as in the HAL, which does not report it.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let hz = hz.max(SLOWEST_SCLK_HZ);
     controller.set_frequency(hz);

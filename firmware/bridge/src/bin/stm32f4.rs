@@ -96,9 +96,8 @@ async fn shine(mut led: Output<'static>) {
     lamp::run(|lit| led.set_level((!lit).into()), &LINK).await
 }
 
-/// Sets the core clock to 72 MHz from the crystal of 25 MHz, and the USB clock to 48 MHz. The SPI clock of SPI1 can
-/// then be 9, 4.5, 2.25 or 1.125 MHz. With a faster core clock that allows for USB, the highest SPI clock below 10 MHz
-/// is lower: 6 MHz (core at 96 MHz) or 5.25 MHz (core at 84 MHz).
+/// Sets the core clock to 72 MHz from the crystal of 25 MHz, and the USB clock to 48 MHz. SPI1 can then have 9, 4.5,
+/// 2.25 or 1.125 MHz. With faster core clocks that allow for USB, its fastest clock below 10 MHz is 6 or 5.25 MHz.
 fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse { freq: Hertz(25_000_000), mode: HseMode::Oscillator });
@@ -118,8 +117,7 @@ fn clocks() -> Config {
 
 /// Sets the fastest SPI clock that is not above `hz`, or else the slowest one. Returns that clock, Hz.
 ///
-/// The controller divides its clock by a power of two. The HAL may choose a faster clock than requested, so this
-/// function chooses the divisor.
+/// The controller divides its clock by a power of two. The HAL alone might choose a faster clock than requested.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let kernel_hz = rcc::frequency::<peripherals::SPI1>().0;
     let divided = (1..=8).map(|power| kernel_hz >> power).find(|clock| *clock <= hz);

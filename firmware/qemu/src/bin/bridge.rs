@@ -1,5 +1,4 @@
-//! A bridge whose part is the twin. It speaks docs/formats/bridge.md on UART 0, which the emulator connects to a
-//! socket.
+//! A bridge whose part is the twin: docs/formats/bridge.md on UART 0, which the emulator connects to a socket.
 //!
 //! The argument is the seed of the twin.
 

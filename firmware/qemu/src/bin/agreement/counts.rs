@@ -72,7 +72,6 @@ pub fn all(readings: &[Reading], corrections: &Corrections, seed: u64, systick: 
     ])
 }
 
-/// Counts ticks of SysTick.
 struct Counter(SYST);
 
 impl Counter {
