@@ -1,4 +1,4 @@
-//! Tells the linker which scripts the board needs, and where its memory is.
+//! Passes the linker scripts and the memory layout of the board to the linker.
 
 fn main() {
     let here = std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");

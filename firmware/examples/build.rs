@@ -1,4 +1,4 @@
-//! Tells the linker which scripts the chip needs, and where its memory is, like the build script of the bridge.
+//! Passes the linker scripts and the memory layout of the chip to the linker, like the build script of the bridge.
 
 fn main() {
     let here = std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");

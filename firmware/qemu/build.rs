@@ -1,4 +1,4 @@
-//! Tells the linker of `cortex-m-rt` where the memory is.
+//! Passes the memory layout to the linker script of `cortex-m-rt`.
 
 fn main() {
     let here = std::env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");

@@ -32,7 +32,7 @@ pub struct Bus {
 pub struct SelfTestPin {
     /// Passed to `set`. May be null.
     pub context: *mut c_void,
-    /// Drives the pins: 1 = high, the self-test is on; 0 = low, off. Returns 0, or anything else for an error.
+    /// Drives the pins: 1 = high, self-test on, 0 = low, self-test off. Returns 0, or another number for an error.
     pub set: Option<unsafe extern "C" fn(context: *mut c_void, level: i32) -> i32>,
 }
 

@@ -20,7 +20,7 @@ pub struct Gyro {
     pub opaque: [u64; 48],
 }
 
-/// The contents of a [`Gyro`], which C sees as opaque memory.
+/// The contents of a [`Gyro`], which are opaque to C.
 pub struct State {
     /// The Rust driver, which calls the functions of `bus`.
     pub driver: Adis16130<Port, Line>,

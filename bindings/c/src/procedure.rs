@@ -17,7 +17,7 @@ pub struct Procedure {
     pub opaque: [u64; 512],
 }
 
-/// The contents of a [`Procedure`], which C sees as opaque memory.
+/// The contents of a [`Procedure`], which are opaque to C.
 pub struct State {
     procedure: FixedProcedure,
     /// The refusal that ended the calibration early. Every later call returns its status.

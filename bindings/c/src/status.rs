@@ -10,8 +10,8 @@ pub type Status = i32;
 
 /// Success.
 pub const ZERORATE_OK: Status = 0;
-/// No result, and no failure: nothing was due at this edge, the edge was stale, no temperature is known yet, or the
-/// rate is NaN.
+/// No result, and no failure: nothing was due at this edge, the data of the edge had been read before, no temperature
+/// has come yet, or the rate is NaN.
 pub const ZERORATE_NOTHING: Status = 1;
 /// A pointer that must not be null is null.
 pub const ZERORATE_E_NULL: Status = -1;

@@ -64,7 +64,7 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
 /// row.
 ///
 /// Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table, but writes the first or the last row. That
-/// row is wrong by BTC times its distance. Returns ZERORATE_E_ARGUMENT if the table was not laid out.
+/// row is wrong by BTC times its distance from the temperature. Returns ZERORATE_E_ARGUMENT if there is no table.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type. The rows of `table` are still in place.

@@ -52,7 +52,7 @@ pub struct TrackerState {
 
 const _: () = assert!(STATES == 6 && COVARIANCES == 21);
 
-/// The bias as currently known.
+/// The present estimate of the bias.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Tracked {

@@ -7,7 +7,7 @@ use core::convert::Infallible;
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 
 /// The SPI port: mode 3, MSB first (F-20), at [`Spec::sclk_hz`](crate::Spec::sclk_hz). One transaction is one frame of
-/// CS. SDI is held at 0 where the host only reads (F-23).
+/// CS. SDI is 0 while the host only reads (F-23).
 ///
 /// A transaction lets simulated time pass: 8 clocks per byte, and [`Spec::cs_gap_ns`](crate::Spec::cs_gap_ns) of high
 /// CS after it.

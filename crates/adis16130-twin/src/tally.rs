@@ -12,9 +12,9 @@ pub struct LostUnread {
 /// Samples of one channel that the host never saw.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ChannelLosses {
-    /// Samples that were overwritten before anybody read them (F-33).
+    /// Number of samples that were overwritten before they were read (F-33).
     pub overwritten: u64,
-    /// New samples that were dropped because the register was being read at the moment of the update (F-33).
+    /// Number of new samples that were dropped because the register was being read during the update (F-33).
     pub lost_new: u64,
 }
 

@@ -28,7 +28,7 @@ pub struct Truth {
     pub supply_dps: f64,
     /// Value of the rate random walk, before the sensitivity error, in °/s.
     pub random_walk_dps: f64,
-    /// Distance of the bias from f(T) by hysteresis, before the sensitivity error, in °/s.
+    /// Difference of the bias from f(T) by hysteresis, before the sensitivity error, in °/s.
     pub branch_dps: f64,
     /// Flicker now, before the sensitivity error, in °/s. [`bias_dps`](Self::bias_dps) leaves it out.
     pub flicker_dps: f64,

@@ -109,7 +109,7 @@ impl Config {
         self
     }
 
-    /// Sets RDYFN. If `true` (F-30), RDY signals unread data in all enabled channels; if `false`, in any (F-32).
+    /// Sets RDYFN. With `true` (F-30), RDY signals unread data in all enabled channels, with `false` in any (F-32).
     pub const fn with_rdyfn(mut self, all_channels: bool) -> Self {
         self.iop = self.iop.with_rdyfn(all_channels);
         self
@@ -121,7 +121,7 @@ impl Config {
         self
     }
 
-    /// Sets CLAMP. If `true`, out-of-range codes saturate; if `false` (F-30), they wrap (F-35).
+    /// Sets CLAMP. With `true`, out-of-range codes saturate, with `false` (F-30) they wrap (F-35).
     pub const fn with_clamp(mut self, on: bool) -> Self {
         self.mode = self.mode.with_clamp(on);
         self

@@ -1,4 +1,4 @@
-//! Decides at each edge of RDY which registers to read, and counts lost samples. It uses neither a bus nor a clock.
+//! Decides at each edge of RDY which registers to read, and counts lost samples. Uses neither a bus nor a clock.
 
 use crate::config::{Channels, Config};
 use crate::quotient::quotient;
@@ -12,7 +12,7 @@ use crate::timeline::{EdgeGrid, Pattern, Timeline};
 pub struct SamplerConfig {
     /// Read the temperature with every n-th sample (F-55): 1 = with each sample, 0 = never.
     pub every_temp: u16,
-    /// Read on every n-th edge of RDY (F-56); 0 counts as 1. With both channels and RDYFN = 1, reading both on every
+    /// Read on every n-th edge of RDY (F-56). 0 counts as 1. With both channels and RDYFN = 1, reading both on every
     /// N-th edge gives f_conv/(N + 1), since the first edge after a read of both comes two conversions later.
     pub divider: u16,
     /// Number n of a counter in the RDY line that lets every n-th edge through to the host (F-56). 1 = no counter, and
@@ -38,7 +38,7 @@ impl SamplerConfig {
         Self { every_temp: 1, divider: 1, divided: 1, read_status: true }
     }
 
-    /// Sets the number of samples that share one reading of the temperature.
+    /// Sets [`every_temp`](Self::every_temp): the temperature is read with every n-th sample.
     pub const fn with_every_temp(mut self, samples: u16) -> Self {
         self.every_temp = samples;
         self
@@ -176,34 +176,34 @@ struct LastSample {
 /// nominal distance of the readings, rounded, less one. That distance is N + 1 conversions with both channels and
 /// RDYFN = 1, and N otherwise.
 ///
-/// Edges that a counter has divided by D come D + 1 or D conversions apart. So a missing one is found by the same rule
-/// with N = D, or D times the divider. The edges that the counter keeps back do not count as losses. The distance is
-/// learned as the mean of the gaps.
+/// Edges that a counter has divided by D come D + 1 or D conversions apart. So a missing edge is found by the same rule
+/// with N = D, or D times the divider. The edges that the counter keeps back do not count as losses. The distance
+/// between edges is learned as the mean of the gaps.
 ///
 /// # Assumptions
 ///
-/// * `t_ns` runs evenly. A jitter of its edges of up to a twelfth of the period (15 µs with F-30, standard deviation)
+/// * `t_ns` runs evenly. A jitter of `t_ns` of up to a twelfth of the period (15 µs with F-30, standard deviation)
 ///   costs at most one loss too many or too few in all. Up to a ninth (20 µs) costs three in 20 000 samples. Both were
 ///   measured with 200 seeds and the clock off by ±2 %. With jitter, a loss may be reported one or a few samples late.
 /// * A host may stop at any moment, for several periods. As long as the timestamps are the times of the edges, every
-///   reported loss is real, and each is reported within five samples. Timestamps may be late as well, as behind USB.
+///   reported loss is real, and each loss is reported within five samples. Timestamps may be late, too, as over USB.
 ///   Then one stop in 100 periods costs at most two losses too many or too few in all, and one in 20 periods 0.6 % of
 ///   the samples (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). From timestamps that are late by
 ///   up to a whole period, nothing can be learned. Then the nominal period holds, and the number of losses is right to
 ///   within 3.5 % of all samples (measured).
-/// * `seq` differs for different edges. Where `t_ns` stands still or runs backwards, losses are counted from `seq`:
-///   one for every two missed edges with both channels, one for each missed edge otherwise.
+/// * `seq` differs for different edges. If `t_ns` stands still or runs backwards, losses are counted from `seq`: one
+///   for every two missed edges with both channels, one for each missed edge otherwise.
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
 ///   edges on, to some 10⁻⁶ after a second.
-/// * The kind of the first edge is guessed. With RDYFN = 0, or where rate and temperature take different times, a host
+/// * The kind of the first edge is guessed. With RDYFN = 0, or if rate and temperature take different times, a host
 ///   that was late from the start may count one loss too many or too few in all. The same error is possible before the
 ///   period is learned, if the host stops for some periods and MCLK is more than 1 % off.
 /// * After a gap of more than 4096 periods (fewer until the period is learned) the phase starts anew, and the gap is
 ///   divided by the learned period. A gap above 19.5 h counts as 19.5 h. Without a sample, at most 2³¹ periods are
 ///   counted (4.4 days with F-30).
-/// * With `read_status` off, an edge that comes too early to be new, or after edges that were not seen, makes the
-///   status due for this sample and the next few. So a late host gets no sample twice. With one channel, with RDYFN =
-///   0 or with a counter in the line, only the status shows whether the data is new, so it is always due.
+/// * With `read_status` off, the status is due for some samples after an edge that comes too early for new data, or
+///   after missed edges. So a late host gets no sample twice. With one channel, with RDYFN = 0 or with a counter in
+///   the line, only the status shows whether the data is new, so the status is always due.
 /// * After a failed read the next edge is due again, with any divider.
 ///
 /// # When nothing comes
@@ -211,7 +211,7 @@ struct LastSample {
 /// A brown-out stops the edges, so a loop that waits for the next edge needs a time-out. Call
 /// [`silent_since`](Self::silent_since) with the time now, or wait at most [`silence_ns`](Self::silence_ns).
 ///
-/// Where edges come but readings fail (a dead SDO), the sampler pauses. From the 17th reading in a row that was due
+/// If edges come but readings fail (a dead SDO), the sampler pauses. From the 17th reading in a row that was due
 /// and not [`taken`](Self::taken), the sampler skips one edge before the next reading, then two, four, and so on, at
 /// most 1024. So a loop that initialises the part after each failure does so 11 times a second and not 11 400 times.
 /// The first reading that is taken ends the pauses, and its `lost` counts the samples lost in them.
@@ -290,8 +290,8 @@ impl Rules {
     /// Returns the number of readings lost if `ticks` have passed since the previous sample, and the advance of
     /// the count.
     ///
-    /// A sample whose edge got too low a number still advances by one, because the late timestamp of the previous edge
-    /// has counted one too many. A sample is at most [`MAX_AHEAD`] ticks ahead of its edge, so that no loss stays
+    /// Without a divider, the count advances by one even if `ticks` is 0 or negative: the late timestamp of an earlier
+    /// edge has counted one tick too many. The count is at most [`MAX_AHEAD`] ticks ahead, so that no loss stays
     /// hidden.
     fn lost_in(&self, ticks: i32) -> (u32, i32) {
         if self.divider > 1 {

@@ -1,4 +1,4 @@
-//! Bounds of waits.
+//! The bounds of waits for new data.
 
 use core::num::NonZeroU32;
 
@@ -27,7 +27,7 @@ impl PollInterval {
 ///
 /// ```
 /// use adis16130::WaitBound;
-/// assert_eq!(WaitBound::from_us(1_000).polls(), 200); // looks at the pin 201 times at most
+/// assert_eq!(WaitBound::from_us(1_000).polls(), 200); // reads the pin 201 times at most
 /// ```
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -12,8 +12,8 @@ use crate::Link;
 use crate::link::SIGN_OF_LIFE;
 use crate::state::State;
 
-/// The SPI clock until a host asks for another, Hz. It is half of the part's maximum (F-21), which leaves room for
-/// long wires and level shifters.
+/// The SPI clock until a host sets another one, Hz. It is half of the part's maximum (F-21), as a margin for long
+/// wires and level shifters.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
 
 /// The watchdog resets the chip if nothing feeds it for this time, because a transfer never ends or the executor has
@@ -69,7 +69,7 @@ pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link, mut a
             }
             Either3::Third(len) => {
                 for byte in &bytes[..len] {
-                    // a damaged request gets no answer, so the host asks again
+                    // a damaged request gets no answer, so the host sends it again
                     if let Some(Ok(request)) = requests.push(*byte) {
                         link.send(&station.request(&request).await, &mut alive).await;
                         link.show(if station.is_sampling() { State::Sampling } else { State::Ready });

@@ -13,7 +13,7 @@ use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::Operation;
 use embedded_hal_async::spi::{ErrorType, SpiDevice};
 
-/// SPI clock until a host asks for another, Hz.
+/// SPI clock until a host sets another one, Hz.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
 /// Longest simulated time between two checks for requests, ns.
 const LOOK_NS: u64 = 1_000_000;

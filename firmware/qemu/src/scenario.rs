@@ -72,7 +72,7 @@ impl Corrections {
         })
     }
 
-    /// The look-up table of the correction by the temperature code.
+    /// Returns the table of the correction, in which a temperature code finds its row.
     pub fn table(&self) -> CodeTable<'_> {
         CodeTable::new(&self.rows_udps, TABLE_C.0, self.t3_c, &Axis::ADIS16130.temp)
     }

@@ -90,7 +90,7 @@ fn rotation_is_not_part_of_the_true_bias() {
 
 #[test]
 fn hysteresis_shifts_the_bias_by_twice_its_half_width() {
-    // Warm up and cool down; compare where both pass the same temperature.
+    // The part warms up and cools down. Its biases at the same temperature are compared.
     let twin = Twin::new(Spec { noise: false, ..Spec::typical() });
     let warm = at(&twin, 3000);
     assert!((warm.branch_dps + 0.002).abs() < 1e-9, "warming: the bias is behind");

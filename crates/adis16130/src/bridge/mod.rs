@@ -2,11 +2,11 @@
 //! frames, the firmware's end without its pins ([`Station`]), and the host's end without its port and clock
 //! ([`Client`]).
 //!
-//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers. While the
-//! bridge samples, it sends every sample without being asked. No sample is sent twice: a loss on the way shows in the
-//! numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
+//! The bytes are specified in `docs/formats/bridge.md` of the project. The host sends requests, and the bridge
+//! answers. While the bridge samples, it sends every sample without a request. No sample is sent twice. A lost sample
+//! shows in the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
 //!
-//! A firmware hands bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It sends the
+//! A firmware passes bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It sends the
 //! messages that the station returns by [`encode`]. This example has both ends of the link. A firmware would implement
 //! [`Bus`] for its own SPI controller:
 //!
@@ -113,8 +113,8 @@ pub enum Command<'a> {
     },
     /// Ask for the last edge of RDY.
     LastEdge,
-    /// Reset the part, initialise it as [`Command::Configure`] says (F-30 by default), read the configuration back,
-    /// then sample. If the bridge already samples, it begins anew.
+    /// Reset the part, initialise it with the settings of [`Command::Configure`] (F-30 by default), read the
+    /// configuration back, then sample. If the bridge already samples, it begins anew.
     Start {
         /// The setting of [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
         every_temp: u16,

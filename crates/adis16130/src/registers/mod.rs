@@ -114,7 +114,7 @@ macro_rules! registers {
                 match self {$(Self::$register => $description.trim_ascii(),)*}
             }
 
-            /// The access: read, write or both.
+            /// Whether the register can be read, written or both.
             pub const fn access(self) -> Access {
                 match self {$(Self::$register => Access::$access,)*}
             }

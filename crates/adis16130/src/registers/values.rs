@@ -129,10 +129,10 @@ byte_value! {
             /// RDY (b3): the data register holds a reading that has not been read.
             ready;
         0x04 "NOREF" Alarm(["the reference is there", "no reference: readings mean nothing"]),
-            /// NOREF (b2): no reference voltage; the reading means nothing.
+            /// NOREF (b2): there is no reference voltage, so the reading has no meaning.
             no_reference;
         0x02 "SIGN" Bit(["the input is positive", "the input is negative"]),
-            /// SIGN (b1): the input was negative. OVR and SIGN tell on which side the reading left the range (F-35).
+            /// SIGN (b1): the input was negative. OVR and SIGN show on which side the reading left the range (F-35).
             negative;
         0x01 "OVR" Alarm(["in range", "the input is beyond the range"]),
             /// OVR (b0): the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0)
@@ -217,7 +217,7 @@ impl ChannelSetup {
         Range::from_bits(self.0)
     }
 
-    /// Sets the input range.
+    /// Sets the input range (b1–0).
     pub const fn with_range(self, range: Range) -> Self {
         Self((self.0 & !0x03) | range.bits())
     }

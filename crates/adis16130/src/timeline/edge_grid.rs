@@ -102,7 +102,7 @@ impl EdgeGrid {
     }
 
     /// The regular gap between two neighbouring edges that comes nearest to `gap`, with its learned and its nominal
-    /// length. It is a period or, where edges announce both kinds of update, a conversion.
+    /// length. A regular gap is a period or, if edges announce both kinds of update, a conversion.
     pub(super) fn nearest_gap(&self, (period, temp): (i64, i64), gap: i64) -> (i64, i64) {
         let mut nearest = (period, self.period);
         if matches!(self.pattern, Pattern::Mixed | Pattern::Each) {

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The gear g sets everything else. Since β = α²/2 the damping is ζ = α/(2√β) = 1/√2 in every gear, the value without
-//! a peak in the error. This is an α-β filter; for α ≪ 1 the formulas of a loop in continuous time hold (F. M.
+//! a peak in the error. This is an α-β filter. For α ≪ 1 the formulas of a loop in continuous time hold (F. M.
 //! Gardner, *Phaselock Techniques*, 3rd ed., chapter 2). The noise of T̂ is exact to first order in α. In the table, σ
 //! is the jitter of the timestamps, as standard deviation. The last two columns are gears 5 and 10 at 5693 edges a
 //! second (F-31).
@@ -90,7 +90,7 @@ pub(crate) struct Timeline {
     grid: EdgeGrid,
     /// T̂: time from one tick to the next, as learned.
     period: i64,
-    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 if none.
+    /// Time from a tick to the next temperature update, computed by [`settle`](Self::settle). 0 if there is none.
     temp: i64,
     kind: EdgeKind,
     /// Time from the newest tick to the previous edge.

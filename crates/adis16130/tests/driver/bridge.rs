@@ -198,7 +198,7 @@ fn a_bridge_samples_between_start_and_stop() {
     part.borrow_mut().set(0x20, 0x08);
     part.borrow_mut().set(0x08, 0x80_8809);
     part.borrow_mut().set(0x0A, 0x80_1EA6);
-    // an edge every 175 667 ns (F-31); the one before the last is missing
+    // an edge comes every 175 667 ns (F-31), and the one before the last is missing
     for (number, pairs) in [0, 1, 3].into_iter().enumerate() {
         let t_ns = 1_000_000 + 175_667 * u64::from(pairs);
         let seq = 2 + pairs;

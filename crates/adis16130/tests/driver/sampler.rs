@@ -184,8 +184,8 @@ fn one_late_timestamp_costs_at_most_one() {
 
 #[test]
 fn a_change_between_rate_and_temperature_edges_is_counted_by_what_it_costs() {
-    // From a temperature edge to a rate edge 1.5 periods later a rate is missing; on the way back none is (F-32,
-    // F-33). At the first change the sampler tells the two kinds apart, and then reports the losses.
+    // Between a temperature edge and a rate edge 1.5 periods later, a rate is lost. Between a rate edge and such a
+    // temperature edge, none is lost (F-32, F-33). The sampler finds out the kinds at the first change.
     let times = [0.0, 1.0, 2.0, 3.5, 4.5, 5.5, 7.0, 8.0, 9.5, 10.5];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 1, 0, 0, 1, 0]);
     // These edges begin with rates. After a sample without temperature the next rate comes half a period later, and
@@ -240,8 +240,8 @@ fn a_temperature_that_was_not_taken_stays_due() {
 
 #[test]
 fn the_phase_is_found_from_a_sample_without_temperature() {
-    // The host starts late, so that its first edge announces a rate. The sampler must see that from the second sample
-    // on.
+    // The host starts late, so that its first edge announces a rate. The sampler must find that out from the second
+    // sample on.
     let mut sampler = sampler(SamplerConfig::new().with_every_temp(4));
     assert_eq!(losses(&mut sampler, ramp(40)).iter().sum::<u32>(), 0);
     // A rate is now read late and the next edge announces a temperature: nothing is lost.

@@ -164,7 +164,7 @@ impl Bench {
         Ok(())
     }
 
-    /// Discards old edges, and tells the sampler of a restart. A sampler that was given false edges is replaced.
+    /// Discards old edges, and reports a restart to the sampler. Replaces a sampler that has got false edges.
     fn tell_sampler(&mut self) {
         self.next_edge_within(0);
         self.newest = None;

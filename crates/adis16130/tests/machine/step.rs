@@ -72,7 +72,7 @@ pub enum ReadCall {
 #[derive(Copy, Clone, Debug)]
 pub enum Start {
     Restart,
-    /// A restart that the sampler is not told of.
+    /// A restart without a call of `Sampler::restarted`.
     RestartInSecret,
     Reset,
     Init,
