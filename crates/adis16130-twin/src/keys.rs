@@ -314,7 +314,8 @@ impl Key {
     }
 }
 
-/// The known key with the smallest edit distance. A key that begins with `name` comes before all others.
+/// Returns the known key with the smallest edit distance, or `None` if that is more than half of the length of `name`.
+/// A key that begins with `name` has the distance 0.
 fn nearest(name: &str) -> Option<&'static str> {
     let distance = |key: &Key| {
         let edits = edit_distance(name.as_bytes(), key.name.as_bytes());

@@ -176,8 +176,8 @@ struct LastSample {
 /// nominal distance of the readings, rounded, less one. That distance is N + 1 conversions with both channels and
 /// RDYFN = 1, and N otherwise.
 ///
-/// Edges that a counter has divided by D come D + 1 or D conversions apart. So a missing edge is found by the same rule
-/// with N = D, or D times the divider. The edges that the counter keeps back do not count as losses. The distance
+/// Edges that a counter has divided by D come D + 1 or D conversions apart. So a missing edge is found by the same
+/// rule with N = D, or D times the divider. The edges that the counter keeps back do not count as losses. The distance
 /// between edges is learned as the mean of the gaps.
 ///
 /// # Assumptions

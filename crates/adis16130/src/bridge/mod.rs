@@ -174,7 +174,7 @@ pub enum Answer<'a> {
         /// The clock as set now, Hz.
         sclk_hz: u32,
     },
-    /// The answer to [`Command::Transfer`]: the bytes that the part sent, as many as it got.
+    /// The answer to [`Command::Transfer`]: the bytes that the part sent, as many as the host sent.
     Transfer {
         /// Bytes from SDO.
         bytes: &'a [u8],

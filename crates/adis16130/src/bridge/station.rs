@@ -27,7 +27,7 @@ pub trait Bus: SpiDevice {
     }
 }
 
-/// A bridge without its pins: the part on a bus, and the state of sampling.
+/// The part of a bridge that needs no pins: the driver on a bus, and the state of sampling.
 #[derive(Debug)]
 pub struct Station<S> {
     part: Adis16130<S, ()>,

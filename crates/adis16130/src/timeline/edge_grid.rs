@@ -77,7 +77,7 @@ impl EdgeGrid {
     }
 
     /// The highest gear. Divided edges have no phase to follow, only a period. Their T̂ is the mean of the gaps in an
-    /// exponential window of 1/β edges, which are 2048 in gear 5. Its noise is σ·β, from the two ends of a gap.
+    /// exponential window of 1/β edges, 2048 in gear 5. The noise of T̂ is σ·β, from the two ends of a gap.
     pub(super) const fn top_gear(&self) -> u32 {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }

@@ -50,8 +50,8 @@ pub(super) enum Grip {
     Firm,
     /// The edges did not lie on the grid, which is learned anew.
     Loose,
-    /// The edges lie on no grid. The period stays nominal, and the phase is followed slowly. Each check counts down,
-    /// and the one that finds 0 ends this state.
+    /// The edges do not lie on any grid. The period stays nominal, and the phase is followed slowly. Each check counts
+    /// down, and the check that finds 0 ends this state.
     Held(u8),
 }
 

@@ -1,4 +1,4 @@
-//! F-40 … F-43: the published vectors.
+//! Tests the conversions of codes with the published vectors (F-40 … F-43).
 
 use adis16130::{
     RATE_LSB_PER_DPS, RateCode, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE, round_to_16_bits,
