@@ -21,7 +21,7 @@ impl Channel {
     }
 }
 
-/// The register behind an address (`docs/facts.md` section 3).
+/// The register at an address (`docs/facts.md` section 3).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Register {
     Com,

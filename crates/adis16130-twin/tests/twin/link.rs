@@ -1,4 +1,4 @@
-//! Sections 2 (framing, reset by ones, time on the wire), 3 (status, CLAMP) and 5 (codes) of `docs/facts.md`.
+//! Tests of `docs/facts.md` sections 2 (framing, reset by ones, time on the wire), 3 (status, CLAMP) and 5 (codes).
 
 use crate::bus::{Host, INIT, celsius, dps, quiet};
 use adis16130_twin::Spec;

@@ -1,4 +1,4 @@
-//! Section 3 of `docs/facts.md`: addresses, reset values, access and widths of the registers.
+//! Tests of `docs/facts.md` section 3: addresses, reset values, access and widths of the registers.
 
 use crate::bus::{Host, INIT, quiet};
 use embedded_hal::digital::OutputPin;

@@ -236,7 +236,7 @@ impl Display for Refusal {
 pub struct WireSample {
     /// Running number of the sample since [`Command::Start`], from 0.
     pub number: u32,
-    /// Number of samples that the bridge has lost between [`Command::Start`] and this one (F-33).
+    /// Number of samples that the bridge has lost between [`Command::Start`] and this sample (F-33).
     pub lost: u32,
     /// Time of the edge that announced the sample, in ns of the bridge's clock.
     pub t_ns: u64,
