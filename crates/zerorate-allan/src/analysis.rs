@@ -247,10 +247,7 @@ mod tests {
         for n in [2, 3, 4, 7, 31, 32, 100] {
             for stat in Stat::ALL {
                 let analysis = analyse(&Input::Rate(&noise(n)), 1.0, &with(stat, Taus::All)).unwrap();
-                assert_eq!(
-                    analysis.points.len() as u64,
-                    longest(stat, n as u64 + 1).max(analysis.points.len() as u64)
-                );
+                assert!(analysis.points.len() as u64 >= longest(stat, n as u64 + 1), "{stat} {n}");
                 for point in analysis.points {
                     assert!(
                         point.lo <= point.dev && point.dev <= point.hi && point.hi.is_finite(),

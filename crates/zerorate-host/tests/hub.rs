@@ -52,9 +52,9 @@ fn watched(watcher: &Watcher) -> (u64, u64) {
 /// Memory of the process, bytes.
 #[cfg(target_os = "linux")]
 fn resident_bytes() -> u64 {
-    let statm = std::fs::read_to_string("/proc/self/statm").expect("the kernel tells");
-    let pages: u64 = statm.split(' ').nth(1).and_then(|pages| pages.parse().ok()).expect("a number");
-    pages * 4096
+    let status = std::fs::read_to_string("/proc/self/status").expect("the kernel tells");
+    let resident = status.lines().find_map(|line| line.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB"));
+    resident.and_then(|kib| kib.parse::<u64>().ok()).expect("a number") * 1024
 }
 
 #[cfg(not(target_os = "linux"))]

@@ -406,7 +406,7 @@ impl ImuOptions {
         match column.quantity.filter(|quantity| *quantity != kind.quantity()) {
             None => Ok(kind),
             Some(quantity) => Err(LogError::Ask(format!(
-                "{}: column {} is in {}, which is no unit of {}; leave it out of {}",
+                "{}: column {} is in {}, which is not a unit of {}; leave it out of {}",
                 path.display(),
                 column.name,
                 quantity.unit(),

@@ -35,6 +35,8 @@ pub enum JobWarning {
     BeforeTemperature(u64),
     /// The number of rows of a log that have no temperature in the minute before them.
     TemperatureMissing(u64),
+    /// The total time for which the thermometer of a log stood still, s.
+    TemperatureHeld(f64),
     /// The bias lags behind the temperature. After the start of a log or a gap, the correction may therefore be wrong.
     LagAtStart {
         /// The time for which the correction may be wrong, s.
@@ -111,6 +113,10 @@ rows!(match JobWarning {
     Self::TemperatureMissing(rows) => Row {
         code: "temperature-missing",
         text: format_args!("{rows} rows have no temperature in the minute before them and stay empty"),
+    },
+    Self::TemperatureHeld(stuck_s) => Row {
+        code: "temperature-held",
+        text: format_args!("the thermometer stood still for {stuck_s:.0} s; the correction there is doubtful"),
     },
     Self::LagAtStart { for_s, most_dps } => Row {
         code: "lag-at-start",

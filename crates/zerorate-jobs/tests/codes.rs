@@ -254,6 +254,7 @@ fn of_jobs() -> Vec<JobWarning> {
         JobWarning::LogFailed { after_s: 1830.0, why: full() },
         JobWarning::BeforeTemperature(1200),
         JobWarning::TemperatureMissing(1200),
+        JobWarning::TemperatureHeld(240.0),
         JobWarning::LagAtStart { for_s: 180.0, most_dps: 0.098 },
         JobWarning::LeftOut(Flags::IMPOSSIBLE),
         JobWarning::StateAgeUnknown,

@@ -273,7 +273,7 @@ fn each_mistake_is_named_with_its_remedy() {
         ("imu plain.csv --rate 100", "; columns ax, ay, az (accelerometer) state no unit; give --accel-unit"),
         ("imu imu.csv --datasheet binary.toml", "binary.toml: not the file of a data sheet: it is not text"),
         ("imu imu.csv -o x.yaml --format kalbr", "tip: a similar value exists: 'kalibr'"),
-        ("imu imu.csv --gyro 4", "is in m/s², which is no unit of gyroscopes"),
+        ("imu imu.csv --gyro 4", "is in m/s², which is not a unit of gyroscopes"),
         ("imu imu.csv --gyro 1 --column 2", "cannot be used with"),
         ("imu imu.csv --horizon 20 --as-fitted", "cannot be used with"),
         ("imu unlike.csv", "Say which are axes with --gyro and --accel"),

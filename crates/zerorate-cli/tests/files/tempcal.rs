@@ -192,6 +192,15 @@ fn a_correction_of_a_log_warns_where_it_may_be_off() {
     assert!(said.contains("lag-at-start: up to 0.1") && said.contains("temperature-missing: 168"), "{said}");
     let out = bench.text("out.csv");
     assert!(out.lines().last().unwrap().ends_with(','), "no correction without a temperature");
+    write_lagging(&bench, "warming.csv", &|at_s| 10.0 + 0.02 * at_s);
+    let hold = |(row, text): (usize, &str)| {
+        let cells: Vec<&str> = text.split(',').collect();
+        if (1_000..5_000).contains(&row) { format!("{},{},30.000,7", cells[0], cells[1]) } else { text.to_owned() }
+    };
+    let held: Vec<String> = bench.text("warming.csv").lines().enumerate().map(hold).collect();
+    bench.write("held.csv", held.join("\n"));
+    let said = bench.zerorate("correct held.csv --cal unit.toml -o held-out.csv").ended_with(0).stderr;
+    assert!(said.contains("temperature-held: the thermometer stood still for 200 s"), "{said}");
 }
 
 /// A DataFlash log with the messages FMT, PARM and IMU of two sensors. ArduPilot corrected the first sensor from

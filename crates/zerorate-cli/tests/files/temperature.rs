@@ -34,7 +34,7 @@ fn a_trend_that_cannot_be_removed_is_refused() {
     let line = "allan log.csv --rate 10 --column rate_dps --detrend temp:2 --temp-column kelvin";
     bench.zerorate(line).ended_with(0).saying(&[
         "less a polynomial of order 2",
-        "least squares over means of 128 parts",
+        "least squares over means of at most 128 parts",
         "°/s/°C²",
     ]);
     // imu refuses the log, since its result would not be noise

@@ -253,7 +253,7 @@ impl CleanedReport {
 
 impl DetrendReport {
     /// The method of the fit.
-    pub const METHOD: &str = "least squares over means of 128 parts";
+    pub const METHOD: &str = "least squares over means of at most 128 parts";
 
     /// Reports on a polynomial over temperature.
     #[must_use]

@@ -161,8 +161,9 @@ impl Job {
         let delivery = match measured.log_failed {
             Some(error) => Err(error),
             None => {
-                report.file.clone_from(&files.options.output);
-                files.fill(&calibration)
+                let filled = files.fill(&calibration);
+                report.file = filled.is_ok().then(|| files.options.output.clone()).flatten();
+                filled
             }
         };
         let delivery = delivery.map_err(|why| DeliveryFailure::rescue(why, &wanted, &calibration));

@@ -5,6 +5,7 @@ use crate::{InvalidOptions, JobWarning};
 use anyhow::Result;
 use std::io::{self, Write};
 use zerorate::calibration::CalibratedAxis;
+use zerorate::temperature::curve::MeansBuilder;
 use zerorate::temperature::{FollowedTemperature, LagAndPlay, u_dps};
 use zerorate::{Calibration, Corrector, CorrectorConfig};
 use zerorate_imu::Kind;
@@ -58,6 +59,8 @@ impl CorrectedLog {
         }
         let mut warnings: Vec<JobWarning> =
             (missing > 0).then_some(JobWarning::TemperatureMissing(missing)).into_iter().collect();
+        let held_s = stuck_s(&axes[0].rates_dps, &temps_c, rate_hz);
+        warnings.extend((held_s > 0.0).then_some(JobWarning::TemperatureHeld(held_s)));
         let (mut outside, mut at_start) = (None, None::<(f64, f64)>);
         for (axis, of) in axes.iter_mut().zip(&calibration.axes) {
             let applied = Applied { calibration, of, temps_c: &temps_c, rate_hz };
@@ -151,6 +154,13 @@ fn hold(temps_c: &mut [f64], rate_hz: f64) -> u64 {
         missing += u64::from(!temp_c.is_finite());
     }
     missing
+}
+
+/// The total time for which the thermometer stuck, s, as `tempcal` finds it.
+fn stuck_s(rates_dps: &[f64], temps_c: &[f64], rate_hz: f64) -> f64 {
+    let mut means = MeansBuilder::new(rates_dps.len(), rate_hz);
+    rates_dps.iter().zip(temps_c).for_each(|(rate_dps, temp_c)| means.push(*rate_dps, *temp_c));
+    means.finish().thermometer().stuck_s
 }
 
 /// The correction of an axis, for the temperatures of a log.

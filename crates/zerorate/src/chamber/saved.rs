@@ -57,7 +57,7 @@ impl fmt::Display for SavedError {
             Self::Syntax(what) => write!(f, "it is not an interrupted measurement: {what}"),
             Self::Altered(damage) => damage.fmt(f),
             Self::Unchecked => f.write_str(check_lines::UNCHECKED),
-            Self::Damaged => f.write_str("it is damaged: its lists have different lengths"),
+            Self::Damaged => f.write_str("it is damaged: its lists have different lengths, or its times do not rise"),
             Self::Impossible { what } => write!(f, "it is damaged: a measurement cannot give such {what}"),
             Self::Other { what, saved, wanted } => {
                 write!(f, "it belongs to another {what}: {saved:?} there, {wanted:?} here")
