@@ -6,7 +6,7 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The part of a device address after the colon, parsed. Each kind of device has its own implementation.
+/// A parsed device address. Each kind of device has its own implementation.
 pub(crate) trait Address: fmt::Debug + Send + Sync {
     /// Opens the device. `name` is the whole address, as the user wrote it. The part is initialised later, by
     /// [`Source::initialise`]. `stop` ends every long wait.
@@ -17,7 +17,7 @@ pub(crate) trait Address: fmt::Debug + Send + Sync {
         None
     }
 
-    /// True if the device is simulated and follows the ambient temperature of its [`Setup`].
+    /// True if the device is simulated, so that it can follow the ambient temperature of its [`Setup`].
     fn is_simulated(&self) -> bool {
         false
     }

@@ -3,13 +3,13 @@
 use jiff::{Timestamp, Unit};
 use std::time::SystemTime;
 
-/// The wall-clock time; `None` outside of the years −9999 to 9999.
+/// The wall-clock time; `None` outside of the range of [`Timestamp`], the years −9999 to 9999.
 #[must_use]
 pub fn now() -> Option<Timestamp> {
     stamp(SystemTime::now())
 }
 
-/// The wall-clock time as text, rounded to the second; empty outside of the years −9999 to 9999.
+/// The wall-clock time as text, rounded to the second; empty outside of the range of [`Timestamp`].
 pub(crate) fn text() -> String {
     now().map_or_else(String::new, to_second)
 }

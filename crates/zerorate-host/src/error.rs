@@ -19,7 +19,7 @@ pub struct DeviceError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Cause {
-    /// The device does not support the request.
+    /// The device or this build of the program does not support the request.
     Request,
     /// The device is not there.
     Missing,
@@ -27,7 +27,7 @@ pub enum Cause {
     Permission,
     /// Another program has the device open.
     Busy,
-    /// The device has disappeared: a cable was pulled, or a driver was unbound.
+    /// The device has disappeared: for example, a cable was pulled or a driver was unbound.
     Gone,
     /// The device does not answer.
     Silent,

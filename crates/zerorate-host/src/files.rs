@@ -1,4 +1,4 @@
-//! Opens captures and logs on disk.
+//! Opens captures and logs, and reads small text files.
 
 use crate::RowReader;
 use std::fs::File;
@@ -10,8 +10,8 @@ use zerorate_input::{Input, InputError};
 use zerorate_logs::{ColumnOptions, LogError, Parts};
 use zerorate_record::{CaptureError, CaptureReader};
 
-/// Opens a regular file. Pipes, sockets and devices are refused before opening, because that may block forever, and
-/// because they have no length and maybe no end.
+/// Opens a regular file. Pipes, sockets and devices are refused before opening, because opening them may block
+/// forever, and because they have no length and maybe no end.
 ///
 /// # Errors
 /// Returns an error if the file is a pipe, a socket or a device, or if it cannot be opened.
@@ -62,7 +62,7 @@ fn holes(_: &File) -> std::io::Result<u64> {
 /// read, and one more to detect a larger file.
 ///
 /// # Errors
-/// Returns [`ErrorKind::FileTooLarge`] for a larger file, [`ErrorKind::InvalidData`] if it is not text, or the error
+/// Returns [`ErrorKind::FileTooLarge`] for a larger file, [`ErrorKind::InvalidData`] if it is not UTF-8, or the error
 /// of the file system.
 pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
     let mut bytes = Vec::new();
@@ -77,7 +77,8 @@ pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
 /// The path that means standard input.
 pub const STDIN: &str = "-";
 
-/// Opens a log: a file, standard input (`-`), or the folder of a ROS 2 bag. Returns each file with its name.
+/// Opens a log: a file, standard input (`-`), or a folder with a ROS 2 bag or a split ROS 1 bag. Returns each file
+/// with its path, and the numbers of messages that the description of a ROS 2 bag states.
 ///
 /// # Errors
 /// Returns an error if the log cannot be opened.
@@ -94,7 +95,7 @@ pub fn log(path: &Path) -> Result<Parts, InputError> {
     Ok(Parts { files: files.collect::<Result<_, InputError>>()?, messages: stated(&description) })
 }
 
-/// The files behind the path of a log: the log itself, or the files of a folder.
+/// The files behind the path of a log: the log itself, or the entries of a folder.
 #[must_use]
 pub fn listed(path: &Path) -> Vec<PathBuf> {
     match path.read_dir() {
@@ -117,7 +118,7 @@ pub fn log_length(path: &Path) -> u64 {
     }
 }
 
-/// Replaces the error of a missing file by a better one if the path is a URL.
+/// Replaces the error by advice to download the file if the path is a URL.
 fn not_an_address(path: &Path, error: std::io::Error) -> std::io::Error {
     let is_address = path.to_str().is_some_and(|text| text.contains("://"));
     if is_address { std::io::Error::other("addresses are not fetched; download the file first") } else { error }
@@ -137,7 +138,7 @@ const METADATA: &str = "metadata.yaml";
 /// Largest part of the description that is read, bytes.
 const MAX_METADATA: u64 = 1 << 20;
 
-/// The description of a ROS 2 bag; empty if there is none.
+/// The description of a ROS 2 bag; empty if it cannot be opened.
 fn description(folder: &Path) -> Result<String, InputError> {
     let mut text = String::new();
     if let Ok(file) = open(&folder.join(METADATA)) {
@@ -147,7 +148,8 @@ fn description(folder: &Path) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// The files of a ROS 2 bag in the order of its description, or the only bag in a folder without a description.
+/// The files of a ROS 2 bag in the order of its description. Without a description, the only bag of the folder, or the
+/// files of a split ROS 1 bag.
 fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     let failed = |error| InputError::io("read", folder, error);
     let listed: Vec<PathBuf> = described(description).map(|name| folder.join(name)).collect();
@@ -170,7 +172,8 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
 }
 
 /// Sorts split bags by their numbers, if these are consecutive and the rest of the names differs in digits only.
-/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME. `None` for other names.
+/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME. `None` for other names and for a
+/// single bag.
 fn split_bags(bags: &[PathBuf]) -> Option<Vec<PathBuf>> {
     let numbered = |path: &PathBuf| {
         path.extension().filter(|ending| *ending == "bag")?;

@@ -12,9 +12,9 @@ use rustix::io::Errno;
 use std::path::Path;
 use std::time::Duration;
 
-/// Size of the kernel's queue of edges: the largest size that the kernel allows for one line.
+/// Size of the kernel's queue of edges: the largest that the kernel allows.
 const KERNEL_EDGES: u32 = 1024;
-/// Number of edges that are read at once.
+/// Largest number of edges that are read at once.
 const EDGES_AT_ONCE: usize = 64;
 
 /// The RDY line as a source of edges.
@@ -45,7 +45,7 @@ impl GpioEdges {
         Ok(Self { request, name: format!("{} line {line}", chip.display()), buffer, first_ns: None, last_ns: 0 })
     }
 
-    /// Returns the newest edge in the kernel's queue. The number of the edge counts all edges, including dropped ones.
+    /// Returns the newest edge in the kernel's queue; `None` if the queue is empty. `seq` also counts dropped edges.
     fn newest(&mut self) -> Result<Option<Edge>> {
         let size = self.request.edge_event_u64_size();
         let mut newest = None;

@@ -36,7 +36,7 @@ pub struct Batch {
     pub notes: Vec<SourceWarning>,
     /// The warnings about the timestamps of all samples so far.
     pub doubts: Vec<CaptureWarning>,
-    /// Losses between the part and the hub, since the start.
+    /// Losses between the part and the hub since the device was opened.
     pub losses: Losses,
     /// The true state of each axis of a simulated part after the last sample; empty for any other device.
     pub truths: Vec<Truth>,
@@ -159,7 +159,7 @@ impl Hub {
         Ok(Self { facts, requests, subscribers, speed, failure, stop: stop.clone(), ended, thread })
     }
 
-    /// The facts that do not change while the device is read.
+    /// The facts about the device, which do not change while it is read.
     #[must_use]
     pub fn facts(&self) -> &DeviceInfo {
         &self.facts
@@ -247,7 +247,7 @@ fn died() -> anyhow::Error {
 }
 
 impl LosslessReader {
-    /// Waits for the next batch. `None` at the end of a recording or after a stop.
+    /// Waits for the next batch. `None` at the end of a recording, after a stop, or if the hub was dropped.
     ///
     /// # Errors
     /// Returns an error if reading the device failed.
@@ -293,7 +293,7 @@ struct BatchBuilder {
 }
 
 impl BatchBuilder {
-    /// Longest duration of a batch in the part's time, ns; `None` if the part's time is not paced.
+    /// Longest duration of a batch in the part's time, ns; `None` if the speed is unlimited.
     fn longest_ns(&self) -> Option<u64> {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
     }

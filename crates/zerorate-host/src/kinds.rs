@@ -68,7 +68,7 @@ impl DeviceSpec {
         self.address.file()
     }
 
-    /// True if the device is simulated and follows the ambient temperature of its [`Setup`].
+    /// True if the device is simulated, so that it can follow the ambient temperature of its [`Setup`].
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         self.address.is_simulated()

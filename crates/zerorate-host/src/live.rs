@@ -24,7 +24,7 @@ pub struct Live<S, E> {
     sampler: Sampler,
     mclk_hz: u32,
     stop: Stop,
-    /// Time of the last sample since the initialisation, ns; `None` before the first.
+    /// Time of the last sample, or of the first edge after the initialisation, ns; `None` before that edge.
     alive_ns: Option<u64>,
 }
 
@@ -91,8 +91,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(fastest)
     }
 
-    /// Measures the change of the rate under self-test (F-11). The pin is released in any case, also after Ctrl-C.
-    /// Leaves the part configured.
+    /// Measures the change of the rate under self-test (F-11). The pin is released in any case, also after Ctrl-C. If
+    /// the test succeeds, the part is configured afterwards.
     pub fn self_test<P>(&mut self, pin: &mut P) -> Result<SelfTest>
     where
         P: OutputPin<Error: Debug + Send + Sync + 'static>,

@@ -86,7 +86,7 @@ pub(crate) struct WallClock<C = Monotonic> {
     speed: Speed,
     /// The bits of the speed that has applied since `started`.
     bits: u64,
-    /// Wall-clock time and the part's time, ns, when this speed was set.
+    /// Wall-clock time, and the part's time in ns, when this speed took effect.
     started: Option<(Duration, u64)>,
     due_ns: u64,
 }

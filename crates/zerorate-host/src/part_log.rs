@@ -10,7 +10,8 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Largest distance of a value from a whole code without a warning, in codes. Rounded decimals cause smaller ones.
+/// Largest distance of a value from a whole code without a warning, in codes. Rounded decimals cause smaller
+/// distances.
 const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes and the temperature of a part.
@@ -21,7 +22,7 @@ const ON_GRID: f64 = 1e-4;
 pub struct PartLog {
     info: CaptureInfo,
     t_ns: Vec<u64>,
-    /// The codes of each axis and of the temperature; NaN if a value is missing.
+    /// The codes of each axis, and in `temps` those of the temperature; NaN if a value is missing.
     axes: Vec<Vec<f64>>,
     temps: Vec<f64>,
     /// The gaps: positions of rows, and the number of readings that were lost before each of these rows.
@@ -81,7 +82,7 @@ impl PartLog {
         &self.info
     }
 
-    /// The warnings about the log: rounded values, rows with missing values, an incomplete end.
+    /// The warnings about the log, for example about rounded values or rows with missing values.
     #[must_use]
     pub fn warnings(&self) -> &[LogWarning] {
         &self.warnings

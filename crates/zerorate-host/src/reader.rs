@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread::{self, JoinHandle};
 
-/// Capacity of the queue in samples: 11 s at the full rate, 2.6 MB.
+/// Capacity of the queue in samples: 11.5 s at the full rate, 2.6 MB.
 const QUEUE: usize = 1 << 16;
 
 /// What to do with a sample when the queue is full.
@@ -102,8 +102,8 @@ impl Feeder {
         }
     }
 
-    /// Sends a sample. Returns false if the receiver is gone. If the queue is full and need not wait, the sample is
-    /// dropped, and the next sample counts it as lost.
+    /// Sends a sample. Returns false if the receiver is gone. With [`WhenFull::Drop`], a sample that does not fit into
+    /// the queue is dropped, and the next sample counts it as lost.
     fn offer(&mut self, mut sample: Sample) -> bool {
         sample.lost = sample.lost.saturating_add(self.owed);
         if self.when_full == WhenFull::Wait {

@@ -23,8 +23,8 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// The sampling as the driver's configuration. A counter in the RDY line passes every `divided`-th edge; 1 if
-    /// there is no counter.
+    /// The sampling as the driver's configuration. A counter in the RDY line passes every `divided`-th edge; `divided`
+    /// is 1 without a counter.
     pub(crate) fn config(self, divided: u16) -> SamplerConfig {
         SamplerConfig::new()
             .with_every_temp(self.every_temp.unwrap_or(1))
@@ -54,7 +54,7 @@ impl Default for Setup {
 
 /// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in its own thread.
 pub trait Source {
-    /// The facts that do not change while the device is read.
+    /// The facts about the device, which do not change while it is read.
     fn facts(&self) -> DeviceInfo;
 
     /// Resets the part, initialises it, and reads the configuration back. Returns the revision; `None` if it is
@@ -63,7 +63,7 @@ pub trait Source {
         Ok(None)
     }
 
-    /// Returns the next sample; `None` at the end of a recording.
+    /// Returns the next sample; `None` at the end of a recording, or after a stop.
     fn next(&mut self) -> Result<Option<Row>>;
 
     /// Tests the bus and leaves the part configured; `None` if there is no bus. Call it before the first sample.
@@ -85,7 +85,7 @@ pub trait Source {
         Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())
     }
 
-    /// Samples lost between the part and this program.
+    /// Losses between the part and this program since the device was opened.
     fn losses(&self) -> Losses {
         Losses::default()
     }
@@ -101,7 +101,7 @@ pub trait Source {
     }
 }
 
-/// The facts that do not change while a device is read.
+/// The facts about a device, which do not change while it is read.
 #[derive(Clone, Debug)]
 pub struct DeviceInfo {
     /// The name that is shown to the user: the address, or `recording of` and the recorded device.
@@ -121,7 +121,7 @@ pub struct DeviceInfo {
 }
 
 impl DeviceInfo {
-    /// The facts about an ADIS16130 that is read through the driver.
+    /// The facts about an ADIS16130 with these options and this sampling.
     pub(crate) fn of_part(
         name: &str,
         options: &PartOptions,
@@ -184,11 +184,11 @@ pub struct Bus {
     pub sclk_hz: u32,
     /// The fastest tested clock at which the configuration reads back correctly, Hz; `None` if there is none.
     pub fastest_clean_hz: Option<u32>,
-    /// Time from one register read to the next, s; `None` behind a bridge.
+    /// Mean time from one register read to the next, s; `None` behind a bridge.
     pub read_s: Option<f64>,
 }
 
-/// Losses between the part and this program. They are included in the samples' `lost`.
+/// Losses between the part and this program. The `lost` of the samples includes the lost samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Number of samples that were read but dropped because the queue was full.

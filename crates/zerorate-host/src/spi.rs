@@ -179,7 +179,7 @@ impl LastErrno {
     }
 }
 
-/// Adds the name of the spidev file and advice to an error whose system error number is known.
+/// Adds the name of the spidev file and advice to an error that shows that the SPI adapter is gone or hangs.
 fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> anyhow::Error {
     let spi = address.spi.display();
     let of_line = error.chain().find_map(|source| source.downcast_ref()).and_then(errno);

@@ -235,7 +235,7 @@ impl Source for TwinPart {
     }
 }
 
-/// A warning if the ambient temperature is outside of the part's operating range.
+/// A warning if the ambient temperature is outside of the part's operating range. `None` for the oven's profile.
 fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     let (low_c, high_c) = part.operating_c?;
     let is_beyond = unit.profile != Profile::Oven && !(low_c..=high_c).contains(&unit.ambient_c);

@@ -35,7 +35,7 @@ impl Link {
         Self { wire, client: Client::default(), received: VecDeque::new(), since: Instant::now(), gone: None }
     }
 
-    /// Sends a request, repeatedly if necessary, and returns its answer.
+    /// Sends a request, repeatedly if necessary, and returns what `take` reads from its answer.
     pub fn request<T>(
         &mut self,
         command: Command<'_>,
@@ -65,7 +65,7 @@ impl Link {
         }
     }
 
-    /// Number of frames that were damaged in transmission.
+    /// Number of frames that arrived damaged since the last [`Self::forget_damage`].
     pub fn damaged(&self) -> u64 {
         self.client.damaged
     }
@@ -80,7 +80,7 @@ impl Link {
         self.gone.clone()
     }
 
-    /// Waits for bytes until the deadline. Returns false, without waiting, if the deadline has passed.
+    /// Waits for bytes until the deadline. Returns false only if the deadline passed before this call.
     fn read(&mut self, deadline: Instant) -> Result<bool, LinkError> {
         let patience = deadline.saturating_duration_since(Instant::now());
         if patience.is_zero() {

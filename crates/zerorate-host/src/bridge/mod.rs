@@ -25,7 +25,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
-/// Opens the port, stops a running measurement of the bridge, and sends its SPI clock and the settings of the part.
+/// Opens the port, stops a running measurement of the bridge, checks the version of its protocol, and sends the SPI
+/// clock and the settings of the part.
 fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<BridgePart>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
@@ -100,7 +101,7 @@ impl Connection for BridgePart {
 
 impl Drop for BridgePart {
     fn drop(&mut self) {
-        // a failure does not matter, since it means that the bridge is gone
+        // nothing can be done about an error here
         let _ = self.link.request(Command::Stop, |_| Some(()));
     }
 }
@@ -156,7 +157,7 @@ struct Stream {
 }
 
 impl Stream {
-    /// Returns the next sample. Waits for [`Live::silence_ns`] at most, even if other messages arrive.
+    /// Returns the next sample, or an error if sampling ended or no sample came within [`Live::silence_ns`].
     fn next(&mut self) -> Result<Sample> {
         let asked = Instant::now();
         let deadline = asked + Duration::from_nanos(self.live.silence_ns());
@@ -176,7 +177,7 @@ impl Stream {
     }
 }
 
-/// The link, shared by the SPI bus and the source of edges.
+/// The link, shared by the connection, its SPI bus, its edges, its self-test pins and its samples.
 #[derive(Clone)]
 struct SharedLink(Arc<Mutex<Link>>);
 
@@ -201,7 +202,7 @@ impl SharedLink {
         self.lock().damaged()
     }
 
-    /// If the bridge is gone or silent, adds this to the error as its cause. Returns other errors unchanged.
+    /// Returns an error that says so if the bridge is gone or silent, and any other error unchanged.
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().why_gone() {
@@ -217,7 +218,7 @@ impl SharedLink {
     }
 }
 
-/// The SPI bus behind the bridge. Each operation with bytes is one request to the bridge.
+/// The SPI bus behind the bridge. Each write and each transfer in place is one request to the bridge.
 struct Transfers(SharedLink);
 
 impl ErrorType for Transfers {

@@ -3,9 +3,10 @@
 use anyhow::{Result, ensure};
 use std::time::Duration;
 
-/// The time that the host waits for samples before it checks the progress of the bridge's clock.
+/// Time that the host spends waiting for samples between two checks of the bridge's clock.
 const WINDOW: Duration = Duration::from_secs(2);
-/// The largest allowed ratio of host time to bridge time. A bridge in an emulator runs slowly, but within this limit.
+/// The largest allowed ratio of the host's waiting time to the bridge's time. A bridge in an emulator runs slowly, but
+/// within this limit.
 const SLOWEST: u32 = 64;
 
 /// Compares the timestamps of the samples with the time that the host spent waiting for the samples.
@@ -19,7 +20,8 @@ pub struct Progress {
 
 impl Progress {
     /// Adds a sample with the timestamp `t_ns`, for which the host waited for `waited`. Returns an error if the
-    /// bridge's clock does not advance. Time that the host spends on other work does not count.
+    /// bridge's clock stands still or is more than [`SLOWEST`] times too slow. Time that the host spends on other work
+    /// does not count.
     pub fn require(&mut self, t_ns: u64, waited: Duration) -> Result<()> {
         let since_ns = *self.since_ns.get_or_insert(t_ns);
         self.waited += waited;
@@ -48,7 +50,7 @@ mod tests {
     const PAIR: Duration = Duration::from_nanos(175_667);
 
     /// Adds samples whose timestamps are `step_ns` apart. Returns the index of the sample at which the clock counts as
-    /// stopped; `None` if that does not happen.
+    /// stopped; `None` if 100 000 samples pass.
     fn found_after(step_ns: u64, waited: Duration) -> Option<u32> {
         let mut progress = Progress::default();
         (0..100_000).find(|&k| {

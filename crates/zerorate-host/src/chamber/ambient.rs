@@ -7,8 +7,8 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 /// The ambient temperature of a simulated part ([`Setup`](crate::Setup)). Clones share one profile. The
-/// [`ProfileWriter`] adds segments in order, and the part reads no sample beyond the last segment. So a measurement
-/// in a simulated chamber is reproducible, whatever the timing of the threads.
+/// [`ProfileWriter`] adds segments in order. After the first sample at or beyond the end of a segment, the part waits
+/// for the next segment. So a measurement in a simulated chamber is reproducible, whatever the timing of the threads.
 ///
 /// The part reads its first sample without any segment, and pauses before its second sample.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +34,8 @@ struct Segment {
     until_ns: u64,
 }
 
-/// Adds segments to the profile. When the writer is dropped, the part continues at the last temperature.
+/// Adds segments to the profile. After the writer is dropped, the part finishes the segments and stays at the last
+/// temperature.
 #[derive(Debug)]
 pub struct ProfileWriter(AmbientProfile);
 
@@ -46,7 +47,7 @@ impl AmbientProfile {
         self.0.segments.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the next segment; `None` if the profile is complete or a stop was requested.
+    /// Waits for the next segment. `None` if none is left and the profile is complete or a stop was requested.
     fn next(&self, stop: &Stop) -> Option<Segment> {
         let mut segments = self.segments();
         loop {
@@ -97,9 +98,9 @@ impl ProfileFollower {
         Self { profile, stop: stop.clone(), until_ns: 0, last_ns: None }
     }
 
-    /// Call this before each sample. Waits for the next segment if the last sample is beyond the last segment. `first`
-    /// gives the clock that all units share. The time of the last sample decides, not the clock, because the writer of
-    /// the profile sees only samples.
+    /// Call this before each sample. If the last sample is at or beyond the end of the segment, waits for the next
+    /// segment and starts its ramp in all units. `first` gives the clock that all units share. The time of the last
+    /// sample decides, not the clock, because the writer of the profile sees only samples.
     #[inline]
     pub fn before_sample<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
         if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The commands that set a chamber and read it.
+/// The commands that set and read a chamber, and the time for which a failed command is repeated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChamberCommands {
     set: String,
@@ -20,7 +20,7 @@ pub struct ChamberCommands {
 const PLACEHOLDER: &str = "{temp_c}";
 /// Plausible readings of a chamber, °C. A reading outside of this range is an error.
 const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
-/// First wait before a failed command is repeated. The wait doubles each time.
+/// First wait before a failed command is repeated. The wait doubles each time, up to one of the two limits below.
 const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
@@ -29,7 +29,8 @@ const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {
     /// A chamber that two commands control. `set` contains `{temp_c}` in place of the temperature. `read` prints the
-    /// air temperature, °C. A command that fails is repeated until the time `retry` is over.
+    /// air temperature, °C. A command that fails is repeated until the time `retry` is over, except in
+    /// [`Chamber::start`] and [`Chamber::end`].
     ///
     /// # Errors
     /// Returns an error if a command is empty, or if `set` does not contain `{temp_c}`.
@@ -53,9 +54,9 @@ impl ChamberCommands {
 struct Limits {
     /// Time limit of a command.
     command: Duration,
-    /// Time limit of a command after a stop, and of the last attempt to set the safe temperature.
+    /// Time limit of a command after a stop, and the least time of an attempt to set the safe temperature.
     grace: Duration,
-    /// Total time for attempts to set the safe temperature.
+    /// Time within which attempts to set the safe temperature begin.
     ending: Duration,
 }
 
@@ -115,7 +116,7 @@ impl CommandedChamber {
         Ok(air_c)
     }
 
-    /// Repeats an operation until it succeeds or the time for retries is over.
+    /// Repeats an operation until it succeeds, the time for retries is over, or a stop was requested.
     fn retry<T>(&mut self, what: impl Fn(&mut Self) -> Result<T, Failure>) -> Result<T> {
         let (until, mut wait) = (Instant::now() + self.commands.retry, FIRST_WAIT);
         loop {
@@ -188,7 +189,7 @@ impl Chamber for CommandedChamber {
         let (command, air_c) = (self.commands.set_to(safe_c), self.air_c);
         let (until, mut wait) = (Instant::now() + self.limits.ending, FIRST_WAIT);
         loop {
-            // the last attempt also gets its full time
+            // the last attempt also gets the time `grace`
             let latest = until.max(Instant::now() + self.limits.grace);
             let failed = shell::first_line(&command, || latest).err().map(|error| Failure::of(&command, error).0);
             if failed.is_none() || Instant::now() + wait >= until {

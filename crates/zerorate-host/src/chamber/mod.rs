@@ -16,9 +16,9 @@ use crate::{Result, Stop};
 use commands::CommandedChamber;
 use std::str::FromStr;
 
-/// A temperature chamber. Call `start` once before all other methods, and `end` once after them.
+/// A temperature chamber. Call `start` once before `set`, `read_c` and `pass`, and `end` once after them.
 pub trait Chamber: Send {
-    /// Checks that the chamber responds. It does not change the temperature.
+    /// Checks that the chamber responds, without changing its temperature.
     ///
     /// # Errors
     /// Returns an error if the chamber does not respond.
@@ -30,13 +30,13 @@ pub trait Chamber: Send {
     /// chamber may have followed a command that failed.
     ///
     /// # Errors
-    /// Returns an error if the temperature cannot be set within the time for retries.
+    /// Returns an error if the temperature cannot be set within the time for retries, or after a stop.
     fn set(&mut self, temp_c: f64) -> Result<()>;
 
     /// Reads the air temperature, °C; `None` if there is no new reading.
     ///
     /// # Errors
-    /// Returns an error if the temperature cannot be read within the time for retries.
+    /// Returns an error if the temperature cannot be read within the time for retries, or after a stop.
     fn read_c(&mut self) -> Result<Option<f64>>;
 
     /// Lets this many seconds of simulated time pass. Does nothing in a real chamber.
@@ -47,21 +47,21 @@ pub trait Chamber: Send {
         Stop::default()
     }
 
-    /// Sets the safe temperature, °C, whether or not the measurement succeeded. `None` if no temperature was ever set.
-    /// Takes about ten seconds at most.
+    /// Sets the safe temperature, °C, whether or not the measurement succeeded. `None` for a simulated chamber, or if
+    /// no temperature was set before: then a chamber with commands is left as it is. Takes about ten seconds at most.
     fn end(&mut self, safe_c: f64) -> Option<SafeEnd>;
 }
 
 /// The outcome of setting the safe temperature.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SafeEnd {
-    /// The reason why the chamber did not confirm the set point; `None` if it did.
+    /// The reason why the safe temperature could not be set; `None` if it was set.
     pub failed: Option<String>,
-    /// The last reading of the air temperature, °C.
+    /// The last reading of the air temperature, °C; `None` if there is none.
     pub air_c: Option<f64>,
 }
 
-/// The kind of a chamber, as the user names it.
+/// A chamber, as the user specifies it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ChamberSpec {
     /// A person sets the chamber by hand.

@@ -6,13 +6,14 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Number of bytes that are kept of each stream: the first of stdout, the last of stderr.
+/// Largest number of bytes that are kept of each stream: the first of stdout, the last of stderr.
 const KEPT: usize = 4096;
 /// Largest number of characters of stderr that an error shows.
 const SHOWN: usize = 200;
 /// Longest time between two checks of the time limit.
 const SLICE: Duration = Duration::from_millis(20);
-/// How long the pipes are read after the command ended: a process that the command left behind may hold them open.
+/// Longest time for which the pipes are read after the command ended. A process that it left behind may hold them
+/// open.
 const AFTERMATH: Duration = Duration::from_secs(1);
 
 #[derive(Debug, thiserror::Error)]
@@ -26,7 +27,7 @@ pub enum ShellError {
 }
 
 /// Runs a command without input, and returns the first line of its stdout. `until` is called repeatedly and returns
-/// the deadline, at which the command's process group is killed.
+/// the deadline, at which the command is killed, on Unix with its process group.
 ///
 /// The command is not in the terminal's process group, so Ctrl-C does not reach it.
 pub fn first_line(command: &str, mut until: impl FnMut() -> Instant) -> Result<String, ShellError> {
@@ -44,7 +45,7 @@ pub fn first_line(command: &str, mut until: impl FnMut() -> Instant) -> Result<S
         match chunks.recv_timeout(SLICE) {
             Ok(chunk) => output.push(chunk),
             Err(RecvTimeoutError::Timeout) => {}
-            // both pipes are closed, so the command is about to end
+            // both pipes are closed, so wait until the command ends
             Err(RecvTimeoutError::Disconnected) => thread::sleep(Duration::from_millis(1)),
         }
     };

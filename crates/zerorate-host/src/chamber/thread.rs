@@ -6,15 +6,15 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Period at which the chamber is read.
+/// Pause between two readings of the chamber.
 const PERIOD: Duration = Duration::from_secs(5);
 
 /// Period of the checks that the thread still runs.
 const SLICE: Duration = Duration::from_millis(100);
 
 /// A chamber in its own thread, which sets the first set point at once. Every 5 s, the thread sets a changed set point
-/// and reads the chamber. [`Chamber::read_c`] returns each reading once. A failure of the chamber is returned by a
-/// later call of [`Chamber::set`] or [`Chamber::read_c`].
+/// and reads the chamber. [`Chamber::read_c`] returns the latest reading, and each reading once at most. The next call
+/// of [`Chamber::start`], [`Chamber::set`] or [`Chamber::read_c`] returns a failure of the chamber.
 pub struct ChamberThread {
     shared: Arc<SharedState>,
     halt: Stop,
@@ -93,7 +93,7 @@ impl ChamberThread {
 }
 
 impl Chamber for ChamberThread {
-    /// Waits until the thread has started the chamber.
+    /// Waits until the chamber has started or failed.
     fn start(&mut self) -> Result<()> {
         loop {
             let state = self.shared.state();

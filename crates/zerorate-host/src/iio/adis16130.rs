@@ -1,7 +1,7 @@
 //! An ADIS16130 read through the Linux kernel's own driver for it, by polling sysfs.
 //!
 //! The kernel's driver occupies the bus and gives single readings without data-ready signal, status or timestamp. So
-//! it is unknown whether a reading is new, or how many were never read. `lost` counts polls that came too late.
+//! it is unknown whether a reading is new, and how many conversions were never read. `lost` counts skipped polls.
 
 use super::sysfs::read;
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};

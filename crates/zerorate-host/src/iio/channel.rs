@@ -16,7 +16,7 @@ pub struct Channel {
     pub element: Option<Element>,
 }
 
-/// The layout of a channel in a scan, that is, one set of simultaneous samples in the buffer.
+/// The layout of a channel in a scan. A scan is one set of simultaneous samples in the buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Element {
     /// Position of the channel in the order of the scan.
@@ -40,7 +40,7 @@ impl Channel {
         ensure!(scale.is_finite() && scale != 0.0, "{name}_scale is {scale}, with which nothing can be converted");
         let offset: f64 = number("offset")?.unwrap_or(0.0);
         let element = Element::read(folder, name)?;
-        // the driver states no width: take the largest one whose distance to the zero code fits into 32 bits
+        // without a buffer, the driver states no width: take the largest for which raw + offset fits into 32 bits
         let untyped = if offset == 0.0 { (32, true) } else { (31, true) };
         let (width_bits, signed) = element.map_or(untyped, |element| (element.bits.min(32) as u8, element.signed));
         // the value in the kernel's unit is (raw + offset) · scale

@@ -97,7 +97,8 @@ impl Device {
     }
 }
 
-/// The part as the driver describes it. Drivers write names in lower case; a `known` part file has the proper name.
+/// The part as the driver describes it. If `known` has the driver's name, in any case of letters, the name and the
+/// operating temperatures are those of `known`.
 fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, known: Option<&Part>) -> Part {
     const NO_TEMP: Scale = Scale { lsb_per_unit: 1.0, zero_code: 0, zero_value: 0.0, width_bits: 16, signed: true };
     let known = known.filter(|known| known.name.eq_ignore_ascii_case(driver));
@@ -329,7 +330,7 @@ impl Source for BufferedScans {
 
 impl Drop for BufferedScans {
     fn drop(&mut self) {
-        // a failure does not matter: the device is gone then
+        // nothing can be done about an error here
         let _ = write(&self.device.folder, "buffer/enable", "0");
     }
 }

@@ -99,7 +99,7 @@ impl Polls {
         Self { period: Duration::from_secs(1) / hz, started: Instant::now(), next: 0 }
     }
 
-    /// Waits for the next poll.
+    /// Waits until the next poll is due, and skips polls that are overdue by a period or more.
     fn wait(&mut self) -> Poll {
         let elapsed = self.started.elapsed();
         let slot = match (self.period * self.next).checked_sub(elapsed) {

@@ -26,7 +26,7 @@ pub const QUEUE: usize = 128;
 /// Serves a client until it hangs up or `stop` is requested.
 ///
 /// # Errors
-/// Returns an error if the client disconnects in the middle of a request or exceeds a limit.
+/// Returns an error if the connection fails, if the client exceeds a time limit, or if a stop interrupts a wait.
 pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io::Result<()> {
     let mut peer = Peer::new(stream, stop)?;
     let mut session = Session::new(device);
@@ -79,7 +79,7 @@ impl<'a> Buffer<'a> {
         Self { watcher: hub.watch(QUEUE), device, scanner: device.scanner(), open, bytes: Vec::new(), sent: 0 }
     }
 
-    /// Sends samples as they come, until `bytes` are sent or none comes within `patience`.
+    /// Sends samples as they come, until `bytes` are sent, none comes within `patience`, or the device is gone.
     fn fill(&mut self, peer: &mut Peer<'_>, bytes: usize, patience: Option<Duration>) -> io::Result<()> {
         let mut left = bytes;
         while left > 0 {
@@ -99,7 +99,7 @@ impl<'a> Buffer<'a> {
         Ok(())
     }
 
-    /// Waits until there are samples to send, for `patience` at most. `None` is without limit.
+    /// Waits until there are samples to send, for `patience` at most. `None` sets no limit.
     fn wait(&mut self, patience: Option<Duration>, stop: &Stop) -> WaitEnd {
         let begun = Instant::now();
         while self.sent == self.bytes.len() {
@@ -148,7 +148,7 @@ impl<'a> Peer<'a> {
         Ok(Self { reader: BufReader::new(stream), stop })
     }
 
-    /// Reads the next line, without its line end. `None` if the client hung up.
+    /// Reads the next line, without its line end. `None` if the client hung up, or sent a line that is too long.
     fn line(&mut self) -> io::Result<Option<Vec<u8>>> {
         let (mut line, mut since, mut limit) = (Vec::new(), Instant::now(), LONGEST_SILENCE);
         loop {
@@ -188,7 +188,7 @@ impl<'a> Peer<'a> {
         Ok(value)
     }
 
-    /// Waits for received bytes; empty if the client hung up.
+    /// Waits for received bytes until `limit` after `since`; empty if the client hung up.
     fn more(&mut self, since: Instant, limit: Duration) -> io::Result<&[u8]> {
         loop {
             match self.reader.fill_buf() {

@@ -20,7 +20,7 @@ impl Correcting {
     }
 
     /// Adds a row. Returns the corrected rates, °/s, of the row that was added two rows earlier. A rate is `None` if
-    /// its reading is not valid, or before the first temperature.
+    /// its reading is not valid, before the first temperature, or if there is no such axis.
     pub fn push(&mut self, row: &Row) -> Option<[Option<f64>; MAX_AXES]> {
         let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
         for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {
@@ -41,12 +41,12 @@ impl Correcting {
         self.corrector.read(temp_c);
     }
 
-    /// The last temperature that was read, °C.
+    /// The last temperature that was read, °C; `None` before the first.
     pub fn temp_c(&self) -> Option<f64> {
         self.corrector.temp_c()
     }
 
-    /// The correction of an axis at the last temperature, °/s.
+    /// The correction of an axis at the last temperature, °/s; `None` before the first temperature.
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
         self.corrector.correct(axis, Some(0.0))
     }

@@ -44,7 +44,7 @@ pub struct Device {
     live: Mutex<Live>,
 }
 
-/// The readings of the last sample, and the counts so far.
+/// The readings of the last sample, the counts so far, and the offsets of clients.
 #[derive(Debug)]
 struct Live {
     scanner: Scanner,
@@ -55,7 +55,7 @@ struct Live {
     lost: u64,
     /// True if the samples have ended.
     is_gone: bool,
-    /// Number of samples dropped by full buffers.
+    /// Number of samples that did not fit into the buffers of clients.
     missed: u64,
     /// Offsets that clients added to the corrected rate of each axis, °/s.
     trims_dps: [f64; MAX_AXES],
@@ -152,7 +152,7 @@ impl Device {
         self.live().is_gone
     }
 
-    /// True if any sample was read.
+    /// True if there is a sample for the attributes to show. With a correction, the first one takes three rows.
     pub fn has_readings(&self) -> bool {
         self.live().scan.is_some()
     }

@@ -33,7 +33,7 @@ pub const PORT: u16 = 30431;
 const MOST_CONNECTIONS: usize = 64;
 /// Interval between two checks for new connections.
 const POLL: Duration = Duration::from_millis(20);
-/// How long the first client waits for a first sample. Clients read all attributes at once, and most need a sample.
+/// Longest time after the start for which clients wait for the first sample. They read all attributes at once.
 const FIRST_SAMPLE: Duration = Duration::from_secs(2);
 
 /// A libiio server for the device that a hub reads.
@@ -57,8 +57,8 @@ impl<'a> Server<'a> {
         Self { device: self.device.writable(), ..self }
     }
 
-    /// Serves clients until `stop` is requested. Each client has its own thread, and the server never waits for one.
-    /// The caller must start the reading of the hub.
+    /// Serves clients until `stop` is requested. Each client has its own thread, so no client delays another. The
+    /// caller must start the reading of the hub.
     ///
     /// # Errors
     /// Returns an error if the listener cannot accept connections. The server then requests `stop` itself, so that

@@ -14,7 +14,7 @@ impl Errno {
     pub const NOT_OPENED: Self = Self(6);
     /// No buffer is open, so none can be read.
     pub const NOT_OPEN: Self = Self(9);
-    /// There is no reading yet.
+    /// There is no valid reading at this time.
     pub const TRY_AGAIN: Self = Self(11);
     /// The request would take too much memory.
     pub const TOO_LARGE: Self = Self(12);
@@ -39,7 +39,7 @@ pub enum Request<'a> {
     Exit,
     Version,
     Print,
-    /// Sets the longest wait for samples; `None` is without limit.
+    /// Sets the longest wait for samples; `None` removes the limit.
     Timeout(Option<Duration>),
     Read {
         device: &'a str,
@@ -130,11 +130,11 @@ impl<'a> Request<'a> {
     }
 }
 
-/// A keyword in upper case.
+/// A word of a request, in upper case if it may be a keyword.
 struct Keyword(String);
 
 impl Keyword {
-    /// Converts lower case to upper case. A word in mixed case stays as it is, and matches no keyword.
+    /// Converts a word of lower-case letters to upper case. Any other word stays as it is.
     fn of(word: &str) -> Self {
         let is_small = word.bytes().all(|byte| byte.is_ascii_lowercase());
         Self(if is_small { word.to_ascii_uppercase() } else { word.to_owned() })

@@ -9,8 +9,8 @@ use std::time::Duration;
 /// Largest size of a written value, bytes.
 pub const LONGEST_VALUE: usize = 4096;
 
-/// The largest buffer that a client may open, in samples. The server allocates no memory for it, since it sends each
-/// sample as soon as it is read.
+/// The largest buffer that a client may open, in samples. The server allocates no memory for the buffer, since it
+/// sends samples as they come.
 const MOST_SAMPLES: usize = 1 << 24;
 
 /// Default of the longest wait for samples. A client of libiio 0.24 hangs up after twice this time.
@@ -67,7 +67,7 @@ impl<'a> Session<'a> {
         Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
     }
 
-    /// Longest wait for samples; `None` is without limit.
+    /// Longest wait for samples; `None` if there is no limit.
     pub fn patience(&self) -> Option<Duration> {
         self.patience
     }

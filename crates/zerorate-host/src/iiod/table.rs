@@ -39,7 +39,7 @@ pub enum Quantity {
     Time,
 }
 
-/// The unit of corrected rates in a buffer, rad/s. A code of an ADIS16130 is 740 times as large (F-40).
+/// The unit of corrected rates in a buffer, rad/s. A code of an ADIS16130 is 743 times as large (F-40).
 pub const CORRECTED_RAD_PER_S: f64 = 1e-9;
 
 /// The mask of all channels fits into 32 bits.

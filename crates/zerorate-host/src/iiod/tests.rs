@@ -26,7 +26,7 @@ fn device(address: &str, calibration: Option<&str>) -> Result<Device, OtherPart>
     Device::new(&facts, calibration.as_ref())
 }
 
-/// A device with ten readings of 1 °/s at 26 °C (F-40, F-41), and one sample lost.
+/// A device with ten readings of about 1 °/s at 26 °C (F-40, F-41), and one sample lost.
 fn calibrated() -> Device {
     let device = device("twin:", Some(CALIBRATION)).expect("of this part");
     let row = |k: u32| {
@@ -93,12 +93,12 @@ fn samples_that_the_server_missed_are_not_lost() {
     device.take(&WatchedBatch { missed: 8, lost: 2, ..watched([last].into_iter()) });
     let mut session = Session::new(&device);
     assert_eq!(value(&mut session, "READ iio:device0 samples_lost"), "3", "one in a row, two before what was missed");
-    // in 20 ms: 10 rows and their lost one, 8 missed samples, the 2 that those had counted as lost, and the last row
+    // in 20 ms after the first row: 9 rows, 1 lost and 8 missed samples, 2 lost among the missed, and the last row
     let hz: f64 = value(&mut session, "READ iio:device0 sampling_frequency").parse().expect("a number");
     assert!((hz / (21.0 / 0.020) - 1.0).abs() < 1e-12, "{hz}");
 }
 
-/// Only some samples have a temperature. A buffer that is opened between two such samples has corrected rates at once,
+/// Only some samples have a temperature. A buffer that is opened after such a sample has corrected rates at once,
 /// because it begins with the last known temperature.
 #[test]
 fn a_buffer_begins_with_the_temperature_that_is_known() {
@@ -236,7 +236,7 @@ fn a_name_cannot_break_the_description() {
     assert!(!xml.contains('\n'), "one line");
 }
 
-/// The answer to any line is a number, a value with its length, or the end of the connection.
+/// The answer to any line is a number, a value with its length, a text, nothing, or the end of the connection.
 #[test]
 fn nonsense_is_answered() {
     let device = calibrated().writable();
