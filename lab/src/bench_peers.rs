@@ -1,5 +1,5 @@
-//! `cargo xtask bench-peers`: compares the speed of zerorate's Allan deviation with allantools and the crates
-//! `allan` and `allan-tools`, on one array.
+//! `cargo xtask bench-peers`: compares the speed of zerorate's Allan deviation with allantools and the crates `allan`
+//! and `allan-tools` on one array, and the speed of the program with Python programs on files.
 
 use crate::venv::{self, done, printed};
 use anyhow::{Context, Result};
@@ -106,7 +106,8 @@ fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 
-/// The name and time, s, of the fastest other program for the same work. Codes are compared with rates.
+/// The name and time, s, of the fastest other program for the same work; `None` unless `ours` is of zerorate. Codes
+/// are compared with rates.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
     let is_ours = |line: &Line| line.who.starts_with("zerorate");

@@ -108,8 +108,8 @@ struct AxisErrors {
     quintic: f64,
     curve: f64,
     ratios: Vec<f64>,
-    /// The errors as multiples of the uncertainty that holds for a sensor that was on before the log began; empty if
-    /// none is stated.
+    /// The errors as multiples of the uncertainty that holds for a sensor that was on before the log began, or of the
+    /// ordinary one if that is not stated.
     ratios_on: Vec<f64>,
     elapsed_s: f64,
 }
@@ -170,7 +170,7 @@ impl Kind {
     }
 }
 
-/// The temperature of the sensor, °C: 45 minutes of warming, then 45 minutes of cooling.
+/// The temperature of the sensor, °C: 45 minutes of warming, then 45 minutes of cooling, with a ripple of 0.3 °C.
 fn course_c(at_s: f64) -> f64 {
     let warm = |at_s: f64| 5.0 + 40.0 * (1.0 - (-at_s / 800.0).exp());
     let turn_s = 2700.0;
@@ -284,7 +284,7 @@ fn points(temps_c: &[f64], rates_dps: &[f64]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The least-squares polynomial of this order in (T − 25 °C)/20 °C.
+/// The coefficients of the least-squares polynomial of this order, in powers of T − 25 °C.
 fn polynomial(points: &[(f64, f64)], order: usize) -> Option<Vec<f64>> {
     let powers = |temp_c: f64| -> Vec<f64> { (0..=order).map(|k| ((temp_c - 25.0) / 20.0).powi(k as i32)).collect() };
     let all: Vec<(Vec<f64>, f64)> = points.iter().map(|(temp_c, rate)| (powers(*temp_c), *rate)).collect();

@@ -1,4 +1,4 @@
-"""The program `zerorate-certificate`: its output files, and one line of text for every error."""
+"""The program `zerorate-certificate`: its output files, and the last line of each error."""
 
 from __future__ import annotations
 

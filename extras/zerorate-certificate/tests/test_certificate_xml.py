@@ -173,7 +173,7 @@ def test_each_axis_has_its_results(made: dict[str, Made], lab: Lab) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_warning_is_there_in_full(kind: str, made: dict[str, Made], lab: Lab) -> None:
     file = tomllib.loads(made[kind].path.read_text(encoding="utf-8"))
-    # warnings begin with a code in newer files, which the certificate leaves out
+    # in newer files, a warning begins with a code, which the certificate leaves out
     words = [re.sub("^[a-z-]+: ", "", text) for text in file["warnings"]]
     of_axes = [(axis["name"], text) for axis in file.get("axis", []) for text in axis["warnings"]]
     wanted = words + [f"axis {name}: {re.sub('^[a-z-]+: ', '', text)}" for name, text in of_axes]

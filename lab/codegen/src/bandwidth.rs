@@ -1,5 +1,5 @@
-//! Plots the bandwidth of the ADIS16130 from the numbers in `docs/facts.md`. Its pins and holes are drawn by hand. A
-//! test compares these drawings with the facts.
+//! Plots the bandwidth of the ADIS16130 from the numbers in `docs/facts.md`. The drawings of its pins and holes are
+//! made by hand. A test compares them with the facts.
 
 use anyhow::{Context, Result};
 

@@ -10,8 +10,8 @@ use zerorate::Axis;
 use zerorate_allan::welch;
 use zerorate_view::plot::{Spectrum, Tone, spectra};
 
-/// The unit starts at room temperature, so that only its noise varies. Its clock is nominal, so that the resonance
-/// aliases to the frequency that the facts state (F-07).
+/// The unit does not heat itself, so that only its noise varies. Its clock is nominal, so that the resonance aliases
+/// to the frequency that the facts state (F-07).
 const UNIT: &str = "seed=4,warmup_c=0";
 /// Number of samples of a record at the full rate. Welch's estimate divides them into segments of a quarter of this
 /// length, so that the spectrum begins at 0.35 Hz.

@@ -45,7 +45,8 @@ pub fn run(program: &Path) -> Result<Option<Tally>> {
     Ok(Some(tally))
 }
 
-/// Requests that a gyroscope without outputs, registers and triggers must refuse.
+/// Requests that the server must refuse: output samples, register access, a trigger, a buffer of more than 2²⁴
+/// samples, and a write to `raw`.
 const REFUSED: [(&str, &[&str]); 5] = [
     ("iio_writedev", &["-u", URI, "-b", "256", "-s", "256", DEVICE]),
     ("iio_reg", &["-u", URI, DEVICE, "0"]),

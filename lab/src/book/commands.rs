@@ -2,8 +2,7 @@
 //!
 //! Commands must be in fenced blocks, never indented. Every `sh` block whose first word is `zerorate` is run line by
 //! line, from the first chapter to the last, in one folder. A line must exit with 0, or as its comment says: `#
-//! refused (exit 3)`. A block is marked `sh,untried`, which the book shows, if it needs a part, the reader's files or
-//! hours.
+//! refused (exit 3)`. A block that needs a part, the reader's files or hours is marked `sh,untried` and is not run.
 //!
 //! A `text` or `yaml` block after such commands shows what they print or write. Each of its lines must occur in the
 //! output, in the same order; `…` stands for lines that the chapter omits.

@@ -1,7 +1,7 @@
 //! `cargo xtask book`: makes a book of `docs/` that loads nothing from other sites.
 //!
-//! `lab/tools/book` renders the book. That tool is a separate package because of mdBook's dependencies. This module
-//! runs the commands of the chapters as a reader would.
+//! `lab/tools/book` renders the book. That tool is a separate package because of mdBook's dependencies. With
+//! `--check`, this module opens pages in a browser, and runs the commands of the chapters as a reader would.
 
 mod browser;
 mod commands;

@@ -114,7 +114,7 @@ impl Bench {
         Ok(summary)
     }
 
-    /// Calibrates the same unit by the same plan, through the bridge and directly. The results must agree within their
+    /// Calibrates the same unit by the same plan, through the bridge and directly. The two PBC must agree within their
     /// uncertainties.
     fn calibrate(&self) -> Result<(Value, Value)> {
         let emulator = self.emulator(Line::Socket)?;

@@ -73,7 +73,7 @@ pub struct Bounds {
     pub steps: (f64, f64),
 }
 
-/// Bounds of scenarios without their own bounds. The checks widen them by what chance allows for the records.
+/// Bounds of scenarios without their own bounds. The checks widen them, except `identified`, by what chance allows.
 const OTHER: Bounds = Bounds {
     coverage: (93.0, 97.0),
     rms: [f64::INFINITY; 3],

@@ -103,8 +103,8 @@ fn documents(folder: &Folder, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Tests the packages in a bare Debian. This machine's package is installed, used as an ordinary user and with the
-/// rights of the systemd unit, and removed. The other packages are unpacked, and their programs run under emulators.
+/// Installs each package in a bare Debian, uses it as an ordinary user, and removes it. Programs for other machines
+/// run under emulators. This machine's program is also run with the rights of the systemd unit.
 pub fn check(folder: &Folder) -> Result<()> {
     let Some(root) = Root::unpack(folder)? else { return Ok(()) };
     for machine in &MACHINES {

@@ -37,7 +37,7 @@ fn draw(program: &Path, work: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Checks that each file is a plot, and that the committed plots equal those that the program draws now.
+/// Checks that each file is a plot, and that the committed SVG plots equal these files.
 pub fn check(folder: &Folder) -> Result<()> {
     for name in ["allan", "correction"] {
         let svg = fs::read_to_string(folder.of(format!("{name}.svg"))).context("make the part pictures first")?;

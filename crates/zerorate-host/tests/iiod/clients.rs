@@ -1,6 +1,6 @@
-//! Independent clients: the programs and bindings of libiio. If they are not installed, the tests print this and pass,
-//! unless `ZERORATE_IIO_CLIENTS` is set. `cargo xtask iiod` installs them and sets this variable. It also installs
-//! pyadi-iio in a Python environment, and sets `ZERORATE_ADI_PYTHON` to the path of its Python.
+//! Independent clients: the programs and bindings of libiio. If they are not installed, the tests print a message and
+//! pass, unless `ZERORATE_IIO_CLIENTS` is set. `cargo xtask iiod` installs them and sets this variable. It also
+//! installs pyadi-iio in a Python environment, and sets `ZERORATE_ADI_PYTHON` to the path of its Python.
 
 use super::served::{Raw, TestServer};
 use std::io::ErrorKind;

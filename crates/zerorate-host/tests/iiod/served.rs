@@ -97,7 +97,7 @@ impl TestServer {
         }
     }
 
-    /// Waits until a row of this time is recorded.
+    /// Waits until a row of this time, or a later row, is recorded.
     fn wait_for(&self, t_ns: u64) {
         let begun = Instant::now();
         while self.rows.lock().expect("no panic").last().is_none_or(|row| row.0 < t_ns) {

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ufffe\uffff]")
 
 MAX_CHARACTERS = 2000
-"""The longest text that is accepted, which limits the number of pages of a certificate."""
+"""Largest length of most texts, in characters. It limits the number of pages of a certificate."""
 
 
 class Problems(ValueError):
@@ -97,7 +97,7 @@ class Table:
         return value
 
     def table(self, key: str) -> Table:
-        """A table inside this table. If the table is missing, all its keys are reported as missing."""
+        """A table inside this table. If the table is missing, all its mandatory keys are reported as missing."""
         self._asked.append(key)
         value = self._content.get(key, {})
         if not isinstance(value, dict):
