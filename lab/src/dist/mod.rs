@@ -40,7 +40,7 @@ struct Part {
     check: fn(&Folder) -> Result<()>,
 }
 
-/// All parts in build order: the Debian packages and the pictures need the program, and archives need the papers.
+/// All parts in build order: `deb` and `pictures` need `program`, and `deb` and `c` need `papers`.
 const PARTS: [Part; 7] = [
     Part { name: "program", make: program::make, check: program::check },
     Part { name: "papers", make: papers::make, check: papers::check },

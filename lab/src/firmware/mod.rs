@@ -185,7 +185,8 @@ fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Compares the figures with the committed page and the goals. Prints missed goals; `--update` writes the page.
+/// Compares the figures with the committed page and the goals. Prints missed goals, and fails if a figure rose by more
+/// than 5 %. `--update` writes the page first.
 fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

@@ -1,4 +1,4 @@
-//! A short form of AN-1042 on means over 0.1 s: steps 4, 6 and 8 of F-51, without the real procedure's checks.
+//! A short form of AN-1042 on means over 0.1 s: steps 4, 6, 8 and 9 of F-51, without the real procedure's checks.
 
 use super::unit::{MEAN_S, Recording};
 use crate::trial::Rig;

@@ -5,7 +5,7 @@
 //! Two rules are omitted. ArduPilot saves nothing before the temperature has risen by 10 °C, which a warm-up of 8 °C
 //! never reaches; this version has no such limit. ArduPilot also discards the constant, because it measures the level
 //! at each start from half a second of rate; here the level comes from the polynomial. ArduPilot's low-pass on the
-//! temperature makes no difference with this noise.
+//! temperature is omitted too, because it makes no difference with this noise.
 
 use super::least_squares::cubic;
 use super::unit::Recording;

@@ -162,7 +162,7 @@ mod tests {
         assert!((summary.shape_dph - 3.6 * (60.0f64 / 18.0).sqrt()).abs() < 1e-9, "{summary:?}");
         assert!((summary.at_temps_dph[3] - 3.6 * 2f64.sqrt()).abs() < 1e-9);
         let coverage = summary.coverage.unwrap();
-        // the errors of the second unit are within the interval from −1 to 1 at three of nine temperatures
+        // the errors of the second unit, in 0.001 °/s, are within ±1.96 at three of nine temperatures
         assert_eq!((coverage.at_temps[0], coverage.at_temps[3], coverage.everywhere), (50.0, 100.0, 50.0));
         assert_eq!(coverage.worst(), 50.0);
         assert_eq!(summary.orders, Some([0.0, 50.0, 50.0, 0.0]));

@@ -43,7 +43,7 @@ pub struct MethodsArgs {
 
 /// Number of units of each kind with `--quick`.
 const QUICK: u64 = 3;
-/// The additional tables use one in this many units only.
+/// Ratio of the number of all units to the number of units in the additional tables.
 const SIDE_SHARE: u64 = 5;
 /// Number of seeds for which the short form of AN-1042 is compared with the real procedure.
 const CHECKED: u64 = 5;

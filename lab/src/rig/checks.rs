@@ -241,7 +241,7 @@ impl Stream {
 
     /// True if three statements hold, which do not depend on the load of the host. The recorded codes are the codes
     /// that were sent, in order. At least as many losses are counted as the part knows of. The recorded and the lost
-    /// samples together are all samples.
+    /// samples together are all samples. Counts may differ by the tolerance.
     fn is_complete(&self) -> bool {
         let allowed = COUNT_TOLERANCE * self.updates + UNREPORTED;
         let counted = self.lost_counted as f64;

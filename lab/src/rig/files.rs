@@ -36,8 +36,8 @@ impl Files<'_> {
         Ok((holds, format!("{name}: zerorate ended with {ended} {complaint}")))
     }
 
-    /// Reads a CSV capture (docs/formats/capture.md): a header after the comments, then the rows. A column
-    /// `NAME_code` is an axis.
+    /// Reads a CSV capture (docs/formats/capture.md): a header after the comments, then the rows. A column `NAME_code`
+    /// is an axis, except `temp_code`.
     pub fn rows(&self, capture: &str) -> Result<Vec<GuestRow>> {
         let text = self.text(&format!("{capture}.csv"))?;
         let mut lines = text.lines().filter(|line| !line.starts_with('#'));

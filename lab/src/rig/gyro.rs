@@ -10,7 +10,7 @@ const PERIOD: Duration = Duration::from_millis(10);
 /// A reading that is later than this is not sent, so that a receiver can compute the number of missing readings from
 /// the times of two readings.
 const LATEST: Duration = Duration::from_millis(4);
-/// Number of readings in a group. The last `WITHHELD` readings of each group are never sent.
+/// Number of readings in a group. The last `WITHHELD` readings of each group are sent only on request.
 const BLOCK: u32 = 50;
 const WITHHELD: u32 = 4;
 

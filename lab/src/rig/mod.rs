@@ -1,9 +1,9 @@
 //! `cargo xtask rig`: tests the program on a stock Linux kernel in QEMU, with the twin as hardware on its USB port.
 //!
-//! The guest contains three files of ours: the program under test, a shell script, and a simulated HID gyroscope
-//! (`gyro.rs`). The kernel is not patched. Its own ADIS16130 driver reads the part, and its driver for HID gyroscopes
-//! reads the HID gyroscope. Then the program reads the part over spidev and the GPIO chip. All readings must equal the
-//! readings that part and gyroscope sent.
+//! The guest contains four files of ours: the program under test, a shell script, a simulated HID gyroscope
+//! (`gyro.rs`) and its part file. The kernel is not patched. Its own ADIS16130 driver reads the part, and its driver
+//! for HID gyroscopes reads the HID gyroscope. Then the program reads the part over spidev and the GPIO chip. All
+//! readings must equal the readings that part and gyroscope sent.
 
 mod checks;
 mod files;
