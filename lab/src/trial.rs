@@ -130,7 +130,7 @@ pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
 /// The outcome of a unit's calibration.
 #[derive(Clone, Debug)]
 pub enum TrialEnd {
-    /// There is a result. `warnings` are the codes of those warnings that report an event.
+    /// There is a result. `warnings` are the codes of warnings that report an event, except `short-average`.
     Calibrated {
         unit: Unit,
         warnings: Vec<&'static str>,
@@ -171,7 +171,7 @@ impl TrialEnd {
         matches!(self, Self::Calibrated { warnings, .. } if warnings.is_empty())
     }
 
-    /// True if the result is outside the 95 % interval without a warning.
+    /// True if PBC or BTC is outside its 95 % interval without a warning.
     pub fn is_wrong_and_silent(&self) -> bool {
         self.is_silent() && self.worst() > Uncertainty::FACTOR
     }
@@ -183,7 +183,7 @@ pub struct Fault {
     pub spec: fn(u64) -> Spec,
 }
 
-/// Disturbances that the procedure has to detect. The seed of a unit determines sizes, times and signs.
+/// Disturbances that the procedure has to detect. The first entry has none. The seed sets sizes, times and signs.
 pub const FAULTS: [Fault; 12] = [
     Fault { name: "none", spec: Spec::from_seed },
     Fault { name: "supply step of 20 to 400 mV at any time", spec: |seed| step(seed, 0.0, HOUR_S) },

@@ -100,8 +100,7 @@ impl<C: Connection> ConnectedPart<C> {
     }
 }
 
-/// Tests increasing clock rates. On a bus of this computer, times a read at the requested clock. Leaves the part
-/// configured.
+/// Tests increasing clock rates. On this computer's bus, times a read at the requested clock. Configures the part.
 fn try_bus<C: Connection>(live: &mut Live<C::Spi, C::Edges>, connection: &C) -> Result<Bus> {
     let fastest_clean_hz = live.fastest_clean_hz(|hz| connection.set_clock(hz))?;
     let sclk_hz = connection.set_clock(connection.hz())?;

@@ -148,8 +148,7 @@ fn description(folder: &Path) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// The files of a ROS 2 bag in the order of its description. Without a description, the only bag of the folder, or the
-/// files of a split ROS 1 bag.
+/// The files of a ROS 2 bag in the order of its description. Without one, the only bag, or a split ROS 1 bag.
 fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     let failed = |error| InputError::io("read", folder, error);
     let listed: Vec<PathBuf> = described(description).map(|name| folder.join(name)).collect();
@@ -172,8 +171,7 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
 }
 
 /// Sorts split bags by their numbers, if these are consecutive and the rest of the names differs in digits only.
-/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME. `None` for other names and for a
-/// single bag.
+/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME. `None` for others, or one bag.
 fn split_bags(bags: &[PathBuf]) -> Option<Vec<PathBuf>> {
     let numbered = |path: &PathBuf| {
         path.extension().filter(|ending| *ending == "bag")?;

@@ -10,8 +10,7 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Largest distance of a value from a whole code without a warning, in codes. Rounded decimals cause smaller
-/// distances.
+/// Largest distance from a whole code without a warning, in codes. Rounded decimals cause smaller distances.
 const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes and the temperature of a part.

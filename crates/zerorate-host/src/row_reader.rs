@@ -18,12 +18,11 @@ pub enum RowReader {
 }
 
 impl RowReader {
-    /// Opens a capture, or else a log of `part`, unless that is the ADIS16130. `path` names the file in messages.
-    /// `args` are for logs only.
+    /// Opens a capture, or else a log of `part`. `path` names the file in messages. `args` are for logs only.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read or is damaged, or if it is not a capture and no other part is
-    /// given.
+    /// Returns an error if the file cannot be read or is damaged, or if it is not a capture and `part` is not given or
+    /// is the ADIS16130.
     pub fn open(path: &Path, mut input: Input, part: Option<&Part>, args: &ColumnOptions) -> Result<Self, LogError> {
         let failed = |error| InputError::io("read", path, error);
         let again = input.try_clone().map_err(failed)?;

@@ -9,8 +9,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
-/// Size of a sample with all channels of an ADIS16130 without a calibration, bytes: code, temperature, lost samples,
-/// time.
+/// Size of a sample of an ADIS16130 without a calibration, bytes: code, temperature, lost samples, time.
 const SAMPLE: usize = 24;
 
 /// The facts about a capture, from `zerorate verify`.

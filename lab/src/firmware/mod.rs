@@ -185,8 +185,7 @@ fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Compares the figures with the committed page and the goals. Prints missed goals, and fails if a figure rose by more
-/// than 5 %. `--update` writes the page first.
+/// Compares the figures with the committed page and the goals. Fails if a figure rose by more than 5 %.
 fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

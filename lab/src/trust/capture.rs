@@ -64,8 +64,8 @@ fn telling(run: &Run) -> bool {
     run.json().is_ok_and(|summary| summary["warnings"].as_array().is_some_and(|warnings| !warnings.is_empty()))
 }
 
-/// The first error in `rows`, if any: a code that the part did not measure and that was not flagged, or a loss that
-/// was not counted.
+/// The first error in `rows`, if any: a rate that is off by more than 5 °/s and not flagged, or a loss that was not
+/// counted.
 fn compare(rows: &BTreeMap<u64, CheckedRow>, clean: &BTreeMap<u64, CheckedRow>) -> Option<String> {
     for (t_ns, row) in rows {
         let Some(true_row) = clean.get(t_ns) else { continue };

@@ -70,7 +70,7 @@ fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Codes of warnings that do not count, because every result here has them.
+/// Codes of warnings that do not count, because they do not say that a value may be wrong.
 const ALWAYS: [&str; 2] = ["short-average", "lost-samples"];
 
 /// Compares a calibration with the twin's truth.

@@ -1,4 +1,4 @@
-//! Damaged files: a bit is flipped, the end is missing, or a range is removed or repeated.
+//! Damaged files: a bit is flipped, the end is missing, a range is removed or repeated, or a digit is edited.
 
 use super::bench::{Bench, Folder, random};
 use super::chamber::with_another_digit;
@@ -90,7 +90,7 @@ fn believed(bench: &Bench, file: &str) -> Result<Option<String>> {
     Ok(silent.then(|| format!("correct believes it: {}", run.stderr)))
 }
 
-/// The verdict on a damaged calibration. The file must have the same meaning as before, or be refused.
+/// The verdict on a damaged calibration. The file must have its old meaning, be refused, or cause a warning.
 fn calibration(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     let [damaged, whole] = [file, source].map(|file| bench.run(&["export", file, "--format", "csv"]));
     let (damaged, whole) = (damaged?, whole?);

@@ -13,7 +13,7 @@ const fn class(name: &'static str, what: &'static str, run: ClassRun) -> Class {
     Class { name, what, quick: 10, run }
 }
 
-/// The classes. The last word of a name is the name of its file.
+/// The classes. The last word of a name is the name of its file, except `folder`.
 pub const CLASSES: &[Class] = &[
     class("log none.parquet", "one bit of a page flips, or of what stands before it", flipped),
     class("log snappy.parquet", "the same, packed by Snappy", flipped),

@@ -1,5 +1,5 @@
-//! `cargo xtask trust`: searches for wrong results without a warning. Faults, damage and bad conditions are drawn
-//! from seeds. Every run is compared with the twin's truth, or with a recording without the fault.
+//! `cargo xtask trust`: searches for wrong results without a warning. Faults, damage and bad conditions are drawn from
+//! seeds. Every run is compared with the twin's truth, or with a run without the fault.
 
 mod bench;
 mod capture;
@@ -142,7 +142,7 @@ impl FinishedClasses {
     }
 }
 
-/// Runs a class on several threads. The number of threads has no influence on the counts.
+/// Runs a class on several threads. Without `--seconds`, their number has no influence on the counts.
 fn try_class(args: &TrustArgs, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
     let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));

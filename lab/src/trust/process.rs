@@ -95,7 +95,7 @@ fn term_capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     })
 }
 
-/// Fills the disk. The result must be on stdout, or in a file that stderr names.
+/// Makes `-o` or `--log` fail as on a full disk. The result must be on stdout or in `-o`, unless the run has none.
 fn full_disk(bench: &Bench, _: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("full-{seed}"))?;
     let device = format!("twin:seed={seed}");

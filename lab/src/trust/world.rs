@@ -1,5 +1,5 @@
-//! The part works, but the conditions are not as the procedure requires. These runs call the procedure of 53 minutes
-//! directly, without the program.
+//! The part works, but the conditions are not as the procedure requires. These runs call the procedure directly,
+//! without the program.
 
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};

@@ -109,7 +109,7 @@ impl Ljca {
         messages
     }
 
-    /// Handles a falling edge of RDY. Returns the event for the host, unless it must stay pending.
+    /// Handles a falling edge of RDY. Returns the event for the host; `None` without an interrupt, or while masked.
     pub fn rdy_fell(&mut self) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !line.interrupt {

@@ -3,7 +3,8 @@
 
 use std::fmt;
 
-/// The longest accepted packet, bytes. QEMU sends at most 64 KiB in a transfer to a device with bulk endpoints.
+/// Largest accepted length of a packet without its header, bytes. QEMU sends at most 64 KiB in a transfer to a device
+/// with bulk endpoints.
 pub const LONGEST_PACKET: usize = 1 << 20;
 
 /// Length of the version text in a hello, bytes.

@@ -25,8 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
-/// Opens the port, stops a running measurement of the bridge, checks the version of its protocol, and sends the SPI
-/// clock and the settings of the part.
+/// Opens the port, stops a running measurement, checks the protocol, and sends the SPI clock and the part's settings.
 fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<BridgePart>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;

@@ -5,8 +5,7 @@ use std::time::Duration;
 
 /// Time that the host spends waiting for samples between two checks of the bridge's clock.
 const WINDOW: Duration = Duration::from_secs(2);
-/// The largest allowed ratio of the host's waiting time to the bridge's time. A bridge in an emulator runs slowly, but
-/// within this limit.
+/// Largest allowed ratio of the host's waiting time to the bridge's time. An emulated bridge is within this limit.
 const SLOWEST: u32 = 64;
 
 /// Compares the timestamps of the samples with the time that the host spent waiting for the samples.
@@ -20,8 +19,7 @@ pub struct Progress {
 
 impl Progress {
     /// Adds a sample with the timestamp `t_ns`, for which the host waited for `waited`. Returns an error if the
-    /// bridge's clock stands still or is more than [`SLOWEST`] times too slow. Time that the host spends on other work
-    /// does not count.
+    /// bridge's clock stands still or is more than [`SLOWEST`] times too slow.
     pub fn require(&mut self, t_ns: u64, waited: Duration) -> Result<()> {
         let since_ns = *self.since_ns.get_or_insert(t_ns);
         self.waited += waited;

@@ -34,8 +34,7 @@ struct Segment {
     until_ns: u64,
 }
 
-/// Adds segments to the profile. After the writer is dropped, the part finishes the segments and stays at the last
-/// temperature.
+/// Adds segments to the profile. After the writer is dropped, the last temperature persists.
 #[derive(Debug)]
 pub struct ProfileWriter(AmbientProfile);
 

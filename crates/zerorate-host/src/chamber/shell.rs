@@ -12,8 +12,7 @@ const KEPT: usize = 4096;
 const SHOWN: usize = 200;
 /// Longest time between two checks of the time limit.
 const SLICE: Duration = Duration::from_millis(20);
-/// Longest time for which the pipes are read after the command ended. A process that it left behind may hold them
-/// open.
+/// Longest time for which the pipes are read after the end of the command. A child process may hold them open.
 const AFTERMATH: Duration = Duration::from_secs(1);
 
 #[derive(Debug, thiserror::Error)]

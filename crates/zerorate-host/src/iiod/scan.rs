@@ -11,8 +11,7 @@ use zerorate_record::{Layout, Row};
 pub struct Scan {
     /// The row, with the last temperature that was read.
     pub row: Row,
-    /// The corrected rate of each axis, °/s; `None` without a correction, if the reading is not valid, or before the
-    /// first temperature.
+    /// The corrected rate of each axis, °/s; `None` without a correction, a valid reading or a temperature.
     pub corrected_dps: [Option<f64>; MAX_AXES],
     /// Number of samples that were lost or missed since this scanner was made, for a client since its buffer was
     /// opened.

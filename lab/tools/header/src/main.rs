@@ -1,4 +1,4 @@
-//! Prints the C interface's header, which cbindgen makes from the Rust sources. `cargo xtask codegen` calls this.
+//! Prints the C interface's header, which cbindgen makes from the Rust sources. `cargo xtask codegen` calls it.
 
 use anyhow::{Result, anyhow};
 use std::path::Path;

@@ -69,7 +69,7 @@ fn fine(samples: usize) -> Vec<u64> {
     (1..4).chain(octaves).take_while(|m| 2 * m <= samples as u64).collect()
 }
 
-/// Averaging factors 1, 2, 4, 10, 20, 40 … up to `longest`. The crate `allan` does not support denser ones.
+/// Averaging factors 1, 2, 4, 10, 20, 40 … up to `longest`. The crate `allan` does not support denser factors.
 fn decades(longest: u64) -> Vec<u64> {
     let decade = std::iter::successors(Some(1), |step| Some(step * 10)).take_while(|step| *step <= longest);
     decade.flat_map(|step| [step, 2 * step, 4 * step]).filter(|m| *m <= longest).collect()
