@@ -227,7 +227,8 @@ impl SpiBus {
         Ok(Self { spi, clock, failed, split: address.part.config.framing() == Framing::PerByte })
     }
 
-    /// Sends the operations to the kernel as one message. CS is low throughout, or only during each byte if `split`.
+    /// Sends the operations to the kernel as one message. CS is low throughout, except between the bytes of a transfer
+    /// in place if `split`.
     fn message(&self, operations: &mut [Operation<'_, u8>]) -> io::Result<()> {
         let mut transfers = Vec::with_capacity(8);
         for operation in operations.iter_mut() {

@@ -22,7 +22,7 @@ OURS = fuzzing.FuzzingProtocol.onMessage
 
 
 def echo(case):
-    """The next message that the suite expects."""
+    """The payload of the next message that the suite expects; asterisks if the case lists no further message."""
     received = sum(1 for event in case.received if event[0] == "message")
     messages = [event for event in case.expected.get(case.OK, []) if event[0] == "message"]
     if received < len(messages):

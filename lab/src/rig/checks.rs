@@ -48,7 +48,7 @@ struct Check {
     statement: String,
 }
 
-/// The readings that the kernel's driver returned, and the readings that the part sent to it.
+/// The scales and readings of the kernel's driver, and the readings that the part sent to it.
 #[derive(Serialize)]
 struct KernelDriver {
     rate_scale: String,

@@ -24,7 +24,7 @@ const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
 const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
-/// Period of the checks for a stop.
+/// Longest sleep between two checks for a stop.
 const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {

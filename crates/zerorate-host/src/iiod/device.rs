@@ -160,7 +160,7 @@ impl Device {
     /// Returns the current value of an attribute.
     ///
     /// # Errors
-    /// Returns an error if there is no such attribute, nothing was read yet, or the device is gone.
+    /// Returns an error if there is no such attribute, or if its value needs a sample and there is none.
     pub fn read(&self, place: Place<'_>, attribute: &str) -> Result<String, Errno> {
         match place {
             Place::Device => self.read_own(attribute),

@@ -36,7 +36,7 @@ pub fn check(out: &Path, pages: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
-/// Checks that a link leads to a place in the book. Returns the reason if it does not.
+/// Checks that a link leads to a file and an anchor of the book. Returns the reason if it does not.
 fn leads(
     out: &Path,
     page: &Path,
