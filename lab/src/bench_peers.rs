@@ -106,7 +106,7 @@ fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 
-/// Name and time, s, of the fastest program for the work of `ours`, a line of zerorate. Codes compare with rates.
+/// Name and time, s, of the fastest peer for the work of `ours`, a line of zerorate. Codes are compared with rates.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
     let is_ours = |line: &Line| line.who.starts_with("zerorate");

@@ -108,8 +108,8 @@ struct AxisErrors {
     quintic: f64,
     curve: f64,
     ratios: Vec<f64>,
-    /// The errors as multiples of the uncertainty that holds for a sensor that was on before the log began, or of the
-    /// ordinary one if that is not stated.
+    /// The errors as multiples of the uncertainty for a sensor that was on before the log began: the larger of `u_at`
+    /// and, if stated, `u_if_on_before`.
     ratios_on: Vec<f64>,
     elapsed_s: f64,
 }

@@ -52,7 +52,7 @@ fn holes(mut file: &File) -> std::io::Result<u64> {
     Ok(length.saturating_sub(stored))
 }
 
-/// Holes are not detected on other systems.
+/// Holes are detected on Linux and macOS only.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 fn holes(_: &File) -> std::io::Result<u64> {
     Ok(0)
@@ -171,7 +171,7 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
 }
 
 /// Sorts split bags by their numbers, if these are consecutive and the rest of the names differs in digits only.
-/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME. `None` for others, or one bag.
+/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME. `None` for other names or one bag.
 fn split_bags(bags: &[PathBuf]) -> Option<Vec<PathBuf>> {
     let numbered = |path: &PathBuf| {
         path.extension().filter(|ending| *ending == "bag")?;

@@ -64,7 +64,6 @@ impl Reader {
         Ok(Self { columns: target_folder()?.join("release/examples/columns"), program: program.to_owned() })
     }
 
-    /// The result of our library for a file.
     fn ours(&self, file: &Path) -> Result<Reading> {
         let (_, stdout, _) = confined(Command::new(&self.columns).arg(file), &[0])?;
         Ok(serde_json::from_str(&stdout)?)

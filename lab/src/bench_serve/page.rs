@@ -58,7 +58,7 @@ pub fn watch(address: &str, is_over: &dyn Fn() -> bool, shown_ms: &AtomicU64) ->
     Ok(frames)
 }
 
-/// Sends a request of less than 126 bytes like a page. Returns the answer, or an error if the answer is one.
+/// Sends a request of less than 126 bytes like a page. Returns the answer, or an error if the server refuses.
 pub fn ask(address: &str, request: &str) -> Result<Value> {
     let mut stream = BufReader::new(connect(address)?);
     let length = u8::try_from(request.len()).ok().filter(|length| *length < 126).context("a long request")?;

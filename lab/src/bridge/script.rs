@@ -14,8 +14,8 @@ use std::time::Duration;
 const LEAST_BYTES: usize = 26;
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Starts the stream on the controller and on the host, and compares the first bytes, as many as this many samples
-/// have at least. Returns the number of bytes, or an error if one differs.
+/// Starts the stream on the controller and on the host, and compares as many bytes as this number of samples has at
+/// least. Returns the number of bytes, or an error if one differs.
 pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     let start = Command::Start { every_temp: 1, divider: 1, mclk_hz: adis16130::MCLK_HZ };
     let mut room = [0; MAX_FRAME];

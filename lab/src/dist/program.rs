@@ -34,7 +34,6 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// Builds the program for a machine and returns its path.
 fn build(machine: &Machine) -> Result<PathBuf> {
     let linker = format!("CARGO_TARGET_{}_LINKER", machine.target.to_uppercase().replace('-', "_"));
     let mut cargo = Command::new("cargo");

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 const PAGES: u32 = 20;
 const CLIENTS: u32 = 4;
-/// Duration of a visit of the first page or client. Each further one stays longer by [`LONGER`].
+/// Duration of the first visitor's visits. Each next one stays longer by [`LONGER`], so that they do not end together.
 const VISIT: Duration = Duration::from_secs(2);
 const LONGER: Duration = Duration::from_millis(500);
 /// Longest wait for data of the sensor, on a busy machine.

@@ -128,7 +128,6 @@ fn compare_tracked(seed: u64, theirs: &[TrackerState]) -> Result<usize> {
     Ok(ours.len())
 }
 
-/// The counted figures with their goals.
 fn counted(report: &Report) -> Result<Vec<Figure>> {
     let instructions = |what, name: &str, goal| -> Result<Figure> {
         let (_, most) = report.instructions.get(name).with_context(|| format!("the image did not count {name}"))?;
@@ -185,7 +184,7 @@ fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Compares the figures with the committed page and the goals. Fails if a figure rose by more than 5 %.
+/// Compares the figures with page and goals. Fails if one rose by more than 5 %, unless `--update` writes the page.
 fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

@@ -41,7 +41,6 @@ pub struct Findings {
     checks: Vec<Check>,
 }
 
-/// A checked statement.
 #[derive(Serialize)]
 struct Check {
     holds: bool,

@@ -109,7 +109,8 @@ impl Ljca {
         messages
     }
 
-    /// Handles a falling edge of RDY. Returns the event for the host; `None` without an interrupt, or while masked.
+    /// Handles a falling edge of RDY. Returns the event for the host; `None` if the line has no interrupt or is
+    /// masked.
     pub fn rdy_fell(&mut self) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !line.interrupt {

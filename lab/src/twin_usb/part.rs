@@ -60,8 +60,7 @@ pub struct Losses {
     pub dropped: u64,
 }
 
-/// The true bias at the end, by its terms. A perfect measurement at `sensor_c`, °C, finds PBC = −bias and BTC = −slope
-/// (F-50).
+/// The true values at the end: PBC = −bias and BTC = −slope at `sensor_c` (F-50), and the curvature of the bias.
 #[derive(Deserialize, Serialize)]
 pub struct Truth {
     pub sensor_c: f64,

@@ -201,7 +201,7 @@ impl SharedLink {
         self.lock().damaged()
     }
 
-    /// Returns an error that says so if the bridge is gone or silent, and any other error unchanged.
+    /// Returns an error with that cause if the bridge is gone or silent, and any other error unchanged.
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().why_gone() {

@@ -34,7 +34,7 @@ struct Segment {
     until_ns: u64,
 }
 
-/// Adds segments to the profile. After the writer is dropped, the last temperature persists.
+/// Adds segments to the profile. After it is dropped, the part keeps the temperature of the last segment.
 #[derive(Debug)]
 pub struct ProfileWriter(AmbientProfile);
 

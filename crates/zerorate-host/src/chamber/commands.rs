@@ -20,7 +20,8 @@ pub struct ChamberCommands {
 const PLACEHOLDER: &str = "{temp_c}";
 /// Plausible readings of a chamber, °C. A reading outside of this range is an error.
 const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
-/// First wait before a failed command is repeated. The wait doubles each time, up to one of the two limits below.
+/// First wait before a failed command is repeated. The wait doubles each time, up to a limit below (the second in
+/// `end`).
 const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
@@ -29,7 +30,7 @@ const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {
     /// A chamber that two commands control. `set` contains `{temp_c}` in place of the temperature. `read` prints the
-    /// air temperature, °C. In `set` and `read_c`, a command that fails is repeated for `retry`.
+    /// air temperature, °C. In `set` and `read_c`, a command that fails is repeated until the time `retry` is over.
     ///
     /// # Errors
     /// Returns an error if a command is empty, or if `set` does not contain `{temp_c}`.

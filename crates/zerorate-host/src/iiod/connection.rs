@@ -173,7 +173,6 @@ impl<'a> Peer<'a> {
         }
     }
 
-    /// Reads a value of `bytes` bytes.
     fn value(&mut self, bytes: usize) -> io::Result<Vec<u8>> {
         let (mut value, since) = (Vec::with_capacity(bytes), Instant::now());
         while value.len() < bytes {

@@ -152,7 +152,7 @@ impl Device {
         self.live().is_gone
     }
 
-    /// True if there is a sample for the attributes to show. With a correction, the first one takes three rows.
+    /// True if there is a sample for the attributes to show. With a correction, the first sample needs three rows.
     pub fn has_readings(&self) -> bool {
         self.live().scan.is_some()
     }

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ufffe\uffff]")
 
 MAX_CHARACTERS = 2000
-"""Largest length of most texts, in characters. It limits the number of pages of a certificate."""
+"""Largest length of a text by default, in characters. It limits the number of pages of a certificate."""
 
 
 class Problems(ValueError):
