@@ -109,8 +109,7 @@ impl Ljca {
         messages
     }
 
-    /// Handles a falling edge of RDY. Returns the event for the host; `None` if the line has no interrupt or is
-    /// masked.
+    /// Handles a falling edge of RDY. Returns the event for the host; `None` if the interrupt is off or masked.
     pub fn rdy_fell(&mut self) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !line.interrupt {

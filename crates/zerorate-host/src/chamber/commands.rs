@@ -20,8 +20,7 @@ pub struct ChamberCommands {
 const PLACEHOLDER: &str = "{temp_c}";
 /// Plausible readings of a chamber, °C. A reading outside of this range is an error.
 const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
-/// First wait before a failed command is repeated. The wait doubles each time, up to a limit below (the second in
-/// `end`).
+/// First wait before a retry. The wait doubles each time, up to a limit below (the second in `end`).
 const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
