@@ -15,7 +15,8 @@ use zerorate_logs::{
 /// The user's description of the axes, for logs that do not describe them.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
-    /// The columns, by name or number. `None` takes those in `gyro` and `accel`, or else all columns that are axes.
+    /// The columns, by name or number. `None` takes the columns of `gyro` and `accel`. A kind without listed columns
+    /// takes those that its names or units show.
     pub columns: Option<Vec<String>>,
     /// Columns, unit and scale of the gyroscope.
     pub gyro: KindOptions,
@@ -34,7 +35,7 @@ pub struct KindOptions {
     pub columns: Vec<String>,
     /// The unit of these columns.
     pub unit: Option<Unit>,
-    /// The size of a step of 1 in these columns, in `unit`.
+    /// The size of a step of 1 in these columns, in `unit`, or in °/s or m/s² if `unit` is `None`.
     pub scale: Option<f64>,
     /// The codes in these columns; `None` if the user does not state that they hold codes.
     pub codes: Option<Codes>,
@@ -42,11 +43,13 @@ pub struct KindOptions {
 
 /// The axes of a log.
 pub struct Axes {
-    /// The axes in the order of the file, gyroscopes first. Each has its quantity.
+    /// The axes, gyroscopes first, and otherwise in the order of the file or of the user's list. Each has its
+    /// quantity.
     pub columns: Vec<Column>,
     /// The temperature columns, found by unit or name.
     pub temperatures: Vec<Column>,
-    /// The topic of the axes, if the log is a bag.
+    /// The topic in the name of the first axis, or of the first gyroscope if there are several topics. `None` if the
+    /// log is not a ROS bag.
     pub topic: Option<String>,
     /// The warnings about the log.
     pub warnings: Vec<LogWarning>,
@@ -62,7 +65,7 @@ impl Axes {
     /// Reads all axes of a log, in one pass for each topic. `path` names the log in messages.
     ///
     /// # Errors
-    /// Returns the errors of [`zerorate_logs::read_parts`], and an error if no column is an axis or a unit is unknown.
+    /// Returns the errors of [`zerorate_logs::read_parts`] and of [`Axes::of`].
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let parts = parts.into();
         let mut topics: Vec<String> = options.log.topic.iter().chain(&options.more_topics).cloned().collect();
@@ -143,7 +146,8 @@ impl Axes {
         }
     }
 
-    /// A warning for each kind of axis that the log lacks. If the options list columns, only these count.
+    /// A warning for each kind of which no axis was read. It names the option by which the user listed columns, if
+    /// any.
     pub fn absent(&self, options: &ImuOptions) -> impl Iterator<Item = ImuWarning> {
         let has = |kind: &Kind| self.columns.iter().any(|column| column.quantity == Some(kind.quantity()));
         let chosen_by = match options.columns {
@@ -163,7 +167,8 @@ impl Axes {
     /// The axes among the columns of a log.
     ///
     /// # Errors
-    /// Returns an error if no column is an axis, or the unit of an axis is not known.
+    /// Returns an error if no column is an axis, or the unit of an axis is not known, or a question if the choice of
+    /// axes or their meaning is unclear.
     pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         // the first column carries the warnings about the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
@@ -250,8 +255,8 @@ fn is_temperature_name(name: &str) -> bool {
     !is_time && (name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature"))
 }
 
-/// Asks for the columns of a kind if the user states something about the kind, but no column name shows an axis of it.
-/// Asks also for the third axis if a sensor has only two.
+/// Asks for the columns of a kind if the user states its unit, scale or codes, but no column is known as an axis of
+/// the kind, and three others may be. Asks for the third axis if a sensor has only two and other columns are left.
 fn ask_for_missing(
     path: &Path,
     axes: &[OfKind],
@@ -289,7 +294,8 @@ fn ask_for_missing(
     Ok(())
 }
 
-/// Joins two questions, so that the user is asked for everything at once.
+/// Joins two questions, so that the user is asked for everything at once. Returns the first error if one of the two is
+/// not a question.
 fn both(path: &Path, first: LogError, second: LogError) -> LogError {
     match (first, second) {
         (LogError::Ask(first), LogError::Ask(more)) => {
@@ -301,9 +307,8 @@ fn both(path: &Path, first: LogError, second: LogError) -> LogError {
     }
 }
 
-/// Leaves out blank axes, which have no measured values, unless all are blank. A ROS message has three axes of each
-/// kind, even from a sensor with fewer. A blank axis of a table may be broken, and stays if others of its kind have
-/// values.
+/// Leaves out blank axes, which are 0 in every row, unless all are blank. A ROS message has three axes of each kind,
+/// even from a sensor with fewer. A blank axis of a table may be broken, and stays if others of its kind have values.
 fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Option<LogWarning> {
     let is_alive = |kind: Kind| axes.iter().any(|(of, column)| *of == kind && !column.is_blank());
     let dead: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !is_alive(*kind)).collect();
@@ -317,10 +322,10 @@ fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Opti
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
-/// Removes the columns beside the three axes of one sensor, and returns their names. Asks if several sensors fit.
+/// Removes the columns beside the three axes of one sensor, and returns their names.
 ///
 /// # Errors
-/// Returns the question, with the columns of each sensor.
+/// Returns a question if several sensors fit, or if it is unclear which columns are the three axes of one.
 fn without_strangers(path: &Path, axes: &mut Vec<OfKind>, options: &ImuOptions) -> zerorate_logs::Result<Vec<String>> {
     let mut left_out = Vec::new();
     let mut several: Vec<(Kind, Vec<Vec<String>>)> = Vec::new();
@@ -368,15 +373,16 @@ impl ImuOptions {
         }
     }
 
-    /// The columns that the user listed, gyroscopes first; `None` if none are listed.
+    /// The columns that the user listed: `columns`, or else the columns of the two kinds, gyroscopes first. `None` if
+    /// none are listed.
     #[must_use]
     pub fn listed(&self) -> Option<Vec<String>> {
         let of_kinds = || Kind::ALL.into_iter().flat_map(|kind| self.said(kind).columns.clone()).collect::<Vec<_>>();
         self.columns.clone().or_else(|| Some(of_kinds()).filter(|columns| !columns.is_empty()))
     }
 
-    /// Selects the columns to read, if the user listed the columns `listed`. If only one kind is listed, the other is
-    /// found by its names.
+    /// Selects the columns to read. `listed` is the result of [`Self::listed`]. If it has one kind only, all other
+    /// columns are read too, so that axes of the other kind can be found.
     #[must_use]
     pub fn selection<'a>(&self, listed: Option<&'a [String]>) -> ColumnSelection<'a> {
         let are_all = self.columns.is_some() || Kind::ALL.iter().all(|kind| !self.said(*kind).columns.is_empty());
@@ -387,8 +393,8 @@ impl ImuOptions {
         }
     }
 
-    /// True if a column that is not listed may be an axis of this kind. If the user listed columns of the other kind
-    /// only, the unit of the column must be known.
+    /// True if a column that is not listed by kind may be an axis of this kind. If the user listed columns by kind,
+    /// this kind must be the one without a list, and the unit or the scale of the column must be known.
     fn may_be(&self, kind: Kind, column: &Column) -> bool {
         let KindOptions { columns, unit, scale, .. } = self.said(kind);
         let is_known = column.quantity.is_some() || unit.is_some() || scale.is_some();
@@ -459,7 +465,8 @@ impl Kind {
     }
 }
 
-/// Checks that the axes are not named as increments, unless the user confirms that, and that their units are known.
+/// Checks that the axes do not have the names of increments, unless the user said whether they are increments. Checks
+/// their units too.
 fn check(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let columns: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
     let asked = increments::ask(path, &columns, &options.log);
@@ -469,7 +476,7 @@ fn check(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::R
     }
 }
 
-/// Checks that the unit of each kind is known, and is a unit of that kind.
+/// Checks that the unit of each kind is known and is a unit of that kind, and that columns of codes can hold codes.
 fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
@@ -535,8 +542,8 @@ fn no_axes(path: &Path, found: &[String], options: &ImuOptions) -> LogError {
     ))
 }
 
-/// The two topics of a bag, if one is named after the gyroscope and the other after the accelerometer, as on a
-/// RealSense: `/camera/gyro/sample` and `/camera/accel/sample`.
+/// The two topics of a bag, if their names differ only in `gyro` and `accel`, as on a RealSense: `/camera/gyro/sample`
+/// and `/camera/accel/sample`.
 fn halves(topics: &[String]) -> Option<Vec<String>> {
     let [one, other] = topics else { return None };
     let of_pair = |gyro: &str, accel: &str| gyro.contains("gyro") && gyro.replacen("gyro", "accel", 1) == accel;

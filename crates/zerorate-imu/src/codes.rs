@@ -1,4 +1,4 @@
-//! Checks whether columns can hold integer codes, and suggests the options to give for them.
+//! Checks whether columns can hold integer codes, and suggests the options that state their unit or scale.
 
 use super::Kind;
 use std::path::Path;
@@ -50,7 +50,7 @@ pub(super) fn are_whole(column: &Column) -> bool {
     matches!(column.series, Series::Codes(_)) || numbers(column).iter().all(|number| number.fract() == 0.0)
 }
 
-/// The mean of three accelerometers counts as gravity if it differs from gravity by less than this share.
+/// The norm of the means of three axes counts as gravity if it differs from gravity by less than this share.
 const WITHIN: f64 = 0.05;
 
 /// The usual full scales of accelerometers, g.
@@ -59,8 +59,8 @@ const FULL_SCALES_G: [f64; 8] = [2.0, 4.0, 8.0, 16.0, 3.0, 6.0, 12.0, 24.0];
 /// Number of 16-bit codes on one side of zero.
 const CODES: f64 = 32768.0;
 
-/// A hint at the unit or scale of three accelerometers at rest, whose mean is gravity. `None` if no usual unit or full
-/// scale fits.
+/// A hint at the unit or scale of the three axes of an accelerometer at rest, which measures gravity. `None` if there
+/// are not three axes, or if no usual unit or full scale fits.
 pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String> {
     let ([x, y, z], names) = (axes, log.names) else { return None };
     let mean = |axis: &Column| axis.facts().mean() * log.per_second(axis.rate_hz);

@@ -1,4 +1,4 @@
-//! Noise files for the programs that use the noise of an IMU. Each file is complete, and explains every number.
+//! Noise files for the programs that use the noise of an IMU. Each file explains its numbers.
 //!
 //! `docs/imu.md` states which number goes where, and the source of each rule.
 
@@ -59,7 +59,8 @@ impl Format {
         }
     }
 
-    /// The names of the program that reads the file and of the file, for messages.
+    /// The name of the program that reads the file, for messages. The name of the file or message follows in brackets,
+    /// if it is fixed.
     #[must_use]
     pub fn reader(self) -> &'static str {
         match self {
@@ -107,8 +108,8 @@ fn kalibr(file: &mut Text, numbers: &Numbers, indent: &str) {
     file.plain(&format!("{indent}update_rate"), numbers.rate_hz, "Hz, as recorded");
 }
 
-/// Values beside the noise that OpenVINS wants and that cannot be measured at rest: no rotation, no misalignment,
-/// scales of 1.
+/// Values beside the noise that OpenVINS wants and that cannot be measured at rest: no rotation, no misalignment, no
+/// delay, scales of 1.
 const OPENVINS_REST: &str = "  T_i_b:
     - [1.0, 0.0, 0.0, 0.0]
     - [0.0, 1.0, 0.0, 0.0]
@@ -227,7 +228,8 @@ impl Text {
         self.0.push('\n');
     }
 
-    /// Writes the comments at the head of the file: reader, meaning and choice of the numbers, and warnings.
+    /// Writes the comments at the head of the file: the program that reads it, the meaning and choice of the numbers,
+    /// and warnings.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
         let NoiseFileOptions { log, combine, rule, inflate, names, warnings, .. } = &numbers.choice;

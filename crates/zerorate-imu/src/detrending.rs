@@ -1,4 +1,4 @@
-//! Preparation of a column before the analysis: the dependence on temperature is removed.
+//! Preparation of a column before the analysis: the dependence on temperature is removed or detected.
 
 use std::path::Path;
 use zerorate_allan::{AllanWarning, DetrendError, Follows, Preparation, detrend, follows_temperature};
@@ -26,9 +26,11 @@ pub enum DetrendingError {
 
 impl Detrending {
     /// Removes the polynomial over `temperature` from a column of `file`; without an order, detects the dependence.
+    /// Does nothing without a temperature from another column.
     ///
     /// # Errors
-    /// Returns an error if the polynomial cannot be fitted, or if a column cannot be expanded.
+    /// Returns an error if the polynomial cannot be fitted, or if the temperature, or a column to remove it from,
+    /// cannot be expanded.
     pub fn apply(
         &self,
         column: &mut Column,

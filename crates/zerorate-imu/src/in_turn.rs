@@ -3,7 +3,7 @@
 use crate::codes;
 use zerorate_logs::Column;
 
-/// Largest number of samples that are compared.
+/// Largest number of samples of an axis that are compared.
 const SAMPLES: usize = 1 << 16;
 /// Standard deviation of normal noise, divided by the mean of its absolute values without the largest 1 %.
 pub(super) const PER_MEAN: f64 = 1.29;
@@ -22,8 +22,8 @@ const OF_NOISES: f64 = 2.6;
 /// Least ratio of the noise of two sensors that counts as different.
 const NOISES: f64 = 1.25;
 
-/// The mean absolute step from sample to sample, and the relative standard deviation of the steps. The largest 1 % of
-/// the steps are left out.
+/// The mean absolute step from sample to sample, and the relative standard deviation of the absolute steps. The
+/// largest 1 % of the steps are left out.
 pub(super) fn steps(samples: &[f64]) -> (f64, f64) {
     let samples = &samples[..samples.len().min(SAMPLES)];
     let mut steps: Vec<f64> = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
@@ -70,7 +70,7 @@ fn differ_in_turn(samples: &[f64], several: usize) -> bool {
 mod tests {
     use super::*;
 
-    /// Nearly normal numbers, each a sum of twelve.
+    /// Nearly normal numbers, each a sum of twelve uniform ones.
     fn normal(count: usize) -> Vec<f64> {
         let mut state = 1u64;
         let mut uniform = move || {

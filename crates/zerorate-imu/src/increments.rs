@@ -1,4 +1,5 @@
-//! Columns of increments: the change of angle or velocity during a sample, in place of its rate.
+//! Columns of increments: the change of angle or velocity during a sample, in place of the angular rate or the
+//! acceleration.
 
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogError, Quantity, Result, Setting};
@@ -25,7 +26,8 @@ const SHORT_VELOCITIES: [&str; 3] = ["dv", "deltav", "delv"];
 /// Units of increments after the letter or digit of the axis. Only letters and digits are compared.
 const UNITS: [&str; 9] = ["", "rad", "mrad", "urad", "deg", "mdeg", "ms", "mps", "gs"];
 
-/// The quantity whose increments a column holds, according to its name.
+/// The quantity of a column of increments, by its name: angular rate for increments of an angle, acceleration for
+/// those of a velocity. `None` if the name does not state increments.
 pub fn named(name: &str) -> Option<Quantity> {
     let name: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
     let is_axis_of = |start: &&str| {

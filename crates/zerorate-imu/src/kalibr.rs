@@ -13,8 +13,8 @@ const COLUMNS: [(&str, Unit); 6] = [
     ("alpha_z", Unit::MPerS2),
 ];
 
-/// Gives the columns of Kalibr's format their units, if a log has each of them once, in any order, and its
-/// accelerometers measure gravity in m/s². Returns whether the units were given.
+/// Gives the columns of Kalibr's format their units, if a log has each of them once without a unit, in any order, and
+/// the accelerometer measures gravity in m/s². Returns whether the units were given.
 pub(super) fn give_units(columns: &mut [Column]) -> bool {
     let place = |(name, _): &(&str, Unit)| {
         let mut all = columns.iter().enumerate().filter(|(_, column)| column.name == *name);

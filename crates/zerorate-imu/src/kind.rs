@@ -60,9 +60,10 @@ impl Kind {
         Quantity::of_column(name).map_or_else(|| Self::named(name), |(quantity, _)| Self::of(quantity))
     }
 
-    /// True if a column may be an axis by its name. Set points, biases, norms, motor speeds, and accelerations without
-    /// gravity (`FreeAccX` of Movella, `userAcceleration.x` of phones) are not axes. If `others` is true, the log has
-    /// columns that are surely axes, and columns of wheels and motors are not axes either.
+    /// True if a column may be an axis by its name. Columns beside the axes are not, such as set points, biases,
+    /// covariances, norms, motor speeds, and accelerations without gravity (`FreeAccX` of Movella,
+    /// `userAcceleration.x` of phones). If `others` is true, the log has columns that are surely axes, and columns of
+    /// wheels and motors are not axes either.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
         let name = name.to_lowercase();

@@ -8,8 +8,8 @@ const FEWEST: usize = 20;
 /// Ratio of the spread in a window to the median spread, above which the sensor moves.
 const MOVES: f64 = 4.0;
 
-/// The times in which the samples spread more than `MOVES` times as much as usual, as pairs of start and end, s. A
-/// missing sample is NaN.
+/// The times in which the samples spread more than `MOVES` times as much as usual, as pairs of start and end, s from
+/// the first sample. A missing sample is NaN.
 pub fn moving(samples: &[f64], rate_hz: f64) -> Vec<(f64, f64)> {
     let length = ((WINDOW_S * rate_hz) as usize).max(FEWEST);
     let spreads: Vec<f64> = samples.chunks(length).map(spread).collect();
@@ -28,7 +28,7 @@ pub fn moving(samples: &[f64], rate_hz: f64) -> Vec<(f64, f64)> {
     })
 }
 
-/// Standard deviation of the samples that are present.
+/// Standard deviation of the samples that are present; NaN if there are none.
 fn spread(samples: &[f64]) -> f64 {
     let present = || samples.iter().filter(|sample| !sample.is_nan());
     let count = present().count() as f64;

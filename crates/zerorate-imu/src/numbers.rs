@@ -17,8 +17,9 @@ pub enum Combine {
 /// The rule that derives N and K from a noise model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// N and K cover the noise from 1 s to this horizon, s, in the way in which the reading program uses them. `None`
-    /// takes a third of the record, or a limit for that use if it is less.
+    /// N and K cover the noise from 1 s to this horizon, s. For a batch estimate, only K is raised, and N is that of
+    /// the model. `None` takes a third of the record, but at most the limit for the use in the program that reads the
+    /// file.
     Covers(Option<f64>),
     /// N and K are those of the model.
     AsFitted,
@@ -127,9 +128,10 @@ impl SourcedNumber {
 }
 
 pub struct AxisNumbers {
-    /// White noise N, rad/√s or m/s/√s.
+    /// White noise N by the rule, rad/√s or m/s/√s.
     pub n: SourcedNumber,
-    /// N as it was fitted, for programs whose noise model has no random walk K.
+    /// N as it was fitted, or its upper limit if it is not identified, for programs whose noise model has no random
+    /// walk K.
     pub fitted_n: SourcedNumber,
     /// Random walk K of the bias, rad/s/√s or m/s²/√s.
     pub k: SourcedNumber,
@@ -176,7 +178,7 @@ impl Axis<'_> {
             let from = format!("{letter} of {axis}, covers the noise up to {horizon_s:.0} s; {fitted}");
             SourcedNumber { value: value * self.si(), from }
         };
-        // if N alone covers the noise, only the fit gives K
+        // if N alone covers the noise, K is that of the fit
         let of_n = n_covers * n_covers / horizon_s;
         let is_seen = k_covers * k_covers * horizon_s / 3.0 > SEEN * of_n;
         let k = if is_seen { covers("K", k_covers, &self.fit.k) } else { k };
@@ -234,8 +236,8 @@ impl Axis<'_> {
         largest.map(|(_, tau_s)| tau_s)
     }
 
-    /// σ of a Gauss–Markov process with correlation time `tau_s`, whose Allan deviation peaks as high as the model
-    /// without N.
+    /// σ, rad/s or m/s², of a Gauss–Markov process with correlation time `tau_s`. At its peak, its Allan deviation is
+    /// that of the model without N. If the model has nothing but N there, it is that of the upper limits of B and K.
     fn sigma_at(&self, tau_s: f64) -> f64 {
         let peak_s = PEAK_AT * tau_s;
         let m = (peak_s * self.rate_hz).round().max(1.0);
@@ -247,8 +249,8 @@ impl Axis<'_> {
     }
 }
 
-/// K counts if its variance at the horizon is above this share of the variance of N. A fit hardly knows the variance
-/// of N to better than 10 %.
+/// K counts if its Allan variance at the horizon is above this share of the Allan variance of N. A fit hardly knows
+/// the variance of N to better than 10 %.
 const SEEN: f64 = 0.1;
 
 /// The averaging time at which the Allan deviation of a Gauss–Markov process peaks, in correlation times.

@@ -4,9 +4,10 @@ use crate::{codes, in_turn};
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogWarning, Quantity, Series, Setting, Unit};
 
-/// Gravity, m/s². It varies by 0.3 % over the Earth.
+/// Gravity, m/s². It differs by up to 0.3 % over the Earth.
 const GRAVITY_M_S2: f64 = 9.8;
-/// Largest relative error of gravity: scales are off by up to 3 %, and an axis of the MPU-6050 by 0.8 m/s².
+/// Largest relative error of gravity: scales are off by up to 3 %, and an axis of the MPU-6050 has a bias of up to 0.8
+/// m/s².
 const WITHIN: f64 = 0.2;
 /// If the mean acceleration is below this, m/s², gravity has been subtracted.
 const SUBTRACTED_M_S2: f64 = 0.3;
@@ -23,7 +24,8 @@ const WHOLE_M_S2: f64 = 9.0;
 /// Gravity that is computed from increments, or in columns that seem to be in g, may be off by this share.
 const WITHIN_OF_INCREMENTS: f64 = 0.05;
 
-/// Evidence that accelerometer columns hold velocity increments: their mean times the sample rate is gravity.
+/// Evidence that accelerometer columns hold velocity increments: the norm of their means, times the sample rate, is
+/// gravity, and the norm itself is not.
 pub(super) fn increments(axes: &[Column]) -> Option<String> {
     let m_s = acceleration(axes)?;
     let rate_hz = axes.first()?.rate_hz;
@@ -108,7 +110,7 @@ pub(super) fn is_gravity(means_m_s2: impl Iterator<Item = f64>) -> bool {
     (m_s2 / GRAVITY_M_S2 - 1.0).abs() < WITHIN
 }
 
-/// The norm of the means of three accelerometers, m/s²: gravity.
+/// The norm of the means of the three axes of the accelerometer, m/s²: gravity. `None` unless three means are known.
 fn acceleration(axes: &[Column]) -> Option<f64> {
     let of_kind: Vec<&Column> = axes.iter().filter(|axis| axis.quantity == Some(Quantity::Acceleration)).collect();
     let has_sign = of_kind.iter().any(|axis| has_sign(axis));
@@ -117,7 +119,7 @@ fn acceleration(axes: &[Column]) -> Option<f64> {
     Some((x * x + y * y + z * z).sqrt())
 }
 
-/// The mean in °/s or m/s². `None` for codes whose zero may be in the middle of the scale.
+/// The mean in °/s or m/s². `None` if it is not finite, and for codes whose zero may be in the middle of the scale.
 fn mean(axis: &Column, has_sign: bool) -> Option<f64> {
     let is_plain = Unit::ALL.into_iter().any(|unit| unit.in_results() == axis.scale);
     let is_known = matches!(axis.series, Series::Numbers(_)) || has_sign || is_plain;

@@ -24,7 +24,7 @@ pub struct Record {
     pub confidence: f64,
     /// The deviations at the requested averaging times.
     pub analysis: Analysis,
-    /// The deviations at the averaging times of plots, if those differ.
+    /// The deviations at the averaging times of plots, if plots have more of them.
     finer: Option<Analysis>,
     /// The noise model, or the reason why there is none. `None` if no model was requested.
     pub fit: Option<Result<Fit, FitError>>,
@@ -40,7 +40,8 @@ pub struct Record {
     pub detrended: Option<DetrendedRate>,
     /// The time left out at the beginning of the log, s.
     pub skipped_s: f64,
-    /// The times in which the sensor moves, s from the start; `None` if the model is valid, or if none was requested.
+    /// The times in which the sensor moves, s from the first analysed sample. `None` if no model was requested, or if
+    /// the model is valid and does not warn of many glitches.
     moving_s: Option<Vec<(f64, f64)>>,
     /// The names of the settings in messages.
     names: Names,
@@ -106,10 +107,10 @@ pub enum RecordError {
 }
 
 impl Record {
-    /// Analyses a column of the log `file`. `temperature` is the column with its temperature.
+    /// Analyses a column of the log `file`. `temperature` is the column with the temperature of the sensor.
     ///
     /// # Errors
-    /// Returns an error if the record has nothing to analyse, or its numbers must not become a result.
+    /// Returns the reason why the column cannot be analysed.
     pub fn of(
         mut column: Column,
         file: &Path,
@@ -169,7 +170,7 @@ impl Record {
         })
     }
 
-    /// Joins records of one type of sensor to one record with the common model. Its deviations are root mean squares
+    /// Joins records of one type of sensor to one record with the common model. The deviations are root mean squares
     /// over the records, weighted by the number of terms in each deviation.
     pub fn together(used: &[&Self], fit: Fit, notes: Vec<LogWarning>) -> Self {
         let first = used[0];
@@ -251,7 +252,8 @@ impl Record {
         self.fit.as_ref()?.as_ref().ok()
     }
 
-    /// The frequency up to which the model holds, Hz, if the sensor's filter shapes the noise above.
+    /// The frequency up to which the model holds, Hz, if the sensor's filter shapes the noise above. `None` if the
+    /// model holds up to half the sample rate.
     pub fn max_freq_hz(&self) -> Option<f64> {
         let max_freq_hz = self.model()?.max_freq_hz;
         (max_freq_hz < 0.499 * self.analysis.rate_hz).then_some(max_freq_hz)
@@ -318,14 +320,14 @@ impl Record {
         self.model()?.expected(&self.analysis, point)
     }
 
-    /// The band in which another record of this sensor, of the same length, lies at a point. `None` for averages
-    /// longer than the model predicts, and for other statistics than the overlapping Allan deviation.
+    /// The band in which another record of this sensor, of the same length, lies at a point. `None` without a model,
+    /// for averages longer than the model predicts, and for other statistics than the overlapping Allan deviation.
     pub fn predicted(&self, point: &Point) -> Option<Prediction> {
         let model = self.model().filter(|_| self.analysis.stat == Stat::Oadev)?;
         model.predicted(point.m, self.analysis.samples)
     }
 
-    /// Averaging time and deviation of the minimum: from the fit or, if the fit describes another statistic or is
+    /// Averaging time, s, and deviation of the minimum: from the fit or, if the fit describes another statistic or is
     /// not valid, from the points. `None` if there is no minimum, or the rate follows the temperature.
     pub fn minimum(&self) -> Option<(f64, f64)> {
         if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), self.valid_model()) {

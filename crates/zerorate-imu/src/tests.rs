@@ -11,7 +11,7 @@ const HOUR: usize = 360_000;
 /// The filters use means of the rate over this time, s.
 const STEP_S: f64 = 0.1;
 
-/// A sensor: white noise, flicker, a random walk and a Gauss–Markov process, in °/s.
+/// The noise of a gyroscope: white noise, °/√s, flicker, °/s, a random walk, °/s/√s, and a Gauss–Markov process, °/s.
 #[derive(Clone, Copy, Default)]
 struct Truth {
     n: f64,
@@ -32,7 +32,7 @@ fn normal(seed: u64) -> impl FnMut() -> f64 {
 
 impl Truth {
     /// An hour of noise. Its flicker is a sum of Gauss–Markov processes with correlation times a factor r apart, each
-    /// of variance B² ln r/π. The density of the sum is B²/(2πf).
+    /// of variance B² ln r/π. The two-sided density of the sum is B²/(2πf).
     fn noise(&self, seed: u64) -> Vec<f64> {
         const APART: f64 = 4.0;
         let mut normal = normal(seed);
@@ -62,7 +62,7 @@ struct Belief {
 }
 
 impl Belief {
-    /// The model that a reader builds from its noise file, according to the documentation of the reader.
+    /// The model that a program builds from its noise file, according to the documentation of the program.
     fn of(format: Format, rule: Rule, model: &Fit) -> Self {
         let axis = |name| Axis { name, kind: Kind::Gyroscope, rate_hz: RATE_HZ, fit: model, scale: 1.0 };
         let (names, warnings) = (Names(Setting::name), Vec::new());
@@ -183,8 +183,8 @@ fn as_filter(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     }
 }
 
-/// A batch estimate over one or two minutes. It estimates the coupling constant from a motion of 0.3 Hz, and the angle
-/// over 10 s without a reference in the middle of the batch.
+/// Batch estimates over one minute and over two. Each estimates the coupling constant from a motion of 0.3 Hz, and the
+/// angle over 10 s without a reference in the middle of the batch.
 fn as_batch(found: &mut [Ratio], rate: &[f64], belief: Belief) {
     for batch_s in [60.0, 120.0] {
         let steps = |time_s: f64| (time_s / STEP_S).round() as usize;
@@ -204,8 +204,8 @@ fn as_batch(found: &mut [Ratio], rate: &[f64], belief: Belief) {
 }
 
 /// Five ratios for each noise file of a sensor: of the coupling constant and of the angle in a batch, then of the
-/// angle after each of the three spans of a filter. The numbers come from four records, and each is tested on another
-/// record.
+/// angle after each of the three spans of a filter. Each ratio is a mean over four pairs of records: the noise file
+/// comes from one, and the estimators run on the other.
 fn ratios(truth: Truth, all: &[(Format, Rule)]) -> Vec<[f64; 5]> {
     let mut found = vec![[Ratio::default(); 5]; all.len()];
     for seed in 0..4 {
@@ -242,7 +242,7 @@ fn filters_claim_their_true_error_with_the_numbers_of_their_files() {
             println!("{name}, {} {rule:?}: batch {:.2?}, filter {:.2?}", format.name(), &ratios[..2], &ratios[2..]);
         }
         let of = |format: Format| found[all.iter().position(|one| *one == (format, covers)).unwrap()];
-        // with ten times the usual B, half of the noise at 0.3 Hz is flicker
+        // with ten times the usual B, four fifths of the noise power at 0.3 Hz is flicker
         let kalibr = of(Format::Kalibr);
         assert!(kalibr[..2].iter().all(|ratio| (0.5..2.5).contains(ratio)), "{name}: {kalibr:?}");
         for format in [Format::Openvins, Format::Vins, Format::Orbslam3] {

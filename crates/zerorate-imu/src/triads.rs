@@ -1,9 +1,9 @@
-//! Columns that are the three axes of one sensor: their names differ in the letter or the digit of the axis alone.
+//! Columns that are the three axes of one sensor: their names differ in the letter, digit or word of the axis alone.
 
 use std::collections::BTreeMap;
 use zerorate_logs::Unit;
 
-/// Words that tell the axes apart in names. Letters have precedence over digits.
+/// Words that tell the axes apart in names. Earlier lines have precedence.
 const AXES: [[&str; 3]; 11] = [
     ["x", "y", "z"],
     ["X", "Y", "Z"],
@@ -51,7 +51,7 @@ const WORDS: [&str; 24] = [
     "down", "up", "forward", "right", "left", "lateral", "vertical",
 ];
 
-/// Parts of units in names, which may differ between axes.
+/// Parts of units in names. Axes of one sensor may have different units.
 const UNITS: [&str; 14] = ["dps", "mdps", "rad", "mrad", "urad", "deg", "s", "min", "h", "m", "g", "mg", "ug", "s2"];
 
 /// True if names may be axes of one sensor: they differ in the axis alone.

@@ -14,7 +14,7 @@ pub enum ImuWarning {
     Jumps(Vec<Moment>, Rest),
     /// Several axes have a glitch at once, at these moments.
     Knocks(Vec<Moment>),
-    /// The log has no column of a kind. The name is that of the setting that chose the columns, if a setting did.
+    /// No axis of this kind was read. The name is that of the setting that chose the columns, if a setting did.
     KindAbsent(Kind, Option<SettingName>),
 }
 
@@ -75,8 +75,8 @@ impl fmt::Display for Rest {
     }
 }
 
-/// A warning about a record as scripts read it, `code: text`, with the unit of the rate, if it is known, and the names
-/// of the settings that help.
+/// A warning about a record as scripts read it, `code: text`. `unit` is that of the rate, if it is known. If the rate
+/// follows the temperature, the text names the settings that help.
 #[must_use]
 pub fn coded(warning: &AllanWarning, unit: Option<&str>, names: Names) -> String {
     let help = match warning {
@@ -139,7 +139,7 @@ impl fmt::Display for ImuWarning {
     }
 }
 
-/// Times of motion in words: the first and the last, and their number.
+/// Times of motion in words: the start of the first, the end of the last, and their number.
 struct Spans<'a>(&'a [(f64, f64)]);
 
 impl fmt::Display for Spans<'_> {

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// `rostopic echo -p` writes variances of an angular velocity. They are not axes, unless the user lists them.
+/// `rostopic echo -p` writes the covariance of an angular velocity beside it. They are not axes, unless the user lists
+/// them.
 #[test]
 fn columns_beside_the_axes_are_left_out() {
     let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\
@@ -42,7 +43,7 @@ fn axes_with(head: &str, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
     Axes::of(Path::new("log.csv"), columns, options)
 }
 
-/// A log of integers at rest, in which the third accelerometer always has the value `gravity`.
+/// A log of integers at rest, in which the third axis of the accelerometer always has the value `gravity`.
 fn codes(gravity: i32, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
     let row =
         |at: i32| format!("{},{},{},{},{},{},{}\n", at * 10, at % 5, at % 3, -at % 7, at % 3 - 1, at % 5 - 2, gravity);
@@ -179,7 +180,7 @@ fn units_of_kalibr_are_taken_where_gravity_fits() {
     assert!(read(0.51).map(drop).unwrap_err().to_string().contains("omega_x, omega_y, omega_z (gyroscope) state"));
 }
 
-/// Wheel speeds and set points have the unit of a rate.
+/// Wheel speeds, biases and set points have the unit of a rate.
 #[test]
 fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
     let found = axes("t_ns,gz_dps,wheel_speed_rad_s,gyro_bias_z_dps,yaw_cmd_dps").unwrap();
@@ -189,7 +190,7 @@ fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
     assert_eq!(found.columns.len(), 2);
 }
 
-/// A log of these samples at 100 Hz, or at 0.1 Hz if its time is in s.
+/// A log of 1200 samples at 100 Hz if its time is in ms, or at 0.1 Hz if it is in s.
 fn noisy(head: &str, sample: impl Fn(usize, usize) -> f64) -> zerorate_logs::Result<Axes> {
     let width = head.split(',').count();
     let row = |at: usize| {

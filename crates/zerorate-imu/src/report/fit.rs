@@ -17,17 +17,18 @@ pub struct FitReport {
     pub b: CoefficientReport,
     /// Rate random walk, or acceleration random walk.
     pub k: CoefficientReport,
-    /// Quantisation Q; `None` if it is not significant.
+    /// Quantisation Q; `None` if it is not significant, and without a model.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub q: Option<CoefficientReport>,
-    /// Rate ramp R; `None` if it is not significant.
+    /// Rate ramp R; `None` if it is not significant, and without a model.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub r: Option<CoefficientReport>,
     /// Relative error ε of the model, from the scatter of the spectrum about the model; `None` without a model.
     pub model_error: Option<f64>,
-    /// The standard deviation of loud windows of ten seconds over that of quiet ones, if the sensor moves.
+    /// The ratio of the standard deviation in loud windows of ten seconds to that in quiet windows, if the sensor
+    /// moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub motion_ratio: Option<f64>,

@@ -11,9 +11,9 @@ use zerorate_allan::{DataSheet, MotionKind};
 /// All axes of a log. Scripts read it as the JSON of `zerorate imu --json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ImuReport {
-    /// Samples per second, Hz.
+    /// Sample rate of the first axis, Hz.
     pub rate_hz: f64,
-    /// Samples of each axis, including missing ones.
+    /// Number of samples of the first axis, including missing ones.
     pub samples: u64,
     /// The topic, if the log is a bag.
     pub topic: Option<String>,
@@ -33,7 +33,7 @@ pub struct ImuReport {
 pub struct SheetReport {
     /// The name of the sensor.
     pub name: String,
-    /// The document that prints the lines of the data sheet.
+    /// The document that prints the lines, unless a line has its own source.
     pub source: Option<String>,
 }
 
@@ -67,7 +67,8 @@ pub struct LineReport {
     pub unit: String,
     /// The document that prints the line, if it is not the source of the sheet.
     pub source: Option<String>,
-    /// The measured value, in the unit of the line.
+    /// The measured value, in the unit of the line. `None` without a valid model or, for the minimum of the curve,
+    /// without one.
     pub measured: Option<f64>,
     /// Lower end of the 95 % interval of `measured`.
     pub measured_lo: Option<f64>,

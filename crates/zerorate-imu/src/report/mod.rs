@@ -16,7 +16,7 @@ use zerorate_logs::Quantity;
 
 /// The deviations of a column and its noise model. Scripts read it as the JSON of `zerorate allan --json`.
 ///
-/// Deviations and parameters of the model are in [`unit`](Self::unit): N in unit·√s, B in unit, K in unit/√s.
+/// Deviations are in [`unit`](Self::unit). Each coefficient of the model states its unit.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AllanReport {
@@ -47,7 +47,7 @@ pub struct AllanReport {
     pub fit: Option<FitReport>,
     /// The reason why there is no noise model, if one was requested.
     pub fit_error: Option<String>,
-    /// The reason why the coefficients are not a result, if a model was requested: it is missing or rejected.
+    /// The reason why the coefficients are not a result, if a model was requested: the model is missing or rejected.
     pub rejection: Option<String>,
     /// The glitches and steps that were removed before the fit.
     pub cleaned: CleanedReport,
