@@ -49,7 +49,7 @@ impl Lines {
         self.position
     }
 
-    /// The number of the line read last.
+    /// The number of the line read last, from 1. At the end of the text it is one more.
     pub fn number(&self) -> u64 {
         self.number
     }

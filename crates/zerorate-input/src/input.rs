@@ -97,7 +97,7 @@ impl Input {
         matches!(self.kind, Kind::File(_) | Kind::Nameless(_))
     }
 
-    /// True if the file can be opened again by name.
+    /// True if this is a file that can be opened again by name.
     pub fn has_name(&self) -> bool {
         matches!(self.kind, Kind::File(_))
     }

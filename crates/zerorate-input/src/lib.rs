@@ -1,8 +1,8 @@
 //! The parts that all readers of columns share: inputs, units, a memory budget, delimited text, and tables in Arrow
 //! and Parquet.
 //!
-//! This crate never opens a file, and is not specific to gyroscopes. The caller passes open bytes as [`Input`], so the
-//! same readers serve a browser.
+//! This crate never opens a file by name. The caller passes open bytes as [`Input`], so the same readers serve a
+//! browser.
 
 pub mod arrows;
 pub mod catch_panic;

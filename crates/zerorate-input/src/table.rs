@@ -29,7 +29,7 @@ pub const END: &str = "zerorate.check.end";
 pub struct Stated {
     /// Columns and metadata.
     pub schema: SchemaRef,
-    /// The check of the batch that was returned last; `None` if the file has no checks.
+    /// The check of the batch that was returned last; `None` before the first batch, and if the file has no checks.
     pub check: Option<String>,
     /// The end statement. An Arrow stream states it only after the last batch.
     pub end: Option<String>,
@@ -65,7 +65,8 @@ pub trait BatchSource {
     /// the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
-    /// True if common software may have dropped the checks: it keeps the description when it rewrites such a file.
+    /// True if the file may have lost its checks: common software that rewrites such a file keeps only the
+    /// description.
     fn may_be_stripped(&self) -> bool {
         true
     }
@@ -93,6 +94,7 @@ pub trait DescribedTable {
     fn temperature(&self) -> Option<usize>;
 
     /// The quantity of a column of sensor codes, and the size of one code step in the unit of results, such as °/s.
+    /// `None` for other columns.
     fn step(&self, column: usize) -> Option<(Quantity, f64)>;
 
     /// Reads all rows and passes `columns` to `take`, batch by batch. With `validates`, invalid values are null.

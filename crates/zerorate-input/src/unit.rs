@@ -1,4 +1,4 @@
-//! Units of angular rate and of acceleration, parsed from an option or from the name of a column.
+//! Units of angular rate, acceleration, temperature and time, parsed from an option or from the name of a column.
 
 use std::f64::consts::PI;
 use std::fmt;

@@ -83,8 +83,8 @@ fn flips_in_hdf5_are_noticed() {
     never_silent(&[fixture!("fletcher.h5"), fixture!("gzip.h5"), fixture!("lzf.h5")], "--time-column t_ns");
 }
 
-/// An HDF5 file without compression has checksums only in its object headers and its indices. The index of data set
-/// `x` has two pages.
+/// An HDF5 file without Fletcher's checksums in its chunks has checksums only in its object headers and its indices.
+/// The index of data set `x` has two pages.
 #[test]
 fn flips_in_indices_of_hdf5_are_noticed() {
     let (_, file) = fixture!("paged.h5");

@@ -40,8 +40,8 @@ pub struct ColumnSpec {
     pub what: String,
     /// The name of the column.
     pub name: String,
-    /// True if the name must match to the letter, except for a unit in brackets that the file does not have. If not,
-    /// `_code` or a unit may follow, as in `x_dps` or `x [rad/s]`.
+    /// True if the name must match to the letter, except for a unit in brackets that the file does not have. If false,
+    /// `_code` or a unit may follow the name, as in `x_dps` or `x [rad/s]`.
     pub is_exact: bool,
 }
 
@@ -80,7 +80,7 @@ pub struct Choice {
     /// The columns with the numbers, in the requested order. If a column holds the fractions of a second that `time`
     /// lacks, it comes last.
     pub values: Vec<usize>,
-    /// The column with the time; `None` if no column has it, or if the rate is given.
+    /// The column with the time; `None` if no column has it, or if the rate is given and no time column is.
     pub time: Option<usize>,
     /// The columns of the conditions that select rows.
     pub only: Vec<usize>,
@@ -215,7 +215,8 @@ impl Columns<'_> {
     }
 
     /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns. A
-    /// column whose name is a unit alone, such as `ms`, counts only if no other column is called a time.
+    /// column whose name is a unit alone, such as `ms`, counts only if no other column is called a time. Without
+    /// these, the column that holds times by content or type.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];

@@ -1,11 +1,11 @@
-//! The time column of a log: how fast it was sampled, and where samples are missing.
+//! The time column of a log: its sampling rate, and the places of missing samples.
 
 use super::series::{join, missing_in};
 use crate::setting::{Names, Setting};
 use zerorate_allan::{Gap, SettingName};
 use zerorate_input::TimeUnit;
 
-/// Jitter of timestamps from which a warning is given: RMS deviation from an even clock, in sampling intervals.
+/// Jitter of timestamps above which a warning is given: RMS deviation from an even clock, in sampling intervals.
 const SAID_JITTER: f64 = 0.1;
 
 /// Largest jitter, in intervals, at which the time of a row alone shows whether samples are missing before it. A clock
@@ -27,7 +27,7 @@ const MAX_GAPS: f64 = 0.05;
 /// clock was set, or another log follows.
 const MAX_LEAP: u64 = 100;
 
-/// Share of each deviation by which the even clock is corrected. An offset decays within some ten samples.
+/// Share of each deviation by which the even clock is corrected. Ten samples reduce an offset to a third.
 const FOLLOW: f64 = 0.1;
 
 /// Longest regular interval, in steps, of a clock that counts in steps. Regular intervals are one step or two.
@@ -127,7 +127,7 @@ impl Times {
         self.since_first = since_first;
     }
 
-    /// Keeps the rows from `first` to before `end`.
+    /// Keeps the rows from `first` up to, but not including, `end`.
     pub fn keep(&mut self, first: usize, end: usize) {
         let start = self.since_first[first];
         self.origin = self.origin.map(|origin| match origin {
@@ -217,7 +217,8 @@ impl Times {
         (1.0 / steps_per_sample / 12f64.sqrt(), gaps, steps)
     }
 
-    /// The usual interval: the mean of the intervals near the median. This mean is exact also for rounded timestamps.
+    /// The usual interval: the mean of the positive intervals from half to 1.5 times their median. `None` if no
+    /// interval is positive.
     pub fn interval(&self) -> Option<f64> {
         let mut intervals: Vec<f64> = self.intervals().filter(|interval| *interval > 0.0).collect();
         let middle = intervals.len().checked_sub(1)? / 2;
@@ -342,7 +343,7 @@ pub fn median(numbers: &mut [f64]) -> f64 {
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// Mean of the steps from half to twice the median, which leaves out gaps. `None` unless the median is positive.
+/// Mean of the steps from half to twice the median, so that gaps are left out. `None` unless the median is positive.
 pub fn usual_step(mut steps: Vec<f64>) -> Option<f64> {
     let middle = Some(median(&mut steps)).filter(|median| *median > 0.0)?;
     Some(mean(steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / middle)))))

@@ -30,7 +30,7 @@ pub struct Column {
     pub scale: f64,
     /// Factor from a sample to the unit of the log, if the log states one, as in `gx (0.01 dps)`; otherwise 1.
     pub step: f64,
-    /// The warnings about the file, such as a torn end or an unknown unit.
+    /// The warnings about the column, such as an unknown unit. The first column has those about the file too.
     pub warnings: Vec<LogWarning>,
     /// The results of the checks of the samples; `None` if the samples were changed since.
     pub(crate) facts: Option<ColumnFacts>,

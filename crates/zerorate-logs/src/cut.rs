@@ -8,7 +8,7 @@ use std::str::FromStr;
 pub enum CutTime {
     /// Seconds since the first sample.
     SinceStart(f64),
-    /// Seconds since midnight. The first such time after the start of the log is meant.
+    /// Seconds since midnight. The first such time from the start of the log on is meant.
     TimeOfDay(f64),
     /// Seconds since the Unix epoch. Stamps without a zone are taken as UTC.
     Date(f64),

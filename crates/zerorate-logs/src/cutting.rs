@@ -30,7 +30,7 @@ struct Span {
 }
 
 impl Span {
-    /// Seconds from the start of the log; `None` if the log has no clock.
+    /// Seconds from the start of the log; `None` if the log has no clock with such times.
     fn since_start(&self, time: CutTime) -> Option<f64> {
         let of_day = |s: f64| s.rem_euclid(DAY_S);
         match (time, self.first_s) {
@@ -59,8 +59,8 @@ impl fmt::Display for Span {
 }
 
 impl Times {
-    /// The time of the last row of the first log, since the first row, in the unit of the file. `None` if the file
-    /// holds one log. Several logs in a file show as a few large steps back in time.
+    /// The time of the last row of the first log, since the first row, in the unit of the file. Several logs in a file
+    /// show as large steps back in time. `None` if the file has no such step, or more than [`MOST_LOGS`].
     pub fn end_of_first(&self) -> Option<f64> {
         let least = LATE * self.interval()?;
         let mut falls = self.since_first().windows(2).filter(|pair| pair[0] - pair[1] > least);
@@ -105,7 +105,7 @@ impl RawColumns {
         Ok(times_s[first])
     }
 
-    /// The time of each row since the first, s; `None` if the rate is not known.
+    /// The time of each row since the first, s; `None` if neither the unit of the times nor the rate is known.
     fn times_s(&self, args: &ColumnOptions) -> Option<Vec<f64>> {
         let rows = self.columns.first()?.values.rows();
         match &self.clock {
@@ -128,7 +128,8 @@ impl RawColumns {
         }
     }
 
-    /// The date or the time of day of the first row, s; `None` if the times count from some other start.
+    /// The date or the time of day of the first row, s; `None` without a time column, or if its times count from some
+    /// other start.
     fn first_s(&self, args: &ColumnOptions) -> Option<f64> {
         let Clock::Column(_, times) = &self.clock else { return None };
         let first_s = times.first() / self.clock.unit(args)?.per_s();

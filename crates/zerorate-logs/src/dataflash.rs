@@ -169,7 +169,8 @@ struct Field {
 }
 
 impl Form {
-    /// Parses the fields of FMT: number, length, name, letters, labels. Returns `None` if they contradict each other.
+    /// Parses the fields of FMT: number, length, name, letters, labels. Returns `None` if they contradict each other
+    /// or have an unknown letter.
     fn parse(body: &[u8]) -> Option<(u8, Self)> {
         let text = |range: std::ops::Range<usize>| {
             let bytes = body.get(range)?;
@@ -228,7 +229,8 @@ fn size(kind: u8) -> Option<usize> {
 }
 
 impl Field {
-    /// The value of the field; `None` for text and arrays. The letters c, C, e and E stand for hundredths.
+    /// The value of the field; `None` for text, arrays and half-precision numbers. The letters c, C, e and E stand for
+    /// hundredths.
     fn number(&self, body: &[u8]) -> Option<f64> {
         let rest = body.get(self.at..)?;
         let integer = |bytes: usize, signed: bool| {

@@ -30,7 +30,8 @@ pub enum LogError {
         question: String,
         /// The columns of each sensor.
         groups: Vec<Vec<String>>,
-        /// True if each sensor has a time column of its own, which is found if only its columns are asked for.
+        /// True if each sensor has a time column of its own. A request for the columns of one sensor finds that time
+        /// column.
         has_own_times: bool,
     },
     /// The numbers can be read, but must not become a result. The fields are a code for scripts, and the reason.

@@ -18,7 +18,8 @@ use zerorate_allan::Gap;
 use zerorate_input::{InputError, Quantity, TimeUnit};
 
 impl Clock {
-    /// The unit of the times, and the rate and gaps that follow from them; `None` without a time column.
+    /// The unit of the times, and the rate and gaps that follow from them; `None` without a time column, or if only
+    /// the name of the column suggests a time.
     pub fn time_base(&self, path: &Path, args: &ColumnOptions) -> Result<Option<(TimeUnit, TimeBase)>> {
         let Self::Column(name, times) = self else { return Ok(None) };
         if let (Some(asked), Some(stated)) = (args.time_unit, times.unit)

@@ -167,7 +167,7 @@ fn a_sample_rate_beside_the_columns_is_taken_and_said() {
         let said = &folder.read(file, "--column gz --unit dps --rate 100").unwrap().warnings;
         assert!(said[0].coded().contains("rate-contradicts"), "{said:?}");
     }
-    // two columns of `HDF5` state a unit of time, so `fs` gives its rate; one column of the other files does
+    // two columns of `HDF5` state a unit of time, so `fs` gives the rate; in the other files, one column states a unit
     for (file, name, said) in [(MAT, "imu.gx", 0), (MAT_73, "imu.gx", 0), (HDF5, "imu/gz", 1)] {
         let read = |options: &str| folder.read(file, &format!("--column {name} --unit dps {options}")).unwrap();
         assert_eq!((read("").warnings.len(), read("").rate_hz.round()), (said, 200.0));

@@ -10,7 +10,7 @@ use Content::{DescribedTable, Messages, Table};
 use std::path::Path;
 use zerorate_input::{Input, InputError, NotBuiltIn};
 
-/// A file format with a reader of its own. Any other file is a capture, an Arrow stream or text.
+/// A file format with a reader of its own. Any other file is an Arrow stream, text or raw numbers.
 pub struct Form {
     /// The marks at the start of a file. One of them suffices.
     marks: &'static [&'static [u8]],

@@ -10,7 +10,8 @@ use std::path::Path;
 /// sensor and of a computer differ by less.
 const RATE_OFF: f64 = 0.02;
 
-/// Relative difference for a warning if several rows share a stamp, so that the stamps give the rate less precisely.
+/// Relative difference above which a warning is given if several rows share a stamp, or if some stamps fall. Such
+/// stamps give the rate less precisely.
 const COARSE_RATE_OFF: f64 = 0.1;
 
 /// A rate is computed from a coarse clock only if the clock makes more steps than this in the first rows.

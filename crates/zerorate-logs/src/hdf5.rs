@@ -252,7 +252,8 @@ fn matlab_class(set: &Dataset) -> Option<String> {
     Some(class.trim_end_matches('\0').to_owned())
 }
 
-/// True if a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, with an attribute.
+/// True if a data set holds numbers. MATLAB writes texts and the sizes of empty arrays as numbers, and marks them by
+/// an attribute.
 fn is_of_numbers(set: &Dataset) -> bool {
     matlab_class(set).is_none_or(|class| class != "char") && set.attribute("MATLAB_empty").is_err()
 }
@@ -301,7 +302,8 @@ fn stated_rates(attributes: Vec<Attribute>, owner: &str) -> Vec<(String, f64)> {
 }
 
 impl Set {
-    /// The sample rates that the data set states: in its attributes, or as its only number.
+    /// The sample rates that the data set states: in its attributes, or as its only number, if its name is that of a
+    /// rate.
     fn rates(&self) -> Vec<(String, f64)> {
         let Self { name, set } = self;
         let mut rates = stated_rates(set.attributes(), name);

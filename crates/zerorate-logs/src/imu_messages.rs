@@ -39,7 +39,7 @@ const TEMPERATURE: [(&str, usize); 1] = [("temperature", 0)];
 const NUMBERS_OF_IMU: usize = 37;
 const NUMBERS_OF_TEMPERATURE: usize = 2;
 
-/// The first bytes of Zstandard data, because a bag may compress each message.
+/// The first bytes of Zstandard data. A bag may compress each message.
 const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 
 /// Limit on the size of an unpacked message in bytes. A frame name and 37 numbers (296 bytes) are far shorter.

@@ -1,8 +1,9 @@
-//! Reads columns of numbers from the log of any gyroscope, with their rate, gaps and units. One pass over the file
-//! reads all wanted columns.
+//! Reads columns of numbers from the log of any gyroscope, with their rate, gaps and units. All wanted columns are
+//! read together.
 //!
-//! Nothing is guessed: facts that a file does not state must be given as options, or are reported as unknown. A format
-//! is recognised by its content, not by its name, and nothing here opens a file ([`Input`]).
+//! Facts that a file does not state must be given as options, or are reported as unknown. A fact that is inferred,
+//! such as a time unit from dates, gives a warning. A format is recognised by its content, not by its name. The caller
+//! opens the files ([`Input`]).
 //!
 //! Text, raw numbers, Arrow, captures, and logs of PX4 and ArduPilot are always read. Cargo features add the others.
 //! The error for a format that is not built in names its feature ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).

@@ -6,7 +6,7 @@ use zerorate_input::TimeUnit;
 /// Most digits of a stamp that was cut: float32 keeps 7, and `1.70000E+18` of Excel has 6.
 const DIGITS: usize = 7;
 
-/// Stamps from this size on have more than [`DIGITS`] digits.
+/// Stamps of this size or more have more than [`DIGITS`] digits.
 const LARGE: f64 = 1e9;
 
 /// Least share of the rows that repeat the stamp of the row before. With fewer repeats, no digits were cut.

@@ -272,7 +272,7 @@ fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<V
     }
 }
 
-/// The columns of the fields of a structure.
+/// Finds the columns of the fields of a structure.
 fn collect_fields<'a>(
     mut parts: Parts<'a>,
     name: &str,

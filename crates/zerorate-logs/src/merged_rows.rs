@@ -1,5 +1,4 @@
-//! Separates rows of several sensors that were joined by time. Each row has the cells of one sensor, and the cells of
-//! the other sensors are empty.
+//! Separates rows of several sensors that were joined by time. In rows that lack a sensor, its cells are empty.
 
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;

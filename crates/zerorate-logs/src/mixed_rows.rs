@@ -52,7 +52,7 @@ const SURE: f64 = 6.0;
 const OF_MEDIAN: f64 = 1.253;
 const OF_NOISE: f64 = 1.167;
 
-/// Standard deviation of white noise over its median absolute deviation.
+/// Standard deviation of Gaussian noise over its median absolute deviation.
 const PER_MEDIAN: f64 = 1.4826;
 
 /// Words in the names of columns that tell sensors apart.
@@ -94,7 +94,8 @@ const NO_IDS: [&str; 18] = [
 /// Refuses a table that mixes the rows of several sensors.
 ///
 /// # Errors
-/// Returns a question that names the columns that tell the sensors apart, and how many rows share a stamp.
+/// Returns a question that names the columns that tell the sensors apart. It states how many rows repeat the stamp of
+/// the row before.
 pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()> {
     let sample = first_rows(&found.sample, &found.columns);
     let stated = sample.iter().find(|column| column.stated_time().is_some()).and_then(Sampled::times);
@@ -249,7 +250,8 @@ struct Labels<'a> {
 }
 
 impl<'a> Labels<'a> {
-    /// Returns `None` if a value is not whole, if there are too many values, or if fewer than two of them count.
+    /// Returns `None` if a value is not whole, if there are too many values, if fewer than two of them count, or if
+    /// too many rows have a value that does not count.
     fn of(cells: &'a [Cell]) -> Option<Self> {
         let (mut all, mut rows): (Vec<(&Cell, usize)>, Vec<usize>) = (Vec::new(), Vec::new());
         for cell in cells {
@@ -312,7 +314,7 @@ impl<'a> Labels<'a> {
         })
     }
 
-    /// True if each stamp has one row of every value, as if several sensors were read at once.
+    /// True if nearly all stamps have one row of each value, as if several sensors were read at once.
     fn share_stamps(&self, times: &[f64]) -> bool {
         let repeated = times.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64;
         let expected = 1.0 - 1.0 / self.values.len() as f64;

@@ -34,7 +34,8 @@ enum Field {
     Sequence(Vec<Field>),
 }
 
-/// The IMUs in messages of type `kind`; none if the definition is invalid. IMUs in arrays do not count.
+/// The IMUs in messages of type `kind`; none if the definition is invalid or exceeds a limit. IMUs in arrays do not
+/// count.
 pub fn places(kind: &str, definition: &str) -> Vec<Place> {
     let mut definitions = Definitions { by_name: BTreeMap::new(), fields: 0 };
     for (at, part) in definition.split("\n===").enumerate() {

@@ -1,5 +1,5 @@
-//! Reads columns of NumPy arrays. A column is an array of one dimension, a column of two dimensions, or a field of a
-//! structured array. The columns come from one array, or from several arrays of an archive.
+//! Reads columns of NumPy arrays. A column is an array of one dimension, a column of a two-dimensional array, or a
+//! field of a structured array. The columns come from one array, or from several arrays of an archive.
 
 mod header;
 
@@ -84,7 +84,7 @@ impl Array {
 }
 
 /// Reads columns of arrays. `open` receives the index of an array and whether its data are wanted, and returns the
-/// file with the array. It is called once for each array.
+/// file with the array. `open` is called once for each array.
 pub fn read_arrays(
     path: &Path,
     room: MemoryBudget,

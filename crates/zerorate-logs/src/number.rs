@@ -13,14 +13,14 @@ pub enum Decimal {
     Comma,
 }
 
-/// The content of a cell of text.
+/// The content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
     /// An empty cell, or a word for a missing value.
     Missing,
     /// An integer.
     Integer(i64),
-    /// Any other number; perhaps infinite.
+    /// Any other number; may be infinite or, in HDF5, NaN.
     Decimal(f64),
 }
 
@@ -97,7 +97,8 @@ impl Numerals {
         !differ
     }
 
-    /// The line of an ambiguous cell, and what to do about it; `option` is the setting of the decimal mark.
+    /// The line of an ambiguous cell, and what to do about it; `option` is the name of the setting of the decimal
+    /// mark.
     pub fn doubt(&self, option: SettingName) -> Option<(u64, String)> {
         let (line, cell) = self.doubtful.as_ref().filter(|_| self.decimal.is_none())?;
         let (decimal, thousand) = (cell.replace(',', "."), cell.replace(',', ""));

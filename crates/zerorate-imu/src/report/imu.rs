@@ -67,8 +67,8 @@ pub struct LineReport {
     pub unit: String,
     /// The document that prints the line, if it is not the source of the sheet.
     pub source: Option<String>,
-    /// The measured value, in the unit of the line. `None` without a valid model or, for the minimum of the curve,
-    /// without one.
+    /// The measured value, in the unit of the line. `None` without a valid model, or without a deviation that may be
+    /// the minimum of the curve.
     pub measured: Option<f64>,
     /// Lower end of the 95 % interval of `measured`.
     pub measured_lo: Option<f64>,

@@ -1,5 +1,5 @@
-//! Detects samples that pile up at the largest or the least value, which noise does not do. Either the sensor was at
-//! its limit, or the value marks missing samples.
+//! Detects samples that pile up at the largest or the least value, as noise does not. Either the sensor was at its
+//! limit, or the value marks missing samples.
 
 use super::block::Block;
 
@@ -7,8 +7,9 @@ use super::block::Block;
 const ENOUGH: u64 = 50;
 const SAID: f64 = 1e-3;
 
-/// An extreme value is a limit if it is this many times as frequent as each of the next values. In noise the extreme
-/// value is rarer than its neighbours. In a sine with coarse codes it is at most 2.4 times as frequent.
+/// An extreme value is a limit if it is at least this many times as frequent as each of the next three values. In
+/// noise the extreme value is rarer than its neighbours. In a sine with coarse codes it is at most 2.4 times as
+/// frequent.
 const MORE: u64 = 3;
 
 /// The most extreme values of a column, and the number of samples at each.
@@ -52,7 +53,7 @@ impl Clipped {
     }
 }
 
-/// The largest values, and the number of samples at each.
+/// The four largest values so far, and the number of samples at each.
 struct Outermost([(f64, u64); 4]);
 
 impl Default for Outermost {
@@ -62,13 +63,12 @@ impl Default for Outermost {
 }
 
 impl Outermost {
-    /// True if a sample is one of the largest values so far.
+    /// True if a sample is at least as large as the least of these values.
     #[inline]
     fn reaches(&self, sample: f64) -> bool {
         sample >= self.0[3].0
     }
 
-    /// Counts a finite sample, if it is one of the largest values so far.
     #[inline]
     fn push(&mut self, sample: f64) {
         if self.reaches(sample) {

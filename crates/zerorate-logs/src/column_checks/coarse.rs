@@ -1,4 +1,5 @@
-//! Detects columns whose noise before rounding was below half a step. The noise of the samples depends on rounding.
+//! Detects columns whose noise before rounding was below half a step, so that rounding determines the noise of the
+//! samples.
 
 use super::block::{Block, WINDOW};
 

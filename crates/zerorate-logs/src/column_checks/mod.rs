@@ -20,8 +20,7 @@ use std::path::Path;
 use stopped::Changes;
 use zerorate_allan::Input;
 
-/// The warning if the column `name` of a log stops changing, whether or not other columns do. `path` names the log in
-/// messages.
+/// The warning if the column `name` of a log stops changing. `path` names the log in messages.
 ///
 /// # Errors
 /// Returns [`LogError::Refused`](crate::LogError::Refused) if the column never changes: a dead sensor, not noise.

@@ -49,7 +49,7 @@ impl Resampled {
     }
 
     /// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last
-    /// digit. `None` if the numbers are too coarse to show this.
+    /// digit. `None` if there are few such samples, or if chance may explain them.
     pub fn text(&self) -> Option<String> {
         doubt(&self.0)
     }

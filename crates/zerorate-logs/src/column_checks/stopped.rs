@@ -33,7 +33,7 @@ pub struct Changes {
     before: Option<f64>,
     /// The current run of equal samples.
     run: Run,
-    /// The longest run without a change. Runs that begin and end inside a block with facts are left out.
+    /// The last of the longest runs without a change. Runs that begin and end inside a block with facts are left out.
     longest: Run,
 }
 

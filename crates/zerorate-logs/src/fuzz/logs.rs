@@ -12,7 +12,8 @@ use std::path::Path;
 use std::sync::Arc;
 use zerorate_input::limits::MemoryBudget;
 
-/// Reads a log with each of these options. It may succeed or fail; a result must fit into the memory limit of the log.
+/// Reads a log with each of these options. Reading may succeed or fail; a column must fit into the memory limit of the
+/// log.
 pub fn read(bytes: &[u8], ways: &[&str]) {
     for way in ways {
         let read = crate::read(Path::new("edited"), bytes.to_vec().into(), &options(way));
