@@ -88,7 +88,8 @@ pub const ULOG: &[u8] = b"ULog\x01\x12\x35";
 /// The start of a bag of ROS 1.
 pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
 
-/// The starts of common files that are not supported, and what to do with them.
+/// The starts of common files that are not supported, and what to do with them. JSON is supported if each line is an
+/// object.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
@@ -228,7 +229,7 @@ impl Read for Lz4Frames {
 pub enum Unpacking {
     /// The file holds more than the memory limit allows.
     OverBudget(OverBudget),
-    /// The file is damaged.
+    /// The file is damaged, or cannot be read.
     Failed(io::Error),
 }
 

@@ -21,7 +21,8 @@ pub struct ColumnOptions {
     /// The topic of the log that has the columns; `None` selects the only topic with an IMU.
     pub topic: Option<String>,
 
-    /// The column with the time of each row, which shows the rate and where samples are missing.
+    /// The column with the time of each row, which shows the rate and where samples are missing. `None` finds the
+    /// column by its name or type.
     pub time_column: Option<String>,
 
     /// The rows that are read; `None` reads all rows.
@@ -30,11 +31,12 @@ pub struct ColumnOptions {
     /// The part of the log that is read.
     pub cut: Cut,
 
-    /// The unit of the time column; `None` takes it from the column's name or type, as in t_ns or `timestamp [ms]`.
+    /// The unit of the time column; `None` takes it from the column's name or type, as in t_ns or `timestamp [ms]`, or
+    /// from numbers that are dates.
     pub time_unit: Option<TimeUnit>,
 
-    /// Samples per second; `None` takes the rate from the time column, the timestamps of a capture or the stamps of a
-    /// bag. With a given rate, the stamps of a bag are only compared with it.
+    /// Samples per second; `None` takes the rate from the time column, the timestamps of a capture, the stamps of a
+    /// bag, or a sample rate that the file states. With a given rate, the stamps of a bag are only compared with it.
     pub rate: Option<f64>,
 
     /// The unit of the column; `None` takes the unit that its name states, as in gyro_z_dps or `gz [rad/s]`.
@@ -84,7 +86,8 @@ impl ColumnOptions {
         LogError::Ask(format!("{}: {option} chooses rows of text and of tables only; leave it out", path.display()))
     }
 
-    /// Checks that `unit`, given by `setting`, is the unit that the name of the column states, if it states one.
+    /// Checks that `unit`, given by `setting`, is the unit that the name of the column states, if it states one and
+    /// `force_unit` does not override it.
     pub fn agrees(&self, path: &Path, column: &str, unit: Unit, setting: Setting) -> Result<()> {
         let differs = |(quantity, size): &(Quantity, f64)| {
             *quantity != Quantity::Temperature && (*quantity, *size) != (unit.quantity(), unit.in_results())

@@ -5,8 +5,8 @@
 use super::clock::Times;
 use crate::raw_columns::RawColumn;
 
-/// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, of 32 bits in µs that
-/// was written in s or ms, and times of an hour, a day and a week.
+/// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, 32-bit counters of µs
+/// that were written in s or ms, and the times of an hour, a day and a week.
 const MODULI: [f64; 13] = [
     65_536.0,
     16_777_216.0,
@@ -38,7 +38,7 @@ const MAX_SWAPPED: f64 = 0.05;
 /// Largest share of the rows whose stamps may be wrong, for example because of a bad cable.
 const MAX_STRAY: f64 = 0.01;
 
-/// Largest step back of a clock, as a share of the whole time. After a larger step, it is probably another log.
+/// Largest step back of a clock, as a share of the whole time. A larger step probably begins another log.
 const MAX_STEP: f64 = 0.01;
 
 /// Largest share of the rows at which a clock may be set back.
@@ -433,8 +433,8 @@ mod tests {
         }
     }
 
-    /// A clock in whole seconds over 200 samples a second. The log begins and ends in the middle of a second, and two
-    /// seconds are missing.
+    /// A clock in whole seconds over 200 samples a second. The log begins and ends in the middle of a second. In the
+    /// second case, two seconds are missing.
     #[test]
     fn a_coarse_clock_loses_nothing() {
         let of = |rows: std::ops::Range<i32>| rows.map(|row| ((f64::from(row) / 200.0).floor(), f64::from(row)));

@@ -1,4 +1,5 @@
-//! Reads columns of a Parquet file. Only the wanted columns are read and decoded, several row groups at a time.
+//! Reads columns of a Parquet file. Besides the first rows of all columns, only the wanted columns are read and
+//! decoded, several row groups at a time.
 
 use super::open::Log;
 use super::sample::ROWS;
@@ -91,8 +92,8 @@ impl Groups<'_> {
         (0..self.len()).map_while(next).collect()
     }
 
-    /// The first rows of a row group in all columns with numbers or words. `None` if one of them cannot be read,
-    /// which is not an error, because it was not requested.
+    /// The first rows of a row group in all columns with numbers or words. `None` if one of these columns cannot be
+    /// read. This is not an error, because the column may not be wanted.
     fn first_rows_of(&self, group: usize) -> Option<RecordBatch> {
         let fits = |field: &Field| {
             let of = field.data_type();
@@ -165,7 +166,7 @@ impl Groups<'_> {
     }
 }
 
-/// Most rows to reserve at once: more than the longest record of one sensor, less than a machine's memory.
+/// Most rows to reserve at once, so that a wrong number of rows in a file does not take all memory.
 const MAX_RESERVED: usize = 1 << 26;
 
 /// A range of bytes of a file, addressed by offsets in the whole file.

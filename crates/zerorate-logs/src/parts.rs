@@ -26,7 +26,7 @@ impl Parts {
     /// they share one position in each file.
     ///
     /// # Errors
-    /// Returns an error if the system has no more descriptors.
+    /// Returns an error if a file cannot be opened again or rewound.
     pub fn try_clone(&self) -> Result<Self> {
         let rewound = |input: &Input| {
             let mut again = input.try_clone()?;
@@ -69,7 +69,8 @@ pub fn read_without_rate(
     found(path, parts.into(), &ColumnQuery::of(wanted, args))?.finish_without_rate(path, args)
 }
 
-/// Reads the wanted columns and, if the log is a capture, its temperature in the same pass.
+/// Reads the wanted columns and, if the log is a capture and no unit or scale is given, its temperature in the same
+/// pass.
 pub fn read_with_temperature(
     path: &Path,
     parts: impl Into<Parts>,

@@ -7,7 +7,7 @@ use crate::options::ColumnOptions;
 pub struct ColumnQuery<'a> {
     pub wanted: ColumnSelection<'a>,
     pub args: &'a ColumnOptions,
-    /// True if the temperature of a capture is to be read in the same pass. It becomes the last column.
+    /// True if the temperature of a capture is to be read in the same pass. The temperature becomes the last column.
     pub with_temperature: bool,
 }
 

@@ -14,7 +14,8 @@ pub struct RawColumns {
     pub columns: Vec<RawColumn>,
     pub clock: Clock,
     pub warnings: Vec<LogWarning>,
-    /// The first rows of all columns of the file; empty if the reader saw only `columns`.
+    /// The first rows of all columns of the file; empty if the reader saw only `columns`. For a bag with a given rate,
+    /// only the first stamps.
     pub sample: Vec<Sampled>,
     /// The sample rate that the file states beside the columns.
     pub stated_rate: Option<StatedRate>,

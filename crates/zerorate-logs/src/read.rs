@@ -26,8 +26,8 @@ pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
     columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
 }
 
-/// Reads the `wanted` columns in one pass over the file and ignores `args.column`. All columns have the same rate. The
-/// first column carries the warnings about the whole file.
+/// Reads the `wanted` columns together and ignores `args.column`. All columns have the same rate. The first column
+/// carries the warnings about the whole file.
 ///
 /// # Errors
 /// Returns the same errors as [`read`].

@@ -270,7 +270,7 @@ impl Records<'_> {
         Ok(bytes)
     }
 
-    /// Reads a length. Returns an error if fewer bytes follow.
+    /// Reads a length. Returns an error if it is above `most`, or if fewer bytes follow.
     fn length(&mut self, end: u64, most: Option<u32>) -> Result<u32, Stop> {
         let mut length = [0; 4];
         self.file.read_exact(&mut length)?;

@@ -43,7 +43,8 @@ impl Series {
     }
 }
 
-/// A series to which samples are added. It holds codes until a number that is not a 32-bit integer is added.
+/// A series to which samples are added. It holds codes until a floating-point number or a larger integer than 32 bits
+/// is added.
 pub struct SeriesBuilder {
     series: Series,
     /// The gaps among codes. Other numbers hold NaN instead.
@@ -206,7 +207,7 @@ impl SeriesBuilder {
         }
     }
 
-    /// Keeps the rows from `first` to before `end`.
+    /// Keeps the rows from `first` up to, but not including, `end`.
     pub fn keep(&mut self, first: usize, end: usize) {
         self.rows = (end - first) as u64;
         if let Series::Numbers(numbers) = &mut self.series {
@@ -331,7 +332,7 @@ mod tests {
         Gap { at, missing }
     }
 
-    /// Rows: 10, empty, 11, 12, empty, empty, 13, and samples lost between some of them.
+    /// Rows: empty, 10, empty, 11, 12, empty, empty and the `last` row, and samples lost between some of them.
     fn build(last: impl Fn(&mut SeriesBuilder)) -> (Series, Vec<Gap>) {
         let mut builder = SeriesBuilder::new(MemoryBudget::of(0));
         builder.push_missing();

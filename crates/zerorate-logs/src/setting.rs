@@ -40,7 +40,8 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// The name of the option as a field of [`ColumnOptions`](super::ColumnOptions).
+    /// The name of the option without a front end, such as the field `time_column` of
+    /// [`ColumnOptions`](super::ColumnOptions).
     #[must_use]
     pub const fn name(self) -> SettingName {
         SettingName::text(self.word())

@@ -1,4 +1,4 @@
-//! Reads ROS bags in SQLite, the format of ROS 2 before Iron.
+//! Reads ROS bags in SQLite, the default format of ROS 2 before Iron.
 
 use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;

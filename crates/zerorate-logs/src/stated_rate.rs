@@ -1,4 +1,4 @@
-//! A sample rate that a file states as a single number beside its columns, such as `Fs`.
+//! A sample rate that a file states beside its columns, as a single number or an attribute such as `Fs`.
 
 /// A sample rate in Hz, and the name under which the file states it.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,9 +11,9 @@ pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temper
 /// Number of bytes at each end of a file that are searched for column names.
 const ENDS: u64 = 1 << 16;
 
-/// The temperature of a log: the column `name`, or a column with a usual name; `None` if the log has neither. `read`
-/// reads columns by their names. `bytes` is the content of the file; `None` if it cannot be read twice, such as a
-/// pipe.
+/// The temperature of a log: the column `name` or, without a name, a column with a usual name. `None` if the log has
+/// no such column. `read` reads columns by their names. `bytes` is the content of the file; `None` if it cannot be
+/// read twice, such as a pipe, and then only `name` is looked for.
 pub fn temperature(
     name: Option<&str>,
     bytes: Option<Input>,

@@ -496,7 +496,7 @@ fn steps_between_rows_tell_the_rate() {
         "--column gz",
     );
     assert!(why.contains("which is 200.000000 if `dt` holds the step between rows in s"), "{why}");
-    // `delta_t` may also name the time since the start
+    // `delta_t` may also name the time since the start of the log
     let text =
         (0..60).map(|at| format!("{},{}\n", 5 * at, at % 7)).fold("delta_t_ms,gz_dps\n".to_owned(), |a, b| a + &b);
     assert!((Folder::new().read(&text, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);

@@ -15,7 +15,7 @@ pub enum DateOrder {
 /// The facts about times in a column, from its first cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DateColumn {
-    /// True if the cells are times of day, with or without a date, that rise from row to row.
+    /// True if nearly all cells are times of day, with or without a date, and nearly all rise from row to row.
     pub are_times: bool,
     /// How the cells are written.
     pub format: DateFormat,

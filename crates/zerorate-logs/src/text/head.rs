@@ -138,7 +138,8 @@ impl Head {
         Ok(head)
     }
 
-    /// Reads scales from the lines above the data that are not a header, and counts these lines as skipped.
+    /// Reads scales from the comments and from the lines above the data that are not a header. Counts these lines as
+    /// skipped, unless they are Gyroflow's.
     fn skip(&mut self, skipped: &[Numbered<'_>], comments: &[&str]) {
         let lines = skipped.iter().map(|(_, line)| *line).chain(comments.iter().copied());
         self.scales = Scales::of(lines, &self.names);
@@ -147,7 +148,7 @@ impl Head {
         }
     }
 
-    /// The head of a file with a header and no rows, as a log that was just begun. Returns an error for any other
+    /// The head of a file with a header and no rows, as in a log that was just begun. Returns an error for any other
     /// file.
     fn without_rows(path: &Path, first: &str, (some, lines): (usize, u64), args: &ColumnOptions) -> Result<Self> {
         let delimiter = delimiter(first, args.decimal);
@@ -187,8 +188,9 @@ impl Head {
         Err(InputError::damaged(path, "as a text file", what).into())
     }
 
-    /// Takes the names from the labels of the values, or else from the lines above the data. Returns the number of
-    /// lines used, and whether labels or these lines gave the names.
+    /// Takes the names from the labels of the values, or else from the lines above the data, the comments, or the
+    /// fields of a ROS message. Returns the number of lines used, and false if the names are from comments or are
+    /// numbers.
     fn name_by_marks(&mut self, path: &Path, above: &[Numbered<'_>], comments: &[&str]) -> Result<(usize, bool)> {
         if let Some(labels) = self.marks.names().filter(|names| names.len() == self.width) {
             self.names = labels;

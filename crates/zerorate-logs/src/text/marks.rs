@@ -77,7 +77,7 @@ impl Marks {
         }
     }
 
-    /// The names of the cells according to the labels; `None` without labels.
+    /// The names of the cells according to the labels or the JSON objects; `None` without them.
     pub fn names(&self) -> Option<Vec<String>> {
         if self.json.is_some() {
             return self.json.clone();
@@ -101,7 +101,8 @@ impl Marks {
             || self.brackets
     }
 
-    /// Replaces the marks in whole lines by blanks. A line with other labels stays as it is, and is a broken line.
+    /// Replaces the marks in whole lines by blanks. Labels that differ from the usual ones stay, so that their line
+    /// counts as broken.
     pub fn erase(&self, lines: &mut [u8]) {
         if self.are_there() {
             lines.split_mut(|byte| *byte == b'\n').for_each(|line| self.erase_in(line));

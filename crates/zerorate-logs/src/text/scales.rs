@@ -13,7 +13,7 @@ const X_VALUE: &str = "X_Value";
 const X_DIMENSION: &str = "X_Dimension";
 const DELTA_X: &str = "Delta_X";
 
-/// The size of a step in each column of a log of Gyroflow: in s for `t`, in rad/s for `gx`, in g for `ax`.
+/// The sizes of a step that a log states: of the time, s, and in logs of Gyroflow of `gx`, rad/s, and of `ax`, g.
 #[derive(Clone, Debug, Default)]
 pub struct Scales {
     /// The column with the time, and the size of its step, s.
