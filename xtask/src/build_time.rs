@@ -10,7 +10,6 @@ use xtask::app::target_folder;
 use xtask::arguments::Arguments;
 use xtask::venv::printed;
 
-/// The text of `--help`.
 pub const HELP: &str = "\
 Measures what docs/reference/build.md states: both commands of the README in an empty target folder, a build after a
 change in the program, and the sizes of what lies in target/dist. It says how busy the machine was before. Put

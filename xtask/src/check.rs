@@ -4,8 +4,8 @@ use crate::steps::{self, Step};
 use anyhow::Result;
 use xtask::arguments::Arguments;
 
-/// The steps, cheap ones first. They use the profile of the tests, so that build scripts, macros and C libraries are
-/// compiled once for both.
+/// The steps, cheap ones first. Lints and documentation use the profile of the tests, so that build scripts, macros
+/// and C libraries are compiled once for all.
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.

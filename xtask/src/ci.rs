@@ -61,7 +61,6 @@ const REST: [Step; 13] = [
         .installing("build-essential gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"),
 ];
 
-/// Notes about all steps, for `--help`.
 const NOTES: &str = "\
 A step whose command is `cargo xtask TASK` says more in `cargo xtask TASK --help`.
 

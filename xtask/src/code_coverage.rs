@@ -9,7 +9,6 @@ use xtask::arguments::Arguments;
 use xtask::tools;
 use xtask::venv::done;
 
-/// The text of `--help`.
 pub const HELP: &str = "\
 Runs the tests of crates/ with a counter in each line, and prints by crate the share of lines that a test reaches. The
 lines of tests do not count. Without the component llvm-tools it prints SKIPPED and passes.

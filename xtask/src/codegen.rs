@@ -1,4 +1,4 @@
-//! `cargo xtask codegen`: all files that are generated from other sources of the project.
+//! `cargo xtask codegen`: writes files that are generated from other sources of the project.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -7,7 +7,6 @@ use xtask::arguments::Arguments;
 use xtask::venv::{done, printed};
 use xtask::{app, lab};
 
-/// The text of `--help`.
 pub const HELP: &str = "\
 \x20 --check  Write nothing, and fail where a file is not as it would be written
 

@@ -9,7 +9,6 @@ use xtask::venv::done;
 
 const VERSION: &str = "0.20.2";
 
-/// The text of `--help`.
 pub const HELP: &str = "\
 Builds cargo-deny once, below target/, and holds every lock file against deny.toml. Where the database of advisories
 cannot be fetched, it says so, and checks licences and sources only.

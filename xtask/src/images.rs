@@ -13,7 +13,7 @@ pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-
 /// The folder with the sources of the images.
 const PROJECT: &str = "firmware/qemu";
 
-/// Builds an image with the twin in the release profile and returns its path.
+/// Builds an image in the release profile and returns its path.
 pub fn image_of(name: &str) -> Result<PathBuf> {
     build("release", name)
 }

@@ -10,7 +10,6 @@ use xtask::arguments::Arguments;
 use xtask::tools::{Tool, available};
 use xtask::venv::{done, printed};
 
-/// The text of `--help`.
 pub const HELP: &str = "\
 Counts the instructions of `zerorate allan` on noise, by valgrind's callgrind. Fails if all that is done with a sample
 beside its deviations (reading it, and every check of it) takes more than half as many as the deviations. Instructions
@@ -24,7 +23,7 @@ const MOST: f64 = 0.5;
 /// The crate that computes the deviations. The names of its functions contain this text.
 const DEVIATIONS: &str = "zerorate_allan";
 
-/// Fails if reading and checking a sample costs more than [`MOST`] of the instructions of its deviations.
+/// Fails if reading and checking a sample costs more than [`MOST`] times the instructions of its deviations.
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
     if !available(&TOOLS, "instructions")? {
@@ -44,7 +43,6 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Instruction counts of a run.
 struct Counts {
     all: f64,
     deviations: f64,

@@ -1,4 +1,5 @@
-//! Code that the tasks of `cargo xtask` share with the lab: how to start other programs, and their tools.
+//! Code that the tasks of `cargo xtask` share with the lab: arguments, builds, and how to find and start other
+//! programs.
 
 pub mod app;
 pub mod arguments;

@@ -10,7 +10,6 @@ use xtask::tools;
 
 const VERSION: &str = "27.1.0";
 
-/// The text of `--help`.
 pub fn help() -> String {
     let row = |tried: &TestedCrate| format!("  {:16} one of {}\n", tried.name, tried.share);
     format!(
@@ -73,7 +72,6 @@ const MAY_SURVIVE: f64 = 0.1;
 /// Significance level. If the sample's survivors are less probable, more than a tenth of all mutants survive.
 const UNLIKELY: f64 = 0.01;
 
-/// The outcomes of the mutants of a crate.
 struct MutantCounts {
     killed: usize,
     survived: Vec<String>,

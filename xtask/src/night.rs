@@ -79,7 +79,6 @@ const STEPS: [Step; 18] = [
 /// The range of the random seeds: short to type, and above the seeds of the units that the documentation names.
 const SEEDS: std::ops::Range<u64> = 100_000..1_000_000;
 
-/// Notes about all steps, for `--help`.
 const NOTES: &str = "\
 Each run draws a fresh seed and prints it. All steps run, also after one that fails; the end names each that failed,
 with the command that repeats it with its seed. `.github/workflows/nightly.yml` runs this task by cron.";

@@ -11,7 +11,6 @@ use xtask::tools::{self, Tool};
 use xtask::venv::done;
 use xtask::wheel;
 
-/// A function that runs one part of the tests of the wheel.
 type Part = fn(&Wheel) -> Result<()>;
 
 /// Names of the parts. The first one runs if none is named.
@@ -54,7 +53,6 @@ pub fn help() -> String {
     format!("{}\n\n{ABOUT}", parts())
 }
 
-/// The text of `cargo xtask bench-fleet --help`.
 pub const BENCH_HELP: &str = "\
 Times 200 captures through zerorate.fleet, by threads and by Dask, beside a plain loop of the same commands, and prints
 ratios, the cost of a file, and the memory of an hour. --captures N takes another number.";
@@ -71,7 +69,6 @@ pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
     done(bench.arg("benches/fleet.py").arg(program).args(["--captures", &captures]).current_dir(PACKAGE))
 }
 
-/// The names of the parts, for help and errors.
 fn parts() -> String {
     format!("parts: {}; without one, {}", PARTS.map(|(name, _)| name).join(", "), PARTS[0].0)
 }
@@ -113,7 +110,6 @@ fn stores(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["-m", "stores"])
 }
 
-/// Runs the example notebooks.
 fn notebook(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["--nbmake", "examples"])
 }

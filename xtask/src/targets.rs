@@ -1,4 +1,4 @@
-//! Rust targets for the microcontroller builds.
+//! Rust targets for the builds for microcontrollers and for browsers.
 
 use std::collections::BTreeSet;
 use std::io::ErrorKind;

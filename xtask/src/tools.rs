@@ -38,7 +38,7 @@ pub fn module_available(module: &str, package: &str, purpose: &str) -> Result<bo
 /// The Python for which Debian packages its modules.
 const DEBIAN_PYTHON: &str = "/usr/bin/python3";
 
-/// Installs the missing packages on Debian as root. Returns false if packages are still missing afterwards.
+/// Installs the missing packages on Debian as root. Elsewhere names them on stderr and returns false.
 fn installed(missing: &[&str], purpose: &str) -> Result<bool> {
     if missing.is_empty() {
         return Ok(true);

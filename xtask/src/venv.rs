@@ -1,4 +1,4 @@
-//! Python tools at stated versions, in an environment of their own below `target/`.
+//! Python environments with stated packages below `target/`, and functions that run a command.
 
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};

@@ -91,8 +91,8 @@ pub fn build_small() -> Result<()> {
     Ok(())
 }
 
-/// Makes `web/dist` with the modules in this profile, and copies it to the program's folder. Returns false if a tool
-/// is missing, after saying so.
+/// Makes `web/dist` with the modules in this profile, and copies it to the program's folder. If a tool or a package of
+/// npm is missing, says so and returns false.
 fn build(profile: &str) -> Result<bool> {
     if !tools::available(&TOOLS, "the page")? || !has_node()? {
         return Ok(false);

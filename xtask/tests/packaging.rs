@@ -85,7 +85,6 @@ fn minor() -> &'static str {
     env!("CARGO_PKG_VERSION").rsplit_once('.').unwrap().0
 }
 
-/// All Rust sources below a folder.
 fn sources(folder: &str) -> Vec<String> {
     let (mut found, mut open) = (Vec::new(), vec![root().join(folder)]);
     while let Some(path) = open.pop() {

@@ -1,4 +1,4 @@
-//! Checks the versions of the tools that build the page.
+//! Checks the version of the tool that makes the bindings of the page.
 
 use std::fs;
 use std::path::{Path, PathBuf};

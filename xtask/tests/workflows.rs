@@ -1,4 +1,4 @@
-//! Checks that the workflows run the steps of `cargo xtask ci` and of `cargo xtask night`.
+//! Compares the workflows with the steps of `cargo xtask ci` and of `cargo xtask night`.
 
 use std::collections::BTreeSet;
 use std::fs;

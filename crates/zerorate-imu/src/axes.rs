@@ -55,7 +55,6 @@ pub struct Axes {
     pub warnings: Vec<LogWarning>,
 }
 
-/// A column that is an axis, with its kind.
 type OfKind = (Kind, Column);
 
 /// Endings of the column names of the first axis of each kind in a ROS bag.
@@ -241,7 +240,6 @@ impl Axes {
     }
 }
 
-/// True if a column is a temperature, by its unit or its name.
 fn is_temperature(column: &Column) -> bool {
     column.quantity.map_or_else(|| is_temperature_name(&column.name), |quantity| quantity == Quantity::Temperature)
 }
@@ -448,7 +446,6 @@ impl ImuOptions {
 }
 
 impl Kind {
-    /// The option that gives the columns of axes of this kind.
     fn setting(self) -> Setting {
         match self {
             Self::Gyroscope => Setting::Gyro,
@@ -456,7 +453,6 @@ impl Kind {
         }
     }
 
-    /// The option that gives the unit of axes of this kind.
     fn unit_setting(self) -> Setting {
         match self {
             Self::Gyroscope => Setting::GyroUnit,

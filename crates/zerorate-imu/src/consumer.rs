@@ -218,7 +218,6 @@ fn ros(file: &mut Text, numbers: &Numbers) {
     file.line(&format!("# the rate: {rate_hz:.6} Hz; at another the numbers are others"));
 }
 
-/// YAML text that is being written.
 #[derive(Default)]
 struct Text(String);
 

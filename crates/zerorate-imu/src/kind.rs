@@ -130,7 +130,6 @@ impl Kind {
     }
 }
 
-/// Words in the names of gyroscopes.
 const GYROSCOPES: [&str; 10] =
     ["gyr", "giro", "angular", "omega", "angvel", "ang_vel", "anglvel", "rotationrate", "rotation_rate", "bodyrate"];
 
@@ -153,7 +152,6 @@ const RATES: [&str; 15] = [
     "yaw_rate",
 ];
 
-/// Words in the names of accelerometers.
 const ACCELEROMETERS: [&str; 4] = ["acc", "acel", "linear", "specific_force"];
 
 #[cfg(test)]

@@ -141,7 +141,6 @@ pub struct AxisNumbers {
 
 /// The correlation time that all axes share.
 pub struct CorrelationTime {
-    /// Correlation time, s.
     pub tau_s: f64,
     /// The source of the correlation time, for the file.
     pub from: String,

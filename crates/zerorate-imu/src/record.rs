@@ -43,7 +43,6 @@ pub struct Record {
     /// The times in which the sensor moves, s from the first analysed sample. `None` if no model was requested, or if
     /// the model is valid and does not warn of many glitches.
     moving_s: Option<Vec<(f64, f64)>>,
-    /// The names of the settings in messages.
     names: Names,
 }
 
@@ -345,7 +344,6 @@ impl Record {
         inside.then_some((least.tau_s, least.dev))
     }
 
-    /// True if a warning says that the rate follows the temperature.
     fn follows_temperature(&self) -> bool {
         self.of_noise().any(|warning| matches!(warning, AllanWarning::FollowsTemperature { .. }))
     }
@@ -369,7 +367,6 @@ fn stands_out(fit: &Fit) -> bool {
     fit.warnings.iter().any(|warning| matches!(warning, AllanWarning::ManyGlitches { .. }))
 }
 
-/// The label that tells a column from the columns of other logs.
 fn label(file: &Path, column: &str) -> String {
     format!("{}, column {column}", file.display())
 }

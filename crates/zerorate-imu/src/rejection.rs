@@ -95,7 +95,6 @@ impl Rejections {
     }
 }
 
-/// The text of one reason, with its axes.
 fn of_kind(kind: &[(String, Rejection)]) -> String {
     let axes = |named: fn(&(String, Rejection)) -> String| kind.iter().map(named).collect::<Vec<_>>().join(", ");
     match kind {

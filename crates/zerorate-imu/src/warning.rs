@@ -150,7 +150,6 @@ impl fmt::Display for Spans<'_> {
     }
 }
 
-/// The first jump and the last, and their number.
 struct Jumps<'a>(&'a [Moment]);
 
 impl fmt::Display for Jumps<'_> {
@@ -166,7 +165,6 @@ impl fmt::Display for Jumps<'_> {
 /// The first moments in words, and the number of those that follow.
 struct Named<'a>(&'a [Moment]);
 
-/// Number of moments that a text names.
 const NAMED: usize = 1;
 
 impl fmt::Display for Named<'_> {

@@ -5,7 +5,6 @@ use crate::Input;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-/// Size of the read buffer, bytes.
 const READ_BUFFER: usize = 1 << 18;
 
 /// A line of this many bytes or more is refused. This bounds the memory if a file is not text.

@@ -69,7 +69,6 @@ impl Times {
         Self { origin: None, since_first: Vec::new(), unit: None }
     }
 
-    /// Adds the time of the next row.
     pub fn push_integer(&mut self, time: i64) {
         let since_first = match *self.origin.get_or_insert(Origin::Integer(time)) {
             Origin::Integer(first) => (i128::from(time) - i128::from(first)) as f64,
@@ -91,7 +90,6 @@ impl Times {
         Ok(())
     }
 
-    /// Multiplies all times by `step`.
     pub fn scale(&mut self, step: f64) {
         self.origin = Some(Origin::Number(self.first() * step));
         self.since_first.iter_mut().for_each(|time| *time *= step);

@@ -22,7 +22,6 @@ const MOST_LOGS: usize = 16;
 /// Times that differ by less than this count as equal, s.
 const SAME_S: f64 = 1e-6;
 
-/// The start and the length of a log.
 struct Span {
     /// The first time, s, if the log states dates or times of the day.
     first_s: Option<f64>,

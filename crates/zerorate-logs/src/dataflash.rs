@@ -142,7 +142,6 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// A copy of the input, rewound to its start.
     fn rewound(&self) -> Result<Input, InputError> {
         let failed = |error| InputError::io("read", self.path, error);
         let mut input = self.file.get_ref().try_clone().map_err(failed)?;
@@ -151,7 +150,6 @@ impl<'a> Messages<'a> {
     }
 }
 
-/// The layout of a message.
 #[derive(Clone, Debug)]
 pub struct Form {
     pub name: String,
@@ -215,7 +213,6 @@ impl Form {
     }
 }
 
-/// Size of a type in bytes.
 fn size(kind: u8) -> Option<usize> {
     Some(match kind {
         b'b' | b'B' | b'M' => 1,
@@ -273,7 +270,6 @@ struct Topic {
     span_ns: [i64; 2],
 }
 
-/// The fields that were chosen.
 struct Chosen {
     topic: String,
     id: u8,

@@ -33,13 +33,10 @@ const LZF: u16 = 32000;
 /// Largest number of columns of a data set; one with more is probably an image.
 const MAX_COLUMNS: u64 = 4096;
 
-/// Greatest depth of nested groups.
 const MAX_DEPTH: usize = 8;
 
-/// Largest number of data sets that are examined.
 const MAX_SETS: usize = 10_000;
 
-/// Number of rows that are read at once.
 const ROWS: usize = 1 << 16;
 
 /// Largest total size of the unpacked chunks that are kept, bytes. The other columns in these chunks use them.
@@ -203,7 +200,6 @@ impl Bytes {
     }
 }
 
-/// A data set of numbers.
 struct Set {
     name: String,
     set: Dataset,
@@ -258,7 +254,6 @@ fn is_of_numbers(set: &Dataset) -> bool {
     matlab_class(set).is_none_or(|class| class != "char") && set.attribute("MATLAB_empty").is_err()
 }
 
-/// A column of a data set.
 struct SetColumn<'a> {
     name: String,
     set: &'a Dataset,

@@ -8,7 +8,6 @@
 use hdf5_reader::checksum::jenkins_lookup3;
 use hdf5_reader::error::Error;
 
-/// Size of a checksum in bytes.
 const CHECK: usize = 4;
 
 /// Size of the header of a fixed array in bytes, if offsets and lengths have eight bytes.
@@ -30,7 +29,6 @@ pub fn check(bytes: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) 
     }
 }
 
-/// Verifies the data block of a fixed array.
 fn check_block(head: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) -> Result<(), Error> {
     let number = |at: usize| head[at..].first_chunk().map_or(u64::MAX, |bytes| u64::from_le_bytes(*bytes));
     let (size, page_bits, entries, block) = (u64::from(head[6]), u32::from(head[7]), number(8), number(16));

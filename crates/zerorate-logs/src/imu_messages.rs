@@ -281,7 +281,6 @@ pub struct Collector<'a> {
 }
 
 impl<'a> Collector<'a> {
-    /// Creates a collector without messages.
     pub fn new(path: &'a Path, wanted: Quantities, room: MemoryBudget, args: &ColumnOptions) -> Self {
         let values = wanted.all.iter().map(|_| SeriesBuilder::sharing(room, wanted.all.len())).collect();
         let has_rate = args.rate.is_some();
@@ -372,7 +371,6 @@ struct Stamped {
     numbers: [f64; NUMBERS_OF_IMU],
 }
 
-/// The header of a message: stamp and frame.
 #[derive(Debug, PartialEq)]
 pub struct Head {
     pub stamp_ns: i64,

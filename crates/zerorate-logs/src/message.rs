@@ -19,12 +19,10 @@ impl Encoding {
     }
 }
 
-/// True if a message type is `sensor_msgs/Imu`.
 pub fn is_imu(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
 }
 
-/// True if a message type is `sensor_msgs/Temperature`.
 pub fn is_temperature(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Temperature" | "sensor_msgs/Temperature")
 }

@@ -269,7 +269,6 @@ impl Field {
     }
 }
 
-/// The columns of an array.
 fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, InputError> {
     let unreadable = |what: String| InputError::not_a_log(path, what);
     let Header { element, is_fortran, shape } = header;

@@ -89,7 +89,6 @@ struct Archive<'a> {
 }
 
 impl Archive<'_> {
-    /// Reads only the header of an array.
     fn header(&mut self, name: &str) -> Result<Array, InputError> {
         let Self { path, archive, .. } = self;
         let senseless = || InputError::damaged(path, place(name), "its content makes no sense");

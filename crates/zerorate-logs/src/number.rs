@@ -25,7 +25,6 @@ pub enum Number {
 }
 
 impl Number {
-    /// True if the cell holds a number.
     pub fn is_there(self) -> bool {
         self != Self::Missing
     }

@@ -246,7 +246,6 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[RawColumn], interval: f64) -> R
     Ok(said_of(&dropped, &wrong, is_coarse))
 }
 
-/// The texts about dropped rows, and about rows that got another time.
 fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
     let dropped = dropped
         .first()

@@ -108,7 +108,6 @@ impl Groups<'_> {
         RecordBatch::try_new(Arc::new(schema), columns).ok()
     }
 
-    /// The columns of a row group, piece by piece.
     fn decode(&self, group: usize) -> Result<Vec<Vec<ArrayRef>>, InputError> {
         let columns: Vec<Vec<ArrayRef>> = self
             .columns
@@ -148,7 +147,6 @@ impl Groups<'_> {
             .build()
     }
 
-    /// The bytes of a column in a row group, read from the file.
     fn chunk(&self, group: usize, column: usize) -> ParquetResult<Chunk> {
         let group = self.metadata.metadata().row_group(group);
         let descriptor = self.metadata.parquet_schema();

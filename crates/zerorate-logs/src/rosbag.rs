@@ -58,7 +58,6 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(torn.map(|end| end.warning(path)), stated))
 }
 
-/// A topic with an IMU or a temperature.
 struct Topic {
     name: String,
     kind: String,

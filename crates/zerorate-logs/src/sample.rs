@@ -13,7 +13,6 @@ use zerorate_input::{TimeUnit, Unit};
 /// Largest number of rows that are kept.
 pub const ROWS: usize = 2048;
 
-/// A cell of the first rows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// A finite number.
@@ -58,7 +57,6 @@ impl Cell {
 }
 
 impl Sampled {
-    /// A column without rows.
     pub fn new(name: &str) -> Self {
         Self { name: name.to_owned(), cells: Vec::new(), time_unit: None }
     }
@@ -98,7 +96,6 @@ impl Sampled {
     }
 }
 
-/// The cells of a column of an Arrow batch.
 pub fn cells(column: &ArrayRef) -> Vec<Cell> {
     let words = |row: usize| match column.data_type() {
         DataType::Utf8 => Some(column.as_string::<i32>().value(row).to_owned()),
@@ -125,7 +122,6 @@ pub fn is_time(data_type: &DataType) -> bool {
     matches!(data_type, DataType::Timestamp(..))
 }
 
-/// The unit of time that a type states.
 pub fn time_unit(data_type: &DataType) -> Option<TimeUnit> {
     let (DataType::Timestamp(unit, _) | DataType::Duration(unit)) = data_type else {
         return None;

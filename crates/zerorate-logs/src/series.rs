@@ -180,7 +180,6 @@ impl SeriesBuilder {
         Ok((self.series, gaps))
     }
 
-    /// True if all numbers are codes so far.
     pub fn are_codes(&self) -> bool {
         matches!(self.series, Series::Codes(_))
     }
@@ -271,7 +270,6 @@ pub fn join(gaps: &mut Vec<Gap>, gap: Gap) {
     }
 }
 
-/// The number of missing samples in all gaps together.
 pub fn missing_in(gaps: &[Gap]) -> u64 {
     gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing))
 }

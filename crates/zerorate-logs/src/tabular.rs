@@ -68,7 +68,6 @@ pub struct TableColumns<'a> {
     sample: Vec<Sampled>,
 }
 
-/// A column of a table that is being read.
 struct TableColumn {
     name: String,
     values: SeriesBuilder,
@@ -124,13 +123,11 @@ impl<'a> TableColumns<'a> {
         })
     }
 
-    /// The number of columns of numbers.
     #[cfg(feature = "parquet")]
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// Reserves memory for this many rows.
     #[cfg(feature = "parquet")]
     pub fn reserve(&mut self, rows: usize, schema: &Schema) {
         for (column, index) in self.values.iter_mut().zip(&self.columns) {

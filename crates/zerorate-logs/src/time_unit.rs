@@ -1,4 +1,4 @@
-//! Detects a unit of time that makes the rate or the date absurd.
+//! Finds the unit of times by the dates or the rate that it gives, and detects a unit that makes them absurd.
 
 use crate::clock::Times;
 use crate::error::LogError;
@@ -27,8 +27,8 @@ const TOO_LATE_S: f64 = 1e10;
 
 const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];
 
-/// The unit in which times are dates of 2000 to 2100, counted from 1970. `None` if rows then come slower than
-/// [`SLOWEST_HZ`]: the times may count from the start in a finer unit.
+/// The unit in which the first time is a date of 2000 to 2100, counted from 1970. `None` if rows then come slower than
+/// [`SLOWEST_HZ`]: the times may count from power-on in a finer unit.
 pub fn dated(times: &Times) -> Option<TimeUnit> {
     let unit = date(times.first())?;
     let span_s = times.since_first().last()? / unit.per_s();
@@ -109,12 +109,11 @@ pub fn check(
     )))
 }
 
-/// Formats a number of any size in few digits.
 fn short(number: f64) -> String {
     if (1e-3..1e7).contains(&number) { format!("{number:.3}") } else { format!("{number:.1e}") }
 }
 
-/// The next finer unit, if rows come slower than [`SLOW_HZ`] in a unit that only the name of the column states.
+/// The next finer unit than ms or µs, if rows come slower than [`SLOW_HZ`] in this unit.
 fn finer(unit: TimeUnit, rate_hz: f64) -> Option<TimeUnit> {
     match unit {
         TimeUnit::Ms if rate_hz < SLOW_HZ => Some(TimeUnit::Us),

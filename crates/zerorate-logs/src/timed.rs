@@ -18,8 +18,8 @@ use zerorate_input::{Input, Quantity};
 pub struct TimedColumns {
     /// The columns, in the order in which they were asked for.
     pub columns: Vec<TimedColumn>,
-    /// The time of each row, ns, by the clock of the log, or since the first row if the log has none. The times
-    /// increase.
+    /// The time of each row, ns, by the clock of the log, or since the first row if a rate is given or such times do
+    /// not fit a `u64`. The times increase.
     pub t_ns: Vec<u64>,
     /// Samples that are missing between rows.
     pub gaps: Vec<Gap>,
@@ -39,8 +39,8 @@ pub struct TimedColumn {
     pub warnings: Vec<LogWarning>,
 }
 
-/// Reads the columns that `specs` describe, in one pass over the file; `path` names the file in messages. If neither
-/// time column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
+/// Reads the columns that `specs` describe; `path` names the file in messages. If neither time column nor rate is
+/// given, the time is another column whose name or type states a time, as in `t_ns`.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, it lacks a column or the time, or its times do not increase.

@@ -1,4 +1,4 @@
-//! The topics of a bag that have an IMU, as a table to choose from.
+//! The topics with an IMU in a bag, a PX4 log or an ArduPilot log, as a table to choose from.
 
 use crate::error::LogError;
 use crate::query::ColumnQuery;
@@ -42,7 +42,7 @@ impl Survey {
     }
 }
 
-/// The error for several IMUs, if none of them was chosen.
+/// The error for several IMUs if none of them was chosen, or if the chosen topic has no IMU.
 pub fn several(path: &Path, asked: &ColumnQuery<'_>, survey: &Survey) -> LogError {
     let (path, option) = (path.display(), asked.args.names.of(Setting::Topic));
     let why = match &asked.args.topic {

@@ -122,7 +122,7 @@ impl<'a> Messages<'a> {
     }
 
     /// Calls `take` with each message until it returns false. Returns the input, from its start. `of_end` receives the
-    /// warning about an early end.
+    /// warning about an early end, or about another log that follows.
     fn all(
         &mut self,
         of_end: &mut Option<InputWarning>,
@@ -192,7 +192,6 @@ enum Value {
     Number(f64),
 }
 
-/// The fields that were chosen.
 struct Chosen {
     id: u16,
     topic: String,

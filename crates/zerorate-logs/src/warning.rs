@@ -52,15 +52,15 @@ pub enum LogWarning {
     RateTaken { path: String, name: String, rate_hz: f64 },
     /// The rate that was given is not the rate of the stamps.
     RateContradicts { path: String, given_hz: f64, stamps_hz: f64 },
-    /// Samples of a column are at a limit, as the text says.
+    /// Samples of a column pile up at its largest or least value, as the text says.
     Clipped { path: String, column: String, how: String },
     /// The steps of a column are larger than its noise, as the text says.
     CoarseCodes { path: String, column: String, how: String },
-    /// The means of an IMU's axes are not those of a sensor at rest, as the text says.
+    /// The samples or the rate of an IMU's axes are implausible for a sensor at rest, as the text says.
     Implausible { path: String, what: String },
     /// A column does not state its unit; `unit` and `scale` are the names of settings.
     UnitUnknown { path: String, column: String, unit: SettingName, scale: SettingName },
-    /// The columns `names` are not axes of an IMU.
+    /// The columns `names` are not axes of the IMU that was read.
     ColumnsLeftOut { path: String, names: String },
     /// The columns `names` hold no numbers.
     NoNumbers { path: String, names: String },

@@ -28,7 +28,6 @@ fn no_module_reaches_itself_through_another() {
     assert!(found.is_empty(), "modules in circles. {advice}:\n{}", found.join("\n"));
 }
 
-/// One file of a crate.
 struct Source {
     /// Path of the file below `src`.
     path: String,

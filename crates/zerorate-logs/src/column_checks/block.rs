@@ -3,7 +3,6 @@
 use std::cell::Cell;
 use zerorate_allan::Input;
 
-/// Number of samples of a block.
 pub const BLOCK: usize = 512;
 /// Number of samples in a window. A block consists of whole windows.
 pub const WINDOW: usize = 32;
@@ -68,12 +67,10 @@ impl<'a> Block<'a> {
         })
     }
 
-    /// The number of whole windows.
     pub fn windows(&self) -> usize {
         self.samples.len() / WINDOW
     }
 
-    /// A window of the samples, by its number.
     pub fn window(&self, at: usize) -> &'a [f64] {
         self.looked_at.set(self.looked_at.get() + WINDOW as u64);
         &self.samples[at * WINDOW..][..WINDOW]

@@ -36,7 +36,6 @@ pub struct ColumnChecks {
     coarse: Coarse,
     resampled: Resampled,
     facts: ColumnFacts,
-    /// Number of samples that were read.
     #[cfg(test)]
     read: u64,
     /// Number of samples that checks looked at one by one.

@@ -82,7 +82,6 @@ pub struct Blocks<'a> {
 }
 
 impl<'a> Blocks<'a> {
-    /// Reads blocks of `input`, which `path` names in messages.
     pub fn new(path: &'a Path, input: Input) -> Self {
         Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new(), stamps: None, marks: Marks::default() }
     }
@@ -101,7 +100,6 @@ impl<'a> Blocks<'a> {
         self.spare.extend(blocks.into_iter().map(|block| block.buffer));
     }
 
-    /// The next block; `None` after the last one.
     pub fn next(&mut self) -> Result<Option<Block>, InputError> {
         if self.ended {
             return Ok(None);
@@ -170,7 +168,6 @@ impl<'a> Blocks<'a> {
         Ok(filled)
     }
 
-    /// The next blocks, `count` at most.
     pub fn several(&mut self, count: usize) -> Result<Vec<Block>, InputError> {
         let mut blocks = Vec::with_capacity(count);
         while blocks.len() < count

@@ -24,9 +24,7 @@ type Numbered<'a> = (u64, &'a str);
 /// The layout of a text.
 #[derive(Clone, Debug)]
 pub struct Head {
-    /// The delimiter of the cells of a row.
     pub delimiter: Delimiter,
-    /// Number of cells of a row.
     pub width: usize,
     /// The names of the columns, or their numbers.
     pub names: Vec<String>,

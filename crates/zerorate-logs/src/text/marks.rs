@@ -91,7 +91,6 @@ impl Marks {
         self.stamp.map(|(_, name)| name)
     }
 
-    /// True if the text has any marks.
     pub fn are_there(&self) -> bool {
         self.json.is_some()
             || self.colours
@@ -218,7 +217,6 @@ fn is_unit(word: &str) -> bool {
     Quantity::of_column(&named).is_some() || TimeUnit::of_column(&named).is_some()
 }
 
-/// The most frequent item, and how often it occurs.
 fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
     let mut counts: Vec<(T, usize)> = Vec::new();
     for one in all {

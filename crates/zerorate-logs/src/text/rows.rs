@@ -81,7 +81,6 @@ pub enum Time {
 }
 
 impl Piece {
-    /// An empty piece for this number of columns.
     pub fn new(columns: usize) -> Self {
         Self {
             columns: vec![(Vec::new(), true); columns],

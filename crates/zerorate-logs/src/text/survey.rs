@@ -22,7 +22,7 @@ struct Survey {
     is_decimal: bool,
     /// True if each row ends with a delimiter.
     ends_empty: bool,
-    /// True if the first cell never falls from row to row. `falls` is true if it never rises.
+    /// True if the first cell never falls from row to row. `falls` is true if the first cell never rises.
     rises: bool,
     falls: bool,
     last: i64,

@@ -158,7 +158,7 @@ fn times_as_clocks_show_them() {
     assert!(said.contains("is not a number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
 }
 
-/// Dates of MATLAB, German dates, and American dates with AM and PM.
+/// Dates of MATLAB, German dates, dates with AM and PM, and clock times without a date.
 #[test]
 fn the_only_column_of_clock_times_is_the_time() {
     let date = |at: i32, before: &str, after: &str| {
