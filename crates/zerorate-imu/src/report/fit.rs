@@ -111,7 +111,7 @@ impl FitReport {
 }
 
 impl CoefficientReport {
-    /// Value and limits in the unit at `index`; `None` without a model.
+    /// Value and limits in the unit at `index`; `None` without a model or without such a unit.
     #[must_use]
     pub fn in_unit(&self, index: usize) -> Option<Estimate> {
         let factor = self.units.get(index)?.factor;

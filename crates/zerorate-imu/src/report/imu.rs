@@ -45,7 +45,7 @@ pub struct AxisReport {
     pub name: String,
     /// Gyroscope or accelerometer; `None` if the axis is neither.
     pub kind: Option<Kind>,
-    /// The comparison with each line of the data sheet.
+    /// The comparison with each line of the data sheet; empty without a data sheet.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "types", ts(skip))]
     pub data_sheet: Vec<LineReport>,

@@ -179,7 +179,7 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// True if a line is a single number or date.
+/// True if a line begins as a number or a date does, and has one cell only.
 fn is_stamp(line: &[u8], delimiter: u8) -> bool {
     let line = line.trim_ascii();
     line.first().is_some_and(|first| matches!(first, b'0'..=b'9' | b'-' | b'+' | b'.')) && !line.contains(&delimiter)

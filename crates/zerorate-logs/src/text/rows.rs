@@ -26,7 +26,7 @@ pub struct Cut<'a> {
     pub width: usize,
     /// The places of the wanted cells in a line, in order, each with its index among the wanted cells.
     pub wanted: Vec<(usize, usize)>,
-    /// The index of the time among the wanted cells.
+    /// The index of the time among the wanted cells; `None` if no time is read.
     pub time: Option<usize>,
     /// How dates and times of day are written.
     pub format: DateFormat,
