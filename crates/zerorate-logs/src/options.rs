@@ -18,7 +18,8 @@ pub struct ColumnOptions {
     /// In a ROS bag: x, y or z for angular_velocity or, if there are several IMUs, TOPIC.angular_velocity.z.
     pub column: Option<String>,
 
-    /// The topic of the log that has the columns; `None` selects the only topic with an IMU.
+    /// The topic of the log that has the columns; `None` selects the only topic with an IMU or, for all columns of a
+    /// PX4 log, `sensor_combined`.
     pub topic: Option<String>,
 
     /// The column with the time of each row, which shows the rate and where samples are missing. `None` finds the
@@ -63,7 +64,7 @@ pub struct ColumnOptions {
     /// Largest share of broken lines in a text file; `None` means [`MAX_BAD`]. Broken lines are skipped and counted.
     pub max_bad: Option<f64>,
 
-    /// Opens tables that describe themselves, such as captures. With `None`, they are read like any other table.
+    /// Opens tables that describe themselves, such as captures. With `None`, such a table is an error.
     pub described: Option<OpenDescribed>,
 
     /// The names of these options in messages.

@@ -162,7 +162,7 @@ struct Records<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,
     room: MemoryBudget,
-    /// Number of bytes of all chunks after unpacking.
+    /// Number of bytes that were unpacked from chunks so far.
     bytes: u64,
 }
 

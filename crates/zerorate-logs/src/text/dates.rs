@@ -107,7 +107,7 @@ fn minutes(cell: &str) -> Option<&str> {
     (all_digits && seconds.len() == 2 && tenths.len() == 1).then_some(tenths)
 }
 
-/// The time of a date such as 2026-03-01T12:00:00Z or 2026/03/01 12:00:00Z.
+/// The time, ns since the epoch, of a date such as 2026-03-01T12:00:00Z or 2026/03/01 12:00:00Z.
 fn of_iso(cell: &str) -> Option<i64> {
     let is_slashed = cell.get(4..5) == Some("/") && cell.get(7..8) == Some("/");
     let cell = if is_slashed { Cow::Owned(cell.replacen('/', "-", 2)) } else { Cow::Borrowed(cell) };

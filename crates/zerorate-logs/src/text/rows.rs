@@ -63,7 +63,7 @@ pub struct Piece {
     pub cut: Option<Wrong>,
     /// The decimal mark that the block shows, or an ambiguous cell.
     pub numerals: Numerals,
-    /// The first rows in all columns, if it is the first piece.
+    /// The first rows in all columns, if this is the first piece; otherwise empty.
     pub sample: Vec<Sampled>,
 }
 
