@@ -128,7 +128,7 @@ pub struct ColumnArgs {
 }
 
 impl ColumnArgs {
-    /// True if the option `--column` names several columns.
+    /// True if the option `--column` is a list with commas, or `all`.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
     }

@@ -46,7 +46,8 @@ pub enum Role {
     Supervisor(ExitCode),
 }
 
-/// Runs the command line `args` in a child process, if the command reads `files` and this process is not such a child.
+/// Runs the command line `args` in a child process, unless `files`, the untrusted files that it reads, is empty or
+/// this process is that child.
 pub fn run(args: &[OsString], files: &[&Path]) -> Role {
     let limit = limit(files);
     if files.is_empty() {

@@ -1,4 +1,5 @@
-//! The progress bar on stderr: current step, percentage, remaining time. It is hidden if stderr is not a terminal.
+//! Progress on stderr: a bar with current step, percentage and remaining time, or a spinner if the duration is
+//! unknown. Both are hidden if stderr is not a terminal.
 
 use crate::output::{clear, show, warn};
 use crate::wording::{coded, flag};

@@ -6,7 +6,8 @@ use zerorate::EARTH_DPS;
 #[derive(Args, Clone, Copy, Debug)]
 pub struct EarthArgs {
     /// The component of the Earth's rotation on the axis, °/s, to subtract from the bias [default: as the recording
-    /// states it; otherwise it stays part of PBC, and a warning says so]. A --log states it.
+    /// states it; otherwise it stays part of PBC, and a warning says so]. A recording written with --log states the
+    /// value that was used.
     #[arg(long, value_name = "X", help_heading = "Procedure")]
     earth_dps: Option<f64>,
 

@@ -106,7 +106,8 @@ impl ExportArgs {
         Options { step_c, span_c, prefix, sensor, device_id }
     }
 
-    /// Checks that the format supports the given options for flight controllers and for the table.
+    /// Checks that the format supports the given options for flight controllers and for the table, and that
+    /// `--device-id` is given for PX4.
     fn check_autopilot(&self, form: Option<ExportForm>) -> Result<()> {
         let autopilot = form.is_some_and(ExportForm::is_autopilot);
         let px4 = form == Some(ExportForm::Px4);

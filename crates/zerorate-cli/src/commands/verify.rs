@@ -52,13 +52,14 @@ struct Report {
 struct Verdict {
     file: String,
     whole: bool,
-    /// The kind of file. [`OTHER`] if it is neither a capture nor a calibration; empty if it cannot be read.
+    /// The kind of file. [`OTHER`] if it is neither a capture nor a calibration; empty if the kind is not known,
+    /// because the file cannot be read or its head is damaged.
     form: &'static str,
     schema: Option<u32>,
     /// A capture's statements about its part.
     #[serde(flatten)]
     stated: Option<CaptureFacts>,
-    /// True if the file's own checks cover its whole content.
+    /// True if the file's own checks cover everything that was read, and nothing is damaged.
     checked: bool,
     rows: u64,
     lost: u64,
@@ -67,9 +68,10 @@ struct Verdict {
     samples_sha256: Option<String>,
     /// True if the end of a capture is missing.
     torn: bool,
-    /// Describes the damage and its place in the file; `None` if there is no damage.
+    /// The damage and its place in the file, or why the file cannot be checked; `None` if there is neither.
     damage: Option<String>,
-    /// The advice for a damaged file; `None` if nothing is damaged.
+    /// The advice for a file that is torn, damaged or of another kind; `None` for a whole file and for an unreadable
+    /// one.
     remedy: Option<String>,
     notes: Vec<String>,
     /// True if the content is unknown, because the file does not exist or this program cannot read it.

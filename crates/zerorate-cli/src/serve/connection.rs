@@ -41,7 +41,8 @@ impl HostCheck {
         Self { bus, mclk_hz: facts.mclk_hz }
     }
 
-    /// The result; `None` until the samples have the duration of the check. The inner value is `None` if all is well.
+    /// The result; `None` until the samples have the duration of the check. The inner value is `None` if hardly any
+    /// samples are lost, or if no better settings are known.
     pub fn ended(&self, tally: &Tally) -> Option<Option<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;

@@ -1,4 +1,4 @@
-//! Metrics for Prometheus about samples read and lost, from the same snapshot that a page gets.
+//! Metrics for Prometheus about the device and its viewers, from the same snapshot that a page gets.
 
 use super::answer::{self, Answer};
 use super::server::Server;
@@ -15,7 +15,7 @@ pub async fn metrics(server: &Server) -> Answer {
     }
 }
 
-/// The metrics as text; `None` if the device cannot be read any longer.
+/// The metrics as text; `None` if the session has ended.
 pub async fn text_of(server: &Server) -> Option<String> {
     let head = watch::snapshot(&server.requests).await.as_deref().and_then(head)?;
     Some(text(&head, server.watchers()))

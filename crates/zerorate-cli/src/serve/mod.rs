@@ -1,6 +1,6 @@
-//! The server of the live page. One thread reads the device, one runs the session, and one talks to browsers. The
-//! recording gets every sample. A session that hangs misses samples of a real part. A slow browser misses
-//! frames, and nothing waits for it.
+//! The server of the live page. Separate threads read the device, record it, run the session, and talk to browsers and
+//! to libiio clients. The recording gets every sample. A session that hangs misses samples of a real part. A slow
+//! browser misses frames, and nothing waits for it.
 //!
 //! `session_thread.rs` owns the device (`device.rs`), its recordings (`recordings.rs`) and the calibrations on disk
 //! (`folder.rs`). `server.rs` accepts connections, checks each request (`guard.rs`), and limits attempts to guess

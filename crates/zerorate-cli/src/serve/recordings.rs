@@ -36,7 +36,7 @@ impl Recordings {
         let (begun, waits) = channel();
         let body = move || {
             let mut open = first.map(|file| OpenRecording::create(file, &info)).transpose()?;
-            // tells `begin`, which waits for it, that the first file is there
+            // tells the waiting `begin` that the first file is there
             let _ = begun.send(());
             while let Ok(Some(batch)) = everything.next() {
                 if batch.rows.is_empty() {
@@ -78,7 +78,7 @@ fn lock(files: &Mutex<Files>) -> std::sync::MutexGuard<'_, Files> {
 struct Files {
     path: PathBuf,
     outputs: Outputs,
-    /// The number of the last created file.
+    /// The number of the last file that was created or skipped.
     count: u32,
 }
 

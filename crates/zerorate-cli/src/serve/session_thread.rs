@@ -142,7 +142,7 @@ impl SessionThread {
         }
     }
 
-    /// Adds notices about the program itself, which apply each time the device is opened.
+    /// Adds the notice that no folder keeps calibrations, if there is none. Called each time the device is opened.
     fn note_standing(&mut self) {
         if !self.folder.is_there() {
             self.session.note(SessionWarning::NoFolder);

@@ -13,7 +13,7 @@ pub async fn small_page(server: &Server) -> Answer {
     answer::typed(StatusCode::OK, "text/html; charset=utf-8", filled(text.as_deref()))
 }
 
-/// The page with these metrics. `None` means that the device cannot be read any longer.
+/// The page with these metrics. `None` means that the session has ended.
 fn filled(metrics: Option<&str>) -> String {
     let Some(metrics) = metrics else { return PAGE.replace("{numbers}", "The device is not read any more.") };
     let numbers = metrics.lines().filter_map(|line| line.strip_prefix("zerorate_"));

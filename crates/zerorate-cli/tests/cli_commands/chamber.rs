@@ -4,7 +4,7 @@ use crate::harness::{Bench, PROGRAM, Run, SOAK, send, start, wait_until};
 use serde_json::Value;
 use std::process::Command;
 
-/// A twin whose self-heating has a time constant of 10 s, with 223 samples per second (F-56).
+/// A twin whose self-heating has a slow time constant of 10 s, with 223 samples per second (F-56).
 const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
 
 fn bench() -> Bench {
@@ -58,8 +58,8 @@ fn each_step_by_hand_is_announced() {
     bench.zerorate(&line).ended_with(0).saying(&said);
 }
 
-/// The cable is pulled in the second step. The same command then continues with that step. It ends before the time at
-/// which its own cable is pulled.
+/// The cable is pulled after 220 s, in the second step. The same command then continues with that step, and ends
+/// before 220 s.
 #[test]
 fn an_interrupted_measurement_goes_on_after_its_last_finished_step() {
     let bench = bench();

@@ -12,9 +12,9 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A twin whose self-heating has a time constant of 10 s, with 223 samples per second (F-56).
+/// A twin whose self-heating has a slow time constant of 10 s, with 223 samples per second (F-56).
 const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
-/// Two soak points, which take four minutes of simulated time.
+/// Two soak points, which take a few minutes of simulated time.
 const QUICK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 300\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 /// Time limit of a run, for a busy machine.
@@ -60,7 +60,8 @@ impl Cell {
         if self.ending == Ending::Ended { AT_END } else { "20" }
     }
 
-    /// Time for retries, s. It is short if the fault must end the measurement, and otherwise long, for a busy machine.
+    /// Time for retries, s. It is short for a lasting fault during the measurement, and otherwise long, for a busy
+    /// machine.
     fn retry_s(&self) -> u32 {
         let comes_back = self.fault == "fails-thrice";
         if self.ending == Ending::Running && !comes_back { 1 } else { 60 }

@@ -2,7 +2,7 @@
 
 use crate::harness::{Bench, calibration};
 
-/// Makes a folder with a calibration of a part without a serial number, and a log.
+/// Makes a folder with a calibration of a part without a serial number, a log, and a file of unknown content.
 fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(0.1, 0.01, 25.0));

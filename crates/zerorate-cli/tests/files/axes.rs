@@ -149,7 +149,7 @@ fn the_wrong_part_is_named() {
 }
 
 /// The log of a real part at rest, with a simulated temperature. The rate of the z axis has a step, so the calibration
-/// is refused. With a larger `--max-u-btc`, the bias of each axis agrees with the mean.
+/// is refused. With a larger `--max-u-btc`, the bias of each axis agrees with the mean over step 8.
 #[test]
 fn a_real_log_goes_all_the_way() {
     let Some(folder) = super::allan::reference_data() else { return };

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A calibration that takes four minutes of simulated time.
+/// A calibration that takes 205 s of simulated time.
 const CALIBRATE: &str =
     "calibrate --device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
@@ -378,7 +378,8 @@ fn nohup_is_heeded() {
     assert_eq!(Run::ended(child).code, Some(0));
 }
 
-/// A run that waits for stdin cannot check for a stop. A signal ends it at once, and its files are removed.
+/// A run that waits for stdin, or for a reader of its log, cannot check for a stop. A first or second signal ends it
+/// at once, and its unfinished files are removed.
 #[test]
 fn a_signal_ends_a_run_that_waits() {
     let bench = Bench::new();

@@ -116,7 +116,7 @@ fn axes_are_compared_with_a_data_sheet() {
     assert!(run.contains("Beside the data sheet of ADIS16405") && run.contains("typical 0.05 °/s/√Hz"), "{run}");
 }
 
-/// 30 m/s² on one axis of the accelerometer for 6 s is reported as motion, and not only as bit errors.
+/// 30 °/s on one axis of the gyroscope for 6 s is reported as motion, and not only as bit errors.
 #[test]
 fn a_slow_turn_is_motion() {
     let bench = Bench::new();
@@ -201,7 +201,7 @@ fn several_imus_are_a_table() {
     assert_eq!(names.collect::<Vec<_>>(), ["gyro_x_dps", "ay [m/s^2]"]);
 }
 
-/// One gyroscope axis has an echo, which no model fits, but the other axes are fine. A file is written only when
+/// One gyroscope axis has an echo, which no model fits, but the other axis is fine. A file is written only when
 /// forced, and states the rejection.
 #[test]
 fn a_rejected_axis_writes_a_file_only_when_forced() {
@@ -294,7 +294,8 @@ fn each_mistake_is_named_with_its_remedy() {
         .fails(2, &["columns of several sensors; choose the axes of one with --gyro:\n  a_dps\n"]);
 }
 
-/// Noise of 0.05 °/s with a correlation time of 1 s is added to white noise. Text, table and plot have the term.
+/// Noise of 0.05 °/s with a correlation time of 1 s is added to white noise. The text, and the table and the plot of
+/// the page, have the term.
 #[test]
 fn a_gauss_markov_term_is_shown() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! Invalid logs: the message names the file and the place, and says what to do.
+//! Invalid logs, whose message names the file and the place and says what to do, and logs in folders or from stdin.
 
 use super::{Bench, imu};
 use crate::harness::Run;
@@ -125,7 +125,8 @@ fn a_log_is_read_from_standard_input() {
     assert_eq!(said(&bag, "--column z")["rate_hz"], 200.0);
 }
 
-/// A wrong unit shows in the measured gravity of accelerometers, and in a mean of hundreds of °/s of a gyroscope.
+/// A wrong unit shows in the measured gravity, a mixed-up column in a gyroscope's mean of hundreds of °/s, and a
+/// marker such as −999 in the number of equal least values.
 #[test]
 fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
     let bench = imu::bench();

@@ -23,8 +23,8 @@ fn is_near(found: f64, expected: f64) -> bool {
     (found / expected - 1.0).abs() < 0.05
 }
 
-/// Rows of several sensors, with equal, staggered or overlapping timestamps. The message names the column that
-/// distinguishes the sensors, and `--where` selects one.
+/// Rows of several sensors, with timestamps that are equal, or later by half a period or by 1.3 ms. The message names
+/// the column that distinguishes the sensors, and `--where` selects one.
 #[test]
 fn rows_of_several_sensors_are_refused_and_read_one_by_one() {
     let bench = Bench::new();

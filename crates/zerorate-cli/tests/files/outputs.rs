@@ -27,7 +27,7 @@ const SHEET: &str = "schema = 1\nname = \"G1\"\nsource = \"its maker\"\n[gyrosco
 const PLAN: &str = "schema = 1\nname = \"up\"\n[[step]]\nto_c = 25\n[[step]]\nto_c = 40\nc_per_min = 2\n\
     [[step]]\nto_c = 25\nc_per_min = 2\n";
 
-/// Makes a folder with a calibration, a capture, a corrected capture and a log of another gyroscope.
+/// Makes a folder with a calibration, two captures, two logs, a part, a data sheet and a plan.
 fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));

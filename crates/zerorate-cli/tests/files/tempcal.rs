@@ -22,7 +22,7 @@ fn bias(terms: &[f64; 4], temp_c: f64) -> f64 {
     terms.iter().rev().fold(0.0, |sum, term| sum * d + term)
 }
 
-/// A reading: temperature, °C, rates, °/s, and accelerations, m/s².
+/// A reading: time (s), temperature (°C), rates (°/s) and accelerations (m/s²).
 struct Reading {
     at_s: f64,
     temp_c: f64,
@@ -203,8 +203,8 @@ fn a_correction_of_a_log_warns_where_it_may_be_off() {
     assert!(said.contains("temperature-held: the thermometer stood still for 200 s"), "{said}");
 }
 
-/// A DataFlash log with the messages FMT, PARM and IMU of two sensors. ArduPilot corrected the first sensor from
-/// the beginning. By the parameters, it corrects the second sensor from `enabled_after`, s.
+/// A DataFlash log with the messages FMT, PARM and IMU of two sensors. ArduPilot corrected the first sensor from the
+/// beginning. If `enabled_after` is given, the parameters say that it corrects the second sensor from that time (s).
 fn dataflash(enabled_after: Option<f64>) -> Vec<u8> {
     let mut log = Vec::new();
     let form = |log: &mut Vec<u8>, id: u8, length: usize, name: &str, letters: &str, labels: &str| {

@@ -37,7 +37,7 @@ fn a_trend_that_cannot_be_removed_is_refused() {
         "least squares over means of at most 128 parts",
         "°/s/°C²",
     ]);
-    // imu refuses the log, since its result would not be noise
+    // imu refuses the log, since no noise model fits it
     let imu = "imu log.csv --rate 10 --column rate_dps --detrend temp --temp-column kelvin";
     bench.zerorate(imu).ended_with(3).saying(&["rate_dps"]);
 }

@@ -63,7 +63,7 @@ fn torn_and_damaged_files_are_told_apart() {
     }
 }
 
-/// Advice to repair a file works: `repair` keeps as many rows as stated, that is, every undamaged block.
+/// Advice to repair a file works: `repair` keeps as many rows as stated, that is, every block before the damage.
 #[test]
 fn advice_to_repair_can_be_followed() {
     let bench = bench();

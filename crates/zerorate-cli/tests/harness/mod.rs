@@ -13,10 +13,10 @@ use tempfile::TempDir;
 /// The path of the program, for tests in which another program starts it.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
 
-/// Options for a calibration in four minutes of simulated time. `--max-u-btc` accepts the large uncertainty of BTC.
+/// Options for a calibration in 205 s of simulated time. `--max-u-btc` accepts the large uncertainty of BTC.
 pub const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
-/// A plan of two soak points, which take four minutes of simulated time.
+/// A plan of two soak points, which take five to six minutes of simulated time.
 pub const SOAK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 
@@ -116,7 +116,7 @@ pub fn names(folder: &Path) -> Vec<String> {
 /// The result of a run.
 #[derive(Debug)]
 pub struct Run {
-    /// The command line, if it is known.
+    /// The command line; empty for a process that was started elsewhere.
     pub line: String,
     pub code: Option<i32>,
     pub stdout: String,
@@ -168,7 +168,7 @@ impl Run {
         self.ended_with(0).stdout
     }
 
-    /// Checks that the run failed with this code and printed no data. Returns stderr.
+    /// Checks that the run failed with this code, stated these reasons and printed no data. Returns stderr.
     #[track_caller]
     pub fn fails(self, code: i32, reasons: &[&str]) -> String {
         let run = self.ended_with(code).saying(reasons);

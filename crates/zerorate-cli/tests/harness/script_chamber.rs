@@ -9,7 +9,7 @@ use std::path::PathBuf;
 const SAFE: &str = "25.0";
 
 /// `chamber.sh set C` sets the chamber. `chamber.sh read` prints the air temperature, which lags by 15 s. Each reading
-/// is one second after the last. A command acts after a short delay, in which a signal could end it.
+/// is one second after the last. A command takes effect only at its end, so a signal could end it before.
 const SCRIPT: &str = r#"#!/bin/sh
 cd "${0%/*}" || exit 1
 read -r fault onset < fault
@@ -62,7 +62,8 @@ pub struct ScriptChamber {
 }
 
 impl ScriptChamber {
-    /// Makes the chamber in an existing folder. Its fault begins after `onset` readings, or [`AT_END`].
+    /// Makes the chamber in an existing folder. Its fault begins after `onset` readings. If `onset` is [`AT_END`], it
+    /// begins with the command for the safe set point.
     pub fn new(folder: PathBuf, fault: &str, onset: &str) -> io::Result<Self> {
         let fault = format!("{fault} {onset}\n");
         // the chamber was left at 60 °C before this test

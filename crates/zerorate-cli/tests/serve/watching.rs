@@ -1,4 +1,4 @@
-//! Viewers of the page: they never slow the recording, and their requests are answered.
+//! The server with viewers: recordings, requests, calibrations and a restart.
 
 use super::{LONG, TestServer, Watch};
 use crate::harness::{Bench, Run, calibration, calibration_of, command};
@@ -129,7 +129,7 @@ fn requests_are_answered_and_calibrations_kept() {
     assert!(served.get("/metrics").contains("zerorate_corrected_rate_dps{axis="));
 }
 
-/// The id of a calibration covers only its coefficients. A file with the same id but other content is refused.
+/// The id of a calibration does not cover its [validity]. A file with the same id but other content is refused.
 #[test]
 fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same() {
     let bench = Bench::new();

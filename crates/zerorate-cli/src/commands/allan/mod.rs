@@ -260,7 +260,7 @@ fn print_pool(args: &AllanArgs, records: &[Record], pool: &Pool) -> Result<()> {
     texts.iter().try_for_each(|text| print_lines(text))
 }
 
-/// Refuses records of different quantities if a plot or a table with only one unit is requested.
+/// Refuses records of different quantities if a plot or a CSV table is requested, since each has only one unit.
 fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
     let mixed = records.windows(2).find(|pair| pair[0].quantity != pair[1].quantity);
     mixed.filter(|_| args.csv || !args.plot.is_empty()).map_or(Ok(()), |pair| {

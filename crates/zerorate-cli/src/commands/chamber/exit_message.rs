@@ -1,4 +1,4 @@
-//! The last line that the program prints, however it ends. It tells whether the chamber is at its safe temperature.
+//! The last line that the program prints, however it ends: how the chamber was left, or what the user must set.
 
 use crate::exit_message;
 use crate::output::say;

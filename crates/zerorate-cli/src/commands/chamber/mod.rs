@@ -241,7 +241,7 @@ fn worded(error: Error) -> Error {
 /// Shows the progress, and writes the page or plot.
 struct Looking {
     meter: Meter,
-    /// The format of the plot that was requested in place of the page; `None` for the page.
+    /// The format of the plot that was requested in place of the page; `None` if no plot was requested.
     kind: Option<Kind>,
 }
 

@@ -104,7 +104,7 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
-    /// The options for one condition of `--where`. The value of the condition is added to file names: `imu-1.yaml`.
+    /// The options for one `--where`. The values of its conditions are added to file names: `imu-1.yaml`.
     fn of_series(&self, only: &RowFilter) -> Self {
         let plain = |one: &Condition| one.value.replace(|c: char| !c.is_alphanumeric(), "_");
         let value = only.conditions.iter().map(plain).collect::<Vec<_>>().join("-");

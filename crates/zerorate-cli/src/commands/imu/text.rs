@@ -1,4 +1,4 @@
-//! Formats the noise coefficients of all axes as text.
+//! Formats the noise coefficients of all axes, and their comparison with a data sheet, as text.
 
 use anyhow::Result;
 use std::fmt::Write;

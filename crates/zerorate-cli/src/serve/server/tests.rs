@@ -1,4 +1,5 @@
-//! Tests of the time limits, which are shortened. tests/serve/safety.rs tests the other limits from outside.
+//! Tests of the time limits, which are shortened, of a page that falls behind, and of the end of the session.
+//! tests/serve/safety.rs tests the other limits from outside.
 
 use super::*;
 use crate::serve::session_thread::{BEHIND, SessionRequest, Subscription};

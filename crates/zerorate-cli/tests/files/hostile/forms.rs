@@ -3,7 +3,7 @@
 use super::*;
 use std::io::{self, Read};
 
-/// A record of 130 bytes that states a length of 8 GB.
+/// A file of 130 bytes with a record that states a length of 8 GB, and a file with such a chunk.
 #[test]
 fn lengths_in_mcap_are_bounded() {
     let bench = Bench::new();
@@ -23,7 +23,7 @@ fn lengths_in_mcap_are_bounded() {
     bench.refuses("allan chunk.mcap", "chunk.mcap, as an MCAP file");
 }
 
-/// 200 MiB of zeros, compressed to less than 1.5 MB.
+/// 200 MiB of the digit 0, compressed to less than 1.5 MB.
 #[test]
 fn the_packed_size_bounds_the_unpacked_size() {
     let bench = Bench::new();
