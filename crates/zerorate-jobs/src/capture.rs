@@ -22,7 +22,7 @@ pub struct Recording {
     pub status: Vec<i64>,
     /// Temperature code of each sample; `None` if it was not read.
     pub temp_code: Vec<Option<i64>>,
-    /// The scale of the temperature codes.
+    /// The scale of the temperature codes; `Some` for every capture that was read.
     pub temp: Option<Scale>,
     /// Number of samples lost right before each sample.
     pub lost: Vec<u32>,

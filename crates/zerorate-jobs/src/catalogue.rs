@@ -33,7 +33,8 @@ pub fn text(named: &Path, outputs: &mut Outputs) -> Result<io::Result<String>, O
 /// The text of a part file, and the full scale in °/s if `named` states one, as in `icm20948:500`.
 ///
 /// # Errors
-/// Returns [`InvalidOptions`] if there is no such part, or the errors of [`Outputs::reads`].
+/// Returns [`InvalidOptions`] if there is no such part or its file cannot be read, or the errors of
+/// [`Outputs::reads`].
 pub fn named(named: &Path, outputs: &mut Outputs) -> Result<(String, Option<f64>)> {
     let (file, range_dps) = split(named);
     let text = text(&file, outputs)?.map_err(|error| match error.kind() {

@@ -73,10 +73,12 @@ impl CodeScales {
 type OfKind = (Kind, LogWarning);
 
 impl CodeOptions {
-    /// Sets the scale of each kind of axis that has no unit yet. Returns warnings about assumed scales.
+    /// Sets the scale of each kind of axis that has neither a unit nor a scale yet. Returns warnings about assumed
+    /// scales.
     ///
     /// # Errors
-    /// Returns an error if the part states no scale, lacks the given full scale, or if a unit is given as well.
+    /// Returns an error if the part states no scale, lacks the given full scale, or if a unit or a scale is given as
+    /// well.
     pub fn apply(&self, axes: &mut ImuOptions) -> Result<Vec<OfKind>, InvalidOptions> {
         let names = axes.log.names;
         let mut assumed = Vec::new();
@@ -134,7 +136,7 @@ impl CodeOptions {
     }
 }
 
-/// The error for a unit that is given beside a full scale, which already states the unit.
+/// The error for a unit or a scale that is given beside a full scale, which already states both.
 fn twice(kind: Kind, names: Names) -> InvalidOptions {
     let (range, kind) = (names.of(range_setting(kind)), kind.name());
     InvalidOptions(format!("{range} states unit and scale of the {kind}; leave out the others"))
@@ -241,7 +243,8 @@ impl Number {
 }
 
 impl Sensitivity {
-    /// The full scales. The first applies after power-up. Empty for offset-binary codes, whose zero is at mid-range.
+    /// The full scales. The first applies after power-up. Empty if the file states no scale, or for codes whose zero
+    /// is not 0, such as offset binary.
     fn full_scales(self) -> Vec<FullScale> {
         let width_bits = self.width_bits.unwrap_or(16);
         let of = |range: Option<Number>, per_unit: Number| FullScale {

@@ -55,7 +55,8 @@ impl<'a> Job<'a> {
     /// can end the job. Messages use `names` for the settings.
     ///
     /// # Errors
-    /// Returns an error if the capture is damaged, if it holds no temperature, or if the file cannot be written.
+    /// Returns an error if the capture is damaged or holds no temperature, if the calibration does not fit the part,
+    /// if a stop is requested, or if the file cannot be written.
     pub fn run(
         self,
         output: StagedOutput,

@@ -9,15 +9,15 @@ use zerorate_view::report::{Course, Moment};
 
 /// Averaging time of a mean, ns.
 const LENGTH_NS: u64 = 5_000_000_000;
-/// The checksum in a calibration covers up to this many rows more than the number of samples that it states.
+/// The checksum in a calibration covers up to this many rows more than the samples that the calibration states.
 const ROWS_BEHIND: u64 = 64;
 
 /// Averages the samples of a capture that the calibration used: all of them, or the first ones. `stop` can end the
 /// reading.
 ///
 /// # Errors
-/// Returns an error if the capture is damaged, if the calibration was made from another capture, or if the
-/// calibration does not state its capture.
+/// Returns an error if the capture is damaged, if a stop is requested, or if the calibration was made from another
+/// capture or does not state its capture.
 pub fn course(
     capture: &Path,
     mut reader: CaptureReader,

@@ -38,7 +38,8 @@ pub struct ImuNoise {
 /// Analyses all axes of the IMU in a log.
 ///
 /// # Errors
-/// Returns an error if the log cannot be read or lacks axes, or if an axis cannot be analysed.
+/// Returns an error if the log cannot be read, lacks axes or a required temperature, or has axes that the noise file
+/// cannot hold, or if an axis cannot be analysed.
 pub fn imu(log: &Path, options: &ImuNoiseOptions) -> Result<ImuNoise> {
     let mut of_axes = options.axes.clone();
     let assumed = options.codes.apply(&mut of_axes)?;

@@ -9,7 +9,7 @@ use zerorate_logs::LogWarning;
 pub struct Pool {
     /// The model as a record, which can be reported and plotted like the record of one log.
     pub record: Record,
-    /// The differences of each coefficient between the records that the confidence intervals do not explain.
+    /// The spread of each coefficient over the records, beyond what the confidence intervals explain.
     pub spread: Vec<Spread>,
     /// The records that do not fit the common model.
     pub outliers: Vec<Outlier>,

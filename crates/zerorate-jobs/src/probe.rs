@@ -22,12 +22,14 @@ pub struct Findings {
     pub self_test: Option<SelfTestResult>,
     /// The SPI clock, Hz; `None` without an SPI bus.
     pub sclk_hz: Option<u32>,
-    /// The highest of the tested clocks at which the configuration reads back correctly, Hz.
+    /// The highest of the tested clocks at which the configuration reads back correctly, Hz; `None` if there is none,
+    /// or without an SPI bus.
     pub fastest_clean_sclk_hz: Option<u32>,
     pub read_us: Option<f64>,
     /// Share of the part's samples that the host read, 0 to 1.
     pub taken: f64,
-    /// Settings that would lose fewer samples; `None` if hardly any are lost, or if the time of a read is unknown.
+    /// Settings that would lose fewer samples; `None` if hardly any are lost, if the time of a read is unknown, or if
+    /// no divider suffices.
     pub proposal: Option<String>,
     pub rdy_hz: f64,
     pub rate_hz: f64,

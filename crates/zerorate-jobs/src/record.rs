@@ -88,7 +88,7 @@ pub struct RecordReport {
     pub rdy_hz: f64,
     /// Time from the first sample to the last, s.
     pub duration_s: f64,
-    /// True if the recording was stopped before its requested length.
+    /// True if a stop was requested, which ends the recording early.
     pub interrupted: bool,
     /// Number of readings that the part cannot produce: bit errors.
     pub impossible_readings: u64,
@@ -127,7 +127,7 @@ impl RecordReport {
 /// is requested. `show` receives the progress every 4096 samples. Warnings use `names` for the settings.
 ///
 /// # Errors
-/// Returns an error if the device or the file fails. The file then holds the samples up to that point.
+/// Returns an error if the device or the file fails. A file that was started holds the samples up to that point.
 pub fn record(
     acquisition: &mut Acquisition,
     outputs: &mut Outputs,

@@ -6,8 +6,9 @@ use zerorate_host::files;
 use zerorate_imu::Detrending;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, Setting, TEMPERATURE_NAMES};
 
-/// The temperature of the log at `path`: the column `name`, or a column with a usual name. `None` if the log has
-/// neither. The unit and scale in `options` are for other columns and do not apply to the temperature.
+/// The temperature of the log at `path`: the column `name` or, if that is `None`, a column with a usual name. `None`
+/// if there is no such column, or if it cannot be read. The unit and scale in `options` are for other columns and do
+/// not apply to the temperature.
 #[must_use]
 pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Option<Column> {
     let options = ColumnOptions { column: None, unit: None, scale: None, ..options.clone() };

@@ -1,4 +1,4 @@
-//! The warnings that a job returns with its result.
+//! The warnings of a job, while it runs and with its result.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -26,7 +26,7 @@ pub enum JobWarning {
     Overflowed(u64),
     /// The log could not be written, and the measurement went on without it.
     LogFailed {
-        /// Time since the start, s.
+        /// Time from the start of the measurement to the failure, s.
         after_s: f64,
         /// The text of the error.
         why: String,

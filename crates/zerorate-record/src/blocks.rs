@@ -1,4 +1,4 @@
-//! Common parts of all formats of a capture: writing and reading blocks of rows.
+//! Common parts of all formats of a capture: writing blocks of rows, and the warning about a missing end.
 
 use crate::CaptureError;
 use crate::chain::End;

@@ -104,7 +104,7 @@ impl Checked {
         matches!(self.checks, Checks::Chained(_))
     }
 
-    /// True if the file ends before the end of the capture, as after a power cut.
+    /// True if the file ends before the end of the capture, as after a power cut. Known once all rows were read.
     pub fn is_torn(&self) -> bool {
         self.source.stated().torn
     }

@@ -172,8 +172,8 @@ impl CaptureReader {
         self.calibration_id.as_deref()
     }
 
-    /// The warnings, such as those about a missing end or a file without checks. The list is
-    /// complete once all samples have been read.
+    /// The warnings, such as those about a missing end or a file without checks. Complete once all samples have been
+    /// read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         self.table.warnings()
     }

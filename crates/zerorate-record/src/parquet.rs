@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub use zerorate_input::parquet::BLOCK;
 use zerorate_input::table::{BATCH_CHECKS, END};
 
-/// Number of rows per row group. A row group is built in memory.
+/// Largest number of rows in a row group, which is built in memory.
 const ROW_GROUP: usize = 1 << 20;
 
 /// Starts a Parquet file; `path` names it in messages.

@@ -18,7 +18,8 @@ pub enum CaptureWarning {
     Impossible(Warning),
     /// Readings beyond the range of the part. The number counts them.
     OutOfRange(u64),
-    /// Some or all readings cannot be checked for bit errors, because bit errors cannot be told from motion.
+    /// Most readings cannot be checked for bit errors: they are too far apart in time (`can_judge`), or the part's
+    /// limits are unknown.
     Unjudged { can_judge: bool },
     /// In some of the gaps there was no data-ready edge.
     DataReadyStutters { silent_gaps: u64, gaps: u64 },

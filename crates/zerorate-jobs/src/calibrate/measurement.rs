@@ -19,7 +19,8 @@ pub trait Watch {
     /// Receives the progress every 4096 samples. Returns false to end the measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Receives the uncertainties that the recording would state if it ended now, if the plan has a target.
+    /// If the plan has a target, receives at each check the uncertainties that the recording would state if it ended
+    /// now.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.
@@ -115,7 +116,7 @@ impl<'a> Measurement<'a> {
         self.take(&first)
     }
 
-    /// Handles the end of the samples. A method without steps accepts a recording of any length.
+    /// Handles the end of the samples. Only a method without steps accepts a recording that ends early.
     fn end(&mut self) -> Result<()> {
         let words = self.words();
         let whole = !self.acquisition.is_stopped()

@@ -1,4 +1,5 @@
-//! The calibration procedure of F-51, on a part or on its recording: [`prepare`], then [`Job::run`].
+//! Calibration by the procedure of F-51 or by another method, on a part or on its recording: [`prepare`], then
+//! [`Job::run`].
 
 mod measurement;
 mod report;
@@ -47,7 +48,7 @@ pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
 }
 
-/// The requested output files. They are claimed before the measurement, which may take an hour.
+/// The requested output files. The file of the calibration is claimed before the measurement, which may take an hour.
 #[derive(Debug)]
 pub struct Files {
     pub(crate) outputs: Outputs,
@@ -139,7 +140,7 @@ impl Job {
     ///
     /// # Errors
     /// Returns [`CodedRefusal`](crate::CodedRefusal) if the samples must not become a calibration. Returns another
-    /// error if the device or the log fails, or if `watch` ends the measurement.
+    /// error if the device fails, if the log cannot be started, or if `watch` ends the measurement.
     pub fn run(self, watch: &mut dyn Watch) -> Result<RunResult> {
         let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;
@@ -177,11 +178,11 @@ pub struct RunResult {
     pub report: CalibrationReport,
     /// The calibration that follows from the measurement.
     pub calibration: Calibration,
-    /// An error if a requested file could not be written.
+    /// An error if the calibration or the log could not be written.
     pub delivery: Result<(), DeliveryFailure>,
 }
 
-/// The name of a rescued calibration if no requested file ends in `.toml`.
+/// The name of a rescued calibration if the first requested file does not end in `.toml`.
 const UNNAMED: &str = "calibration.toml";
 
 /// The failure to write a requested file of a calibration.

@@ -33,7 +33,7 @@ pub struct CalibrationReport {
     pub calibration_id: String,
     /// True if the part was the twin, the simulated sensor.
     pub simulated: bool,
-    /// The requested file of the calibration; `None` if no file was requested, or if the log failed.
+    /// The file of the calibration; `None` if none was requested, or if it or the log could not be written.
     pub file: Option<PathBuf>,
     pub capture_sha256: Option<String>,
     /// Warnings about all axes.

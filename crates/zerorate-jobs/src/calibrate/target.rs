@@ -37,7 +37,7 @@ impl Target {
         self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
     }
 
-    /// The uncertainties at the last check; `None` before the first.
+    /// The uncertainties at the last check; `None` before the first check, or if the samples so far would be refused.
     pub fn reached(&self) -> Option<Reached> {
         self.reached
     }

@@ -56,7 +56,8 @@ impl FinishedSteps {
         Ok(Some((saved, gap_s)))
     }
 
-    /// Saves the finished steps, atomically. A failure is a warning, because the measurement can go on.
+    /// Saves the finished steps atomically, unless all steps are finished. A failure is a warning, because the
+    /// measurement can go on.
     pub fn keep(&mut self, procedure: &ChamberProcedure) -> Option<JobWarning> {
         let slot = self.slot.as_mut()?;
         let (record, steps) = procedure.finished_steps();

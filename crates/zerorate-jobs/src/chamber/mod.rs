@@ -76,7 +76,7 @@ pub struct UnusableSteps {
     pub why: String,
 }
 
-/// The requested output files. They are claimed before the measurement, which may take hours.
+/// The requested output files. All except the log are claimed before the measurement, which may take hours.
 #[derive(Debug)]
 pub struct Files {
     of_calibration: calibrate::Files,
@@ -86,7 +86,8 @@ pub struct Files {
 }
 
 impl Files {
-    /// Claims the files and, if requested, a `page`. Finished steps of a replayed recording are not kept.
+    /// Claims the files of the calibration and of the finished steps and, if requested, a `page`. Finished steps of a
+    /// replayed recording are not kept.
     ///
     /// # Errors
     /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written, or
@@ -171,8 +172,8 @@ impl Job {
     /// Runs the measurement. `watch` receives the events.
     ///
     /// # Errors
-    /// Returns [`CodedRefusal`] if the samples must not become a calibration, or another error if the part, the
-    /// chamber or a file fails.
+    /// Returns [`CodedRefusal`] if the samples must not become a calibration, or another error if the part or the
+    /// chamber fails, or the log cannot be started.
     pub fn run(mut self, watch: &mut dyn Watch) -> Result<RunResult> {
         if self.options.moves_air && self.part().operating_c.is_none() {
             watch.warn(JobWarning::LimitsUnknown);

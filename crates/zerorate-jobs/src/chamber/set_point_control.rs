@@ -9,7 +9,7 @@ pub trait AirListener {
     /// Receives the state that the chamber would be left in if the program ended now.
     fn set_pending(&self, air: &AirState);
 
-    /// Called after a stop was requested, while the chamber is being set to its safe temperature.
+    /// Called if a stop was requested, right before the chamber is set to its safe temperature.
     fn leaving(&self, air: &AirState);
 
     /// Receives the final state of the chamber and the result of setting the safe temperature. The result is `None`

@@ -79,7 +79,8 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// True if another name or permission to overwrite would solve the problem.
+    /// True if the run refuses the path itself, so that another name or permission to overwrite is needed. False for
+    /// errors of the file system, for folders, and for a file that appeared after the claim.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::NoFolder { .. } | Self::TakenMeanwhile { .. })

@@ -1,5 +1,5 @@
-//! Output files. They never overwrite an input, and an existing file only with `--force`. A computed file never
-//! appears half-written under its final name.
+//! Output files. They never overwrite an input. They overwrite an existing file only with `--force`, or if it is a
+//! state file ([`Outputs::slot`]). A computed file never appears half-written under its final name.
 //!
 //! A command opens every file through [`Outputs`], which therefore knows all files of a run. [`Outputs`] refuses an
 //! output that is an input or another output of the same run, under any name (hard links, symbolic links, `./x`,
@@ -177,7 +177,7 @@ impl Outputs {
     }
 }
 
-/// True if the error is an output refusal that another name, or permission to overwrite, would solve.
+/// True if the error is an output refusal in the sense of [`OutputError::is_refusal`].
 #[must_use]
 pub fn is_refusal(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))

@@ -19,7 +19,7 @@ pub struct Slot {
     path: PathBuf,
     folder: PathBuf,
     name: OsString,
-    /// The identity of the existing file; `None` if there is none.
+    /// The identity of the file as this run found or wrote it; `None` if there is none.
     holds: Option<Identity>,
     /// An empty locked file beside the claimed file. It shows the claim to other runs.
     _claim: Temporary,

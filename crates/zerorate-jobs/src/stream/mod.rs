@@ -75,7 +75,7 @@ pub fn period_ns(rate_hz: f64) -> Option<u64> {
 
 /// Checks that the calibration belongs to the part that is read. `given` is the part's serial number, if the user
 /// states one. Messages call the calibration `cal` and the device `name`, and `advice` tells how to state the serial
-/// number. Returns a warning if the check is impossible because one serial number is unknown.
+/// number. Returns a warning if the check is impossible because a serial number is unknown.
 ///
 /// # Errors
 /// Returns an error if the calibration or the recording belongs to another part.

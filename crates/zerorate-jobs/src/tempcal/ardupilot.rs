@@ -29,7 +29,8 @@ impl<'a> AppliedCorrections<'a> {
         Self { parameters, imu }
     }
 
-    /// Undoes the corrections and the rotation of three axes, °/s or m/s². `temps_c` has one entry for each reading.
+    /// Undoes the corrections and the rotation of the readings (°/s or m/s²) of three axes. `temps_c` has one entry
+    /// for each reading.
     ///
     /// # Errors
     /// Returns an error if the orientation is unknown.

@@ -19,7 +19,7 @@ const LAGS: f64 = 3.0;
 /// The error at the start is worth a warning if it exceeds this many standard uncertainties.
 const WORTH: f64 = 2.0;
 
-/// The gyroscope of a log with its corrected rates. All lists are equally long.
+/// The gyroscope of a log with its corrected rates. Each sample has one temperature, and one rate of each axis.
 pub struct CorrectedLog {
     rate_hz: f64,
     temps_c: Vec<f64>,
@@ -42,7 +42,8 @@ impl CorrectedLog {
     /// sensor counts as warmed through.
     ///
     /// # Errors
-    /// Returns an error if the log cannot be read, has no temperature, lacks an axis, or has several IMUs with them.
+    /// Returns an error if the log cannot be read, has no temperature, lacks an axis, or has several IMUs with these
+    /// axes.
     pub fn new(log: &UnitLog, options: &TempcalOptions, calibration: &Calibration) -> Result<Self> {
         let mut notes = Vec::new();
         let (imu, columns) = gyroscope(log, options, calibration, &mut notes)?;
@@ -196,7 +197,7 @@ impl Applied<'_> {
     }
 
     /// The time for which the correction may be off after a start, s, and the largest error, °/s, if the temperature
-    /// changed before as it does after. `None` if that is less than the uncertainty.
+    /// changed before as it does after. `None` without a lag, or if no error exceeds [`WORTH`] standard uncertainties.
     fn off_at_starts(&self) -> Option<(f64, f64)> {
         let curve = self.of.curve.as_ref().filter(|curve| curve.lag_s > 0.0)?;
         let ahead = ((curve.lag_s * self.rate_hz) as usize).max(1);

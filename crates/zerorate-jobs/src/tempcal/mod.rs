@@ -48,7 +48,8 @@ pub struct Tempcal {
 /// Fits the bias over temperature of all axes of the sensors in logs of one unit.
 ///
 /// # Errors
-/// Returns an error if a log cannot be read, has no temperature or lacks axes, or a refusal if no fit is possible.
+/// Returns an error if a log cannot be read, has no temperature or lacks axes, or a refusal if no fit is possible or a
+/// curve is too uncertain.
 pub fn tempcal(logs: &[UnitLog], options: &TempcalOptions) -> Result<Tempcal> {
     if let Some(wanted) = options.max_u_dps.filter(|wanted| !(wanted.is_finite() && *wanted > 0.0)) {
         return Err(InvalidOptions(format!("the largest uncertainty is {wanted} °/s; give a number above 0")).into());

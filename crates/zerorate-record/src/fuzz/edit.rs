@@ -1,4 +1,4 @@
-//! Edits of files that do not depend on the format, aimed at common weak points: lengths, offsets, ends.
+//! Random edits for files of any format, aimed at common weak points: lengths, offsets, ends.
 
 /// The random bytes that determine the edits.
 pub type Draw = [u8; 1 + MOST_EDITS * EDIT_BYTES];
