@@ -1,5 +1,5 @@
-//! The command line: all commands and the option that they share. Most commands define their own options in a file of
-//! their own.
+//! The command line: all commands and the option that they share. Most commands define their options in their own
+//! files.
 
 use crate::commands::{
     allan::{self, AllanArgs},

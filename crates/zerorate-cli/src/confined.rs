@@ -1,7 +1,7 @@
 //! Runs a command in a child process with limited memory.
 //!
-//! The readers limit the memory that a file may take, and catch panics of the decoders. For the Parquet library that
-//! is not enough:
+//! The readers limit the memory for a file, and catch panics of the decoders. For the Parquet library that is not
+//! enough:
 //!
 //! * It parses a schema recursively, so that 20 000 nested groups (160 kB) overflow the stack.
 //! * It decompresses a whole page before it returns a row, so that a file of 50 kB took 470 MiB, and may take more.

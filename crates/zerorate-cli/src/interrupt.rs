@@ -25,8 +25,7 @@ const SAME: Duration = Duration::from_millis(500);
 /// Time after a second signal for work that must not be interrupted.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Installs the signal handler. Until [`listen`] is called, a signal ends the program. Call this before any command
-/// runs.
+/// Installs the signal handler, before a command runs. Until [`listen`] is called, a signal ends the program.
 pub fn handle() -> anyhow::Result<()> {
     // a process such as Python may run several command lines, but installs the handler only once
     if HANDLED.set(()).is_ok() {

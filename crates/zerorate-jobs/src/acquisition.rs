@@ -275,8 +275,7 @@ impl Acquisition {
 /// Averaging time that the warning about an aliased resonance assumes, s.
 const SHORTEST_AVERAGE_S: f64 = 1.0;
 
-/// Returns a warning if the sampling rate is below twice the bandwidth of the axis, so that faster motion aliases
-/// (F-56).
+/// Returns a warning if the sampling rate is below twice the bandwidth of the axis, so that motion aliases (F-56).
 pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
     let (rate_hz, needed_hz) = (tally.rate_hz(), 2.0 * axis.bandwidth_hz?);
     (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })

@@ -43,8 +43,7 @@ pub struct RecordedAxis {
     pub codes: Vec<i64>,
     /// The scale of the codes, in °/s.
     pub scale: Scale,
-    /// The fault bits of each reading: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible temperature.
-    /// 0 means no fault.
+    /// The fault bits of each reading, 0 if valid: 1 impossible, 2 out of range, 4 frozen, 8 impossible temperature.
     pub flags: Vec<u8>,
     health: Health,
 }

@@ -73,12 +73,10 @@ impl CodeScales {
 type OfKind = (Kind, LogWarning);
 
 impl CodeOptions {
-    /// Sets the scale of each kind of axis that has neither a unit nor a scale yet. Returns warnings about assumed
-    /// scales.
+    /// Sets the scale of each kind of axis that has neither unit nor scale. Returns warnings about assumed scales.
     ///
     /// # Errors
-    /// Returns an error if the part states no scale, lacks the given full scale, or if a unit or a scale is given as
-    /// well.
+    /// Returns an error if the part states no scale or lacks the full scale, or if a unit or scale is given as well.
     pub fn apply(&self, axes: &mut ImuOptions) -> Result<Vec<OfKind>, InvalidOptions> {
         let names = axes.log.names;
         let mut assumed = Vec::new();
@@ -153,8 +151,7 @@ fn others(kind: Kind, scale: FullScale) -> Vec<&'static str> {
     catalogue::FILES.iter().filter(|(_, text)| has(text)).map(|(name, _)| *name).collect()
 }
 
-/// True if a scale warning concerns these axes. Three accelerometers need no such warning: gravity verifies their
-/// scale.
+/// True if a scale warning concerns these axes. Three accelerometers need none: gravity verifies their scale.
 #[must_use]
 pub fn concerns(kind: Kind, axes: &[Column]) -> bool {
     let count = axes.iter().filter(|axis| axis.quantity == Some(kind.quantity())).count();

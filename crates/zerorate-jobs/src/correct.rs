@@ -112,8 +112,7 @@ fn schema(info: &CaptureInfo, calibration: &Calibration) -> SchemaRef {
     checked_schema([info.layout.raw_fields(), info.layout.derived_fields()].concat(), metadata)
 }
 
-/// Applies the correction. A batch of rows is corrected once two rows after it are read, because the reading checks
-/// need them.
+/// Applies the correction. The reading checks need two later rows, so each batch waits for these.
 struct Correcting {
     layout: Layout,
     axes: Vec<JudgedAxis>,

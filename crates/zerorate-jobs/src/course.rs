@@ -12,8 +12,7 @@ const LENGTH_NS: u64 = 5_000_000_000;
 /// The checksum in a calibration covers up to this many rows more than the samples that the calibration states.
 const ROWS_BEHIND: u64 = 64;
 
-/// Averages the samples of a capture that the calibration used: all of them, or the first ones. `stop` can end the
-/// reading.
+/// Averages the samples of a capture that the calibration used: all, or the first ones. `stop` can end the reading.
 ///
 /// # Errors
 /// Returns an error if the capture is damaged, if a stop is requested, or if the calibration was made from another

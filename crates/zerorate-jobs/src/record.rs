@@ -96,8 +96,7 @@ pub struct RecordReport {
     pub impossible_temps: u64,
     /// Number of readings out of range.
     pub out_of_range: u64,
-    /// Number of readings that were not checked: their neighbours are too far away in time, or the part's limits are
-    /// unknown.
+    /// Number of readings that were not checked: their neighbours are too far away, or the part's limits are unknown.
     pub unjudged: u64,
     /// True if the readings were frozen at the end: the part had stopped measuring.
     pub frozen: bool,

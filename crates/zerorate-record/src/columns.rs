@@ -17,8 +17,7 @@ use zerorate_input::cells::integers;
 /// Largest number of rows in a batch, which bounds the memory.
 pub const MAX_ROWS: usize = 8192;
 
-/// Longest time span of a batch, ns. If the process is killed, an Arrow stream or a CSV file lacks at most the open
-/// batch.
+/// Longest time span of a batch, ns. If the process is killed, a stream or a CSV file lacks at most the open batch.
 const MAX_SPAN_NS: u64 = 1_000_000_000;
 
 /// The rows that were collected for the next batch.

@@ -1,5 +1,4 @@
-//! Tests with damaged files. A reader must refuse the file, return all its rows, or warn and return only the first
-//! rows.
+//! Tests with damaged files. A reader must refuse the file, return all rows, or warn and return only the first rows.
 
 #[cfg(feature = "parquet")]
 mod of_parquet;

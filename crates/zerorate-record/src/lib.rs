@@ -172,8 +172,7 @@ impl CaptureReader {
         self.calibration_id.as_deref()
     }
 
-    /// The warnings, such as those about a missing end or a file without checks. Complete once all samples have been
-    /// read.
+    /// The warnings, such as those about a missing end or a file without checks. Complete once all rows were read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         self.table.warnings()
     }

@@ -17,8 +17,7 @@ use zerorate::MAX_AXES;
 pub struct Row {
     /// Time of the reading, ns, on a monotonic clock with an arbitrary zero.
     pub t_ns: u64,
-    /// Running number of the reading's data-ready edge, which wraps around. Without a data-ready signal, the number
-    /// of the reading.
+    /// Running number of the reading's data-ready edge, or of the reading if there is no such signal. It wraps around.
     pub edge_seq: u32,
     /// Number of readings lost since the previous row, the same for all axes; `u32::MAX` means that many or more.
     pub lost: u32,

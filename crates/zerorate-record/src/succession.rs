@@ -16,16 +16,14 @@ const NEEDED: usize = 16;
 /// samples late, cause far smaller differences.
 const UNSURE: f64 = 64.0;
 
-/// Largest allowed difference between the elapsed time and the count of `lost`, in samples, if the edges confirm the
-/// time.
+/// The same limit as [`UNSURE`], in samples, if the edges confirm the time.
 const SURE: f64 = 8.0;
 
 /// Additional allowed difference between the elapsed time and the count of `lost`, as a fraction of 1 + `lost`.
 /// Errors of the clock and of the learned period are smaller.
 const OF_GAP: f64 = 0.125;
 
-/// Number of extra edges per sample above which `edge_seq` cannot be a count of edges. A bouncing line causes only a
-/// few.
+/// Number of extra edges per sample above which `edge_seq` cannot be a count of edges. A bouncing line causes few.
 const EDGES_PER_SAMPLE: f64 = 64.0;
 
 /// The time, edge number and losses of a row.
@@ -108,8 +106,7 @@ struct Pace {
 }
 
 impl Continuity {
-    /// Checks the next row against the previous one. The row replaces the previous one, unless its time does not
-    /// increase.
+    /// Checks the next row against the previous one. The row replaces the previous one if its time increases.
     pub fn follow(&mut self, mark: Mark) -> Result<(), Break> {
         let Some(last) = self.last else {
             self.last = Some(mark);
@@ -145,8 +142,7 @@ impl Continuity {
         pace.map_or(Ok(()), |pace| self.first_steps.iter().try_for_each(|step| pace.judge(*step)))
     }
 
-    /// True if the rate is still being learned. If so, the result of [`Continuity::review`] may change with the next
-    /// row.
+    /// True while the rate is being learned. The result of [`Continuity::review`] may then change with the next row.
     pub fn is_learning(&self) -> bool {
         self.first_steps.len() < LEARNED
     }

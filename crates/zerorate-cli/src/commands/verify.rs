@@ -70,8 +70,7 @@ struct Verdict {
     torn: bool,
     /// The damage and its place in the file, or why the file cannot be checked; `None` if there is neither.
     damage: Option<String>,
-    /// The advice for a file that is torn, damaged or of another kind; `None` for a whole file and for an unreadable
-    /// one.
+    /// The advice for a file that is torn, damaged or of another kind; `None` for a whole or unreadable file.
     remedy: Option<String>,
     notes: Vec<String>,
     /// True if the content is unknown, because the file does not exist or this program cannot read it.

@@ -37,8 +37,7 @@ const BURST: u32 = 100;
 const REQUESTS_PER_S: f64 = 20.0;
 /// Largest body of a request that sends a token, bytes.
 const TOKEN: usize = 1 << 10;
-/// Interval between checks whether the server was asked to stop, and the wait after a connection could not be
-/// accepted.
+/// Interval between checks for a requested stop, and the wait after a connection could not be accepted.
 const POLL: Duration = Duration::from_millis(50);
 
 /// Content security policy: the page can load everything from this server only.
@@ -224,8 +223,7 @@ fn home(server: &Server, headers: &HeaderMap) -> Answer {
     answer::typed(StatusCode::OK, "application/json", text)
 }
 
-/// Checks a token that the user typed, or that the page took from its address. For the right token, the answer sets
-/// the cookie.
+/// Checks a token that the user typed, or that the page took from its address. If right, the answer sets the cookie.
 async fn token(server: &Server, body: Incoming) -> Answer {
     let shown = match time::timeout(server.limits.head, Limited::new(body, TOKEN).collect()).await {
         Ok(Ok(body)) => body.to_bytes(),

@@ -263,8 +263,7 @@ impl SessionThread {
         }
     }
 
-    /// Handles a device that cannot be read. The reason is printed only when it changes, although the device is opened
-    /// again and again.
+    /// Handles a device that cannot be read. The reason is printed again only when it has changed.
     fn gone(&mut self, error: &anyhow::Error, look_again: bool) {
         let hub = match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
             Device::Over { hub, .. } => hub,

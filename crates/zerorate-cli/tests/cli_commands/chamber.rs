@@ -58,8 +58,7 @@ fn each_step_by_hand_is_announced() {
     bench.zerorate(&line).ended_with(0).saying(&said);
 }
 
-/// The cable is pulled after 220 s, in the second step. The same command then continues with that step, and ends
-/// before 220 s.
+/// The cable is pulled after 220 s, in the second step. The same command then runs only that step, in less time.
 #[test]
 fn an_interrupted_measurement_goes_on_after_its_last_finished_step() {
     let bench = bench();

@@ -60,8 +60,7 @@ impl Cell {
         if self.ending == Ending::Ended { AT_END } else { "20" }
     }
 
-    /// Time for retries, s. It is short for a lasting fault during the measurement, and otherwise long, for a busy
-    /// machine.
+    /// Time for retries, s. It is short for a lasting fault in the measurement, otherwise long, for a busy machine.
     fn retry_s(&self) -> u32 {
         let comes_back = self.fault == "fails-thrice";
         if self.ending == Ending::Running && !comes_back { 1 } else { 60 }

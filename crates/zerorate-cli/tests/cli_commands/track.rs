@@ -19,8 +19,7 @@ fn track(bench: &Bench, duration: &str, more: &str) -> Run {
     bench.zerorate(format!("{line} --track --state state.toml {more}").trim_end())
 }
 
-/// A stream whose rows the test reads step by step. The stream is at most a few thousand rows ahead, because its pipe
-/// is then full.
+/// A stream whose rows the test reads step by step. Its pipe lets the stream run at most a few thousand rows ahead.
 struct HaltedRun {
     child: Child,
     rows: BufReader<ChildStdout>,

@@ -43,7 +43,7 @@ fn json_has_coefficients_and_table() {
     }
 }
 
-/// In JSON, a curve has its quadratic and cubic terms and an integer form of order 3, but a line does not. The table
+/// In JSON, a curve has quadratic and cubic terms and an integer form of order 3, which a line lacks. The table
 /// follows the curve.
 #[test]
 fn json_and_csv_hold_a_curve() {

@@ -9,8 +9,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// Names of calibrations, and the options that make them: one of four minutes with every sample, and three of an hour
-/// with every ninth edge.
+/// Names of calibrations, and the options that make them: one of 205 s with every sample, and three of an hour with
+/// every ninth edge.
 const CALIBRATIONS: [(&str, &str); 4] = [
     ("short", "--device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2"),
     ("hour-1", "--device twin:seed=1 --divider 9"),

@@ -182,8 +182,7 @@ const LOGS: &[&str] = &[
     "serve --listen 127.0.0.1:0 --device replay:FILE",
 ];
 
-/// A path may lead to an endless device, or to a file that is one large hole. Each has more bytes than the address
-/// space of this run.
+/// A path may lead to an endless device, or to a file that is one large hole. Each exceeds the run's address space.
 #[cfg(target_os = "linux")]
 #[test]
 fn whatever_is_read_whole_has_a_bound() {

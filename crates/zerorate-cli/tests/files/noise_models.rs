@@ -34,8 +34,7 @@ const GYRO: &str = "--raw i16 --rate 100 --scale 0.05";
 const ACCEL: &str = "--raw i16 --rate 100 --scale 3.33";
 const MTIG: &str = "--raw f32 --rate 100 --unit rad/s";
 
-/// The fields of [`Axis`] in order, without the options, one line per axis. σ and T are 0 if there is no Gauss–Markov
-/// term.
+/// The fields of [`Axis`] in order, without the options, one line per axis. σ and T are 0 without a Gauss–Markov term.
 const AXES: &str = "\
     adis16405/adis16405_imu1_gyro_x.i16le.xz  4.041479e-2 7.461984e-3 4.032305e-2 0 0 0 19 5.061622e-2 8.264997e-3 17
     adis16405/adis16405_imu1_gyro_y.i16le.xz  4.248092e-2 9.632041e-3 4.249921e-2 0 0 0 19 5.333893e-2 9.478360e-3 19

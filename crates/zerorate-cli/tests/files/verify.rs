@@ -116,8 +116,7 @@ fn samples(bench: &Bench, file: &str) -> Vec<String> {
     text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect()
 }
 
-/// A second capture was appended, as `cat` does. The file counts as damaged, and the message says that captures were
-/// joined.
+/// A second capture was appended, as `cat` does. The file counts as damaged, and the message says `joined`.
 #[test]
 fn captures_that_were_joined_are_not_whole() {
     let bench = bench();

@@ -19,8 +19,7 @@ pub trait Watch {
     /// Receives the progress every 4096 samples. Returns false to end the measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// If the plan has a target, receives at each check the uncertainties that the recording would state if it ended
-    /// now.
+    /// If the plan has a target, receives at each check the uncertainties if the recording ended now.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.
@@ -107,8 +106,7 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Initialises the part. Time starts with the first row, so that the recorded rows suffice to repeat the
-    /// procedure.
+    /// Initialises the part. Time starts with the first row, so that the recorded rows can repeat the procedure.
     fn initialise(&mut self) -> Result<()> {
         self.acquisition.initialise()?;
         let Some(first) = self.acquisition.next_row()? else { return Err(self.ended_early()) };

@@ -1,5 +1,4 @@
-//! Calibration by the procedure of F-51 or by another method, on a part or on its recording: [`prepare`], then
-//! [`Job::run`].
+//! Calibration by the procedure of F-51 or another method, on a part or a recording: [`prepare`], then [`Job::run`].
 
 mod measurement;
 mod report;
@@ -27,8 +26,8 @@ use zerorate_record::{CaptureInfo, Format};
 pub struct OutputOptions {
     /// The file of the calibration; `None` if none was requested.
     pub output: Option<PathBuf>,
-    /// True if the calibration of a real part is saved as `calibration-<id>.toml` in the current folder when `output`
-    /// is `None`.
+    /// True if a calibration of a real part is saved as `calibration-<id>.toml` in this folder when `output` is
+    /// `None`.
     pub saves: bool,
     /// The file that records every sample; `None` to record nothing.
     pub log: Option<PathBuf>,
@@ -41,8 +40,7 @@ pub struct OutputOptions {
 /// The longest recording that a method without steps uses, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// The default of [`Plan::settle_s`], s. A method other than AN-1042 uses the whole of a recording, so the default is
-/// then a day.
+/// The default of [`Plan::settle_s`], s: a day for methods other than AN-1042, which use a whole recording.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
@@ -57,8 +55,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Claims the file of the calibration, so that no other run can write to it. The log is claimed when the run
-    /// starts.
+    /// Claims the file of the calibration, so that no other run can write to it. The log is claimed by the run.
     ///
     /// # Errors
     /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written, or

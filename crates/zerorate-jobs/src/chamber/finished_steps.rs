@@ -36,8 +36,7 @@ impl FinishedSteps {
         name.into()
     }
 
-    /// Returns the saved steps and the time since their end, s (0 if unknown). `None` without a file or with
-    /// `restart`.
+    /// The saved steps and the time since their end, s (0 if unknown); `None` without a file or with `restart`.
     pub fn found(&self, restart: bool) -> Result<Option<(Saved, f64)>> {
         let Some(slot) = self.slot.as_ref().filter(|_| !restart) else { return Ok(None) };
         let shown = slot.path().display();

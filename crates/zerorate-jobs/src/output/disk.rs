@@ -8,8 +8,7 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::time::Duration;
 
-/// The ending of every unfinished file's name. No other files have it, so a run can find the files that killed runs
-/// left.
+/// The ending of every unfinished file's name. No other files have it, so a run can find what killed runs left.
 const ENDING: &str = ".zerorate.part";
 
 /// Number of random characters between the file's name and the ending.

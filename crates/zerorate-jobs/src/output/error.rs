@@ -38,8 +38,7 @@ pub enum OutputError {
     #[error("{} was written by something else meanwhile, and is left as it is", path.display())]
     TakenMeanwhile { path: PathBuf },
 
-    /// The path is a symbolic link to a file that does not exist. The link may lead to a place that the user does not
-    /// expect.
+    /// The path is a symbolic link to a file that does not exist. The link may lead to an unexpected place.
     #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a \
              link: name the file itself, or remove the link", path.display(), target.display())]
     Dangling { path: PathBuf, target: PathBuf },

@@ -203,8 +203,7 @@ fn refuse_capture(path: &Path) -> Result<(), OutputError> {
     if is_capture { Err(OutputError::IsCapture { path: path.to_owned() }) } else { Ok(()) }
 }
 
-/// Number of bytes at the start of a file that are searched for [`NAME`]. In every capture format, they contain the
-/// first key.
+/// Number of bytes at the start of a file that are searched for [`NAME`]. Every capture has a key there.
 const HEAD: u64 = 1 << 16;
 
 /// True if a file that cannot be read as a capture still starts like one.

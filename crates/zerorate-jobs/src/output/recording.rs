@@ -115,8 +115,7 @@ impl Write for CountingWriter {
     }
 }
 
-/// A recording file and its checks. Each write appends, so that a file that another program cuts stays shorter than
-/// `written`.
+/// A recording file and its checks. Each write appends, so a file that was cut elsewhere stays shorter than `written`.
 #[derive(Debug)]
 struct RecordedFile {
     /// The final path of the file.

@@ -29,8 +29,7 @@ impl<'a> AppliedCorrections<'a> {
         Self { parameters, imu }
     }
 
-    /// Undoes the corrections and the rotation of the readings (°/s or m/s²) of three axes. `temps_c` has one entry
-    /// for each reading.
+    /// Undoes the corrections and the rotation of readings (°/s or m/s²) of three axes. `temps_c` has one per reading.
     ///
     /// # Errors
     /// Returns an error if the orientation is unknown.

@@ -42,8 +42,7 @@ impl CorrectedLog {
     /// sensor counts as warmed through.
     ///
     /// # Errors
-    /// Returns an error if the log cannot be read, has no temperature, lacks an axis, or has several IMUs with these
-    /// axes.
+    /// Returns an error if the log cannot be read, lacks a temperature or axis, or has several IMUs with these axes.
     pub fn new(log: &UnitLog, options: &TempcalOptions, calibration: &Calibration) -> Result<Self> {
         let mut notes = Vec::new();
         let (imu, columns) = gyroscope(log, options, calibration, &mut notes)?;
@@ -142,8 +141,7 @@ fn gyroscope(
     }
 }
 
-/// Puts the last temperature of the minute before in place of each missing one. Returns the number of those that are
-/// still missing.
+/// Replaces each missing temperature by the last one of the minute before. Returns the number of those still missing.
 fn hold(temps_c: &mut [f64], rate_hz: f64) -> u64 {
     let (mut last_c, mut left, mut missing) = (f64::NAN, 0, 0);
     for temp_c in temps_c {

@@ -26,8 +26,7 @@ pub struct TempcalOptions {
     pub temperature: Option<String>,
     /// The reference temperature of the bias, °C; `None` for 25 °C, or mid-span if the logs do not reach 25 °C.
     pub reference_c: Option<f64>,
-    /// The largest allowed standard uncertainty of a gyroscope's bias at any temperature in the logs, °/s; `None` for
-    /// no limit.
+    /// Limit of a gyroscope's standard uncertainty of bias at any temperature in the logs, °/s; `None` for no limit.
     pub max_u_dps: Option<f64>,
 }
 

@@ -152,8 +152,7 @@ fn topics(log: &UnitLog, options: &ImuOptions) -> Result<Vec<String>> {
     }
 }
 
-/// Finds the temperature column of an IMU: the one that the user names, or the only one beside the axes, or one with a
-/// usual name.
+/// Finds the temperature column of an IMU by the user's name, as the only one beside the axes, or by a usual name.
 fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &TempcalOptions) -> Result<Column> {
     let names = options.axes.log.names;
     let option = names.of(Setting::TempColumn);

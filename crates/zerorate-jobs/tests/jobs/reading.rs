@@ -102,7 +102,7 @@ fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
     assert!(!has(&found("twin:mclk_hz=6000000").warnings, "resonance"));
 }
 
-/// The rate is f_conv/(N + 1), with f_conv = 2 · 5692.6 Hz (F-56). N is the divider, the counter in the line, or their
+/// The rate is f_conv/(N + 1), with f_conv = 2 · 5692.6 Hz (F-56). N is the divider, the line's counter, or their
 /// product.
 #[test]
 fn a_divider_and_a_counter_lower_the_rate() {

@@ -38,8 +38,7 @@ fn a_recording_gives_the_same_calibration_byte_for_byte() {
     }
 }
 
-/// A calibration from the recording leaves out the same faulty readings, because the recording holds the raw codes as
-/// they were read.
+/// A calibration from the recording leaves out the same faulty readings, because the recording holds the raw codes.
 #[test]
 fn a_calibration_over_a_bad_line_is_repeated_from_its_log() {
     let folder = Folder::new();
@@ -51,7 +50,7 @@ fn a_calibration_over_a_bad_line_is_repeated_from_its_log() {
     assert_eq!(only(&again).impossible_readings, only(&live).impossible_readings);
 }
 
-/// A part of three simulated axes: the bias of each is found within its uncertainty, and its recording gives the same
+/// A part of three simulated axes: each bias is found within its uncertainty, and the recording gives the same
 /// numbers.
 #[test]
 fn a_part_with_three_axes_is_calibrated_in_one_go() {

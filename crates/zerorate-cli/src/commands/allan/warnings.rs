@@ -4,7 +4,7 @@ use zerorate_imu::{ImuWarning, Record};
 use zerorate_logs::LogWarning;
 use zerorate_view::noise;
 
-/// The codes of warnings about the noise model, the most serious first. All other codes are about the log and come
+/// The codes of warnings about the noise model, the most serious first. All other codes concern the log and come
 /// first.
 const BY_WEIGHT: [&str; 18] = [
     "model-rejected",
@@ -57,8 +57,7 @@ pub fn code(line: &str) -> &str {
 /// The code whose lines are all shown, because their causes and remedies differ.
 const EACH: &str = "implausible";
 
-/// The first line of each code, with the number of different further lines of that code. Lines of the code [`EACH`]
-/// are all kept.
+/// The first line of each code, with the number of different further lines. Lines of the code [`EACH`] are all kept.
 pub fn first_of_each(lines: &[String]) -> Vec<String> {
     let mut firsts: Vec<(&String, Vec<&String>)> = Vec::new();
     for line in lines {

@@ -1,4 +1,4 @@
-//! `zerorate calibrate` and `recalibrate`: the procedure of AN-1042 (F-51) or another method, on a part or on its
+//! `zerorate calibrate` and `recalibrate`: the procedure of AN-1042 (F-51) or another method, on a part or a
 //! recording.
 
 mod deliver;

@@ -175,8 +175,7 @@ mod tests {
         CalibrationReport::new(outcomes, &calibration, &[], zerorate::Setting::name)
     }
 
-    /// The JSON lists several axes, each with its warnings. The numbers of a single axis are at the top level, as in
-    /// earlier versions.
+    /// The JSON lists several axes, each with its warnings. The numbers of a single axis are at the top level.
     #[test]
     fn axes_are_listed_where_there_are_several() {
         let two = [outcome(-0.5, Warning::Restless), outcome(0.25, Warning::RestUnjudged)];
