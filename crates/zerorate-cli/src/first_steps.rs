@@ -118,7 +118,7 @@ fn of_number(value: &str, why: Option<&(dyn std::error::Error + 'static)>) -> Op
     }
 }
 
-/// A tip about an argument that does not fit into a command with this usage.
+/// A tip about an argument that does not fit into a command with this usage; `None` if there is no tip.
 fn of_argument(argument: &str, usage: &str) -> Option<String> {
     if argument == "--port" {
         return Some("--listen takes address and port: --listen 127.0.0.1:8130".to_owned());

@@ -47,7 +47,7 @@ pub fn all() -> impl Iterator<Item = Explanation> {
     groups().into_iter().flat_map(|group| group.codes)
 }
 
-/// Explains a code. Also accepts a whole message that begins with the code: `aliased: 228 samples/s …`.
+/// Explains a code, or a whole message that begins with it: `aliased: 228 samples/s …`. `None` if the code is unknown.
 #[must_use]
 pub fn explain(code: &str) -> Option<Explanation> {
     let line = code.trim();

@@ -41,7 +41,7 @@ pub struct Found {
     pub rows: u64,
     /// Sum of the rows' losses.
     pub lost: u64,
-    /// `t_ns` of the first and of the last row.
+    /// `t_ns` of the first and of the last row; `None` before the first.
     pub span_ns: Option<(u64, u64)>,
     /// Number of rows whose `edge_seq` contradicts the time, in an otherwise valid file.
     edges_out_of_place: u64,
@@ -109,7 +109,7 @@ impl Checked {
         self.source.stated().torn
     }
 
-    /// The warning about bytes after the end. Known once all rows were read.
+    /// The warning about bytes after the end, if there are any. Known once all rows were read.
     pub fn behind_end(&self) -> Option<&InputWarning> {
         let warning = self.source.stated().warning.as_ref();
         warning.filter(|warning| matches!(warning, InputWarning::BytesBehindEnd { .. }))

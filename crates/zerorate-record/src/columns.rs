@@ -162,7 +162,7 @@ impl Codes {
         }
     }
 
-    /// The first value that is outside of the scale's codes.
+    /// The first value that is outside of the scale's codes; `None` if all are inside.
     fn misfit(&self, scale: &Scale) -> Option<i64> {
         let (first, last) = scale.codes();
         let outside = |code: &i64| !(first..=last).contains(code);

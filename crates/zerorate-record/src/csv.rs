@@ -177,7 +177,7 @@ impl CsvReader {
         Ok(Entry::Row)
     }
 
-    /// Marks the file as incomplete.
+    /// Marks the file as incomplete. Its last `rows` rows are dropped.
     fn torn(&mut self, rows: usize) {
         self.stated.torn = true;
         self.stated.warning = Some(cut_off(&self.path, rows));

@@ -256,7 +256,7 @@ struct Readings {
     /// Index of the axis among the validated axes.
     axis: usize,
     channel: Channel,
-    /// Values of rows that are not validated yet.
+    /// Values of rows that are not validated yet; `None` before the first rows and after the last.
     tail: Option<ArrayRef>,
 }
 

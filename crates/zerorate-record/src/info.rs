@@ -42,7 +42,7 @@ pub struct CaptureInfo {
     pub layout: Layout,
     /// The source of the samples, as the user named it.
     pub device: String,
-    /// Serial number, as the user stated it.
+    /// Serial number, as the user stated it; `None` if it is unknown.
     pub serial: Option<String>,
     /// Converter settings of an ADIS16130; `None` for another part.
     pub converter: Option<Converter>,
@@ -54,7 +54,7 @@ pub struct CaptureInfo {
     pub divided: u16,
     /// −3 dB bandwidth of the rate, Hz, if it differs from the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
-    /// Component of the Earth's rotation along the axis, °/s, as stated for the measurement (F-16).
+    /// Component of the Earth's rotation along the axis, °/s (F-16); `None` if none was stated for the measurement.
     pub earth_dps: Option<f64>,
     /// The software that wrote the capture.
     pub software: String,

@@ -97,7 +97,7 @@ impl Rate {
     }
 }
 
-/// The value of a number that a part file gives alone or in a table with its source.
+/// The value of a number that a part file gives alone or in a table with its source; `None` for other entries.
 fn value(number: &Value) -> Option<f64> {
     let number = number.get("value").unwrap_or(number);
     number.as_float().or_else(|| number.as_integer().map(|whole| whole as f64))

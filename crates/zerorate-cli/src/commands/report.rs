@@ -1,4 +1,4 @@
-//! `zerorate report`: writes calibrations as one HTML page to read, print and file.
+//! `zerorate report`: writes calibrations as one HTML page to read, print and file, or only the picture of the page.
 
 use super::correct::load;
 use crate::exit::Usage;

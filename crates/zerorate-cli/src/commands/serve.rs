@@ -133,7 +133,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
 }
 
-/// Opens the listener for libiio clients. They need no password, so other machines must not reach the listener.
+/// Opens the listener for libiio clients, if wanted. No password protects it, so other machines must not reach it.
 fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<Libiio>> {
     if args.no_iio {
         return Ok(None);

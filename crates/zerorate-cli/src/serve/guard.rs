@@ -108,8 +108,8 @@ impl Guard {
         }
     }
 
-    /// The cookie that stores the token. Scripts cannot read it, and browsers do not send it with requests that pages
-    /// of other sites make.
+    /// The cookie that stores the token; `None` without a token. Scripts cannot read the cookie, and browsers do not
+    /// send it with requests from pages of other sites.
     pub fn cookie(&self) -> Option<HeaderValue> {
         let token = self.token.as_ref()?.reveal();
         HeaderValue::try_from(format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", self.cookie)).ok()

@@ -21,7 +21,7 @@ pub async fn text_of(server: &Server) -> Option<String> {
     Some(text(&head, server.watchers()))
 }
 
-/// Parses the header of a frame (docs/formats/page.md).
+/// Parses the header of a frame (docs/formats/page.md); `None` if it is malformed.
 fn head(frame: &[u8]) -> Option<Value> {
     let (length, rest) = frame.split_first_chunk()?;
     serde_json::from_slice(rest.get(..u32::from_le_bytes(*length) as usize)?).ok()

@@ -62,9 +62,9 @@ pub struct SessionThread {
     pending: Vec<oneshot::Sender<Subscription>>,
     /// The time at which the next frame is due.
     frame_due: Instant,
-    /// The last printed reason why the device cannot be read.
+    /// The last printed reason why the device cannot be read; `None` once it is read again.
     failed: Option<String>,
-    /// The first error of a recording.
+    /// The first error of a recording, if one has failed.
     failure: Option<anyhow::Error>,
 }
 

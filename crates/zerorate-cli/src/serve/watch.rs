@@ -160,13 +160,13 @@ impl Watch {
     }
 }
 
-/// Reads the next message, but not before the time `at`.
+/// Reads the next message, but not before the time `at`; `None` at the end of the connection.
 async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Result<Message, Error>> {
     time::sleep_until(at).await;
     socket.next().await
 }
 
-/// Requests a snapshot of the session.
+/// Requests a snapshot of the session; `None` if the session has ended.
 pub async fn snapshot(requests: &RequestSender) -> Option<Bytes> {
     subscribe(requests).await.map(|subscription| subscription.snapshot)
 }

@@ -177,7 +177,7 @@ fn damaged_frames_are_counted_as_lost() {
     let summary = run.ended_with(0).json();
     assert!(summary["warnings"].to_string().contains("damaged-frames: "), "{summary}");
     let (lost, rows) = (summary["lost_samples"].as_u64().expect("a number"), rows(&bench));
-    // one of 100 frames is damaged, and the first frames are answers
+    // every 100th frame is damaged, and a few frames are answers in place of samples
     assert!((100..=102).contains(&lost), "{lost}");
     assert_eq!(rows.iter().map(|row| row[5]).sum::<u64>(), lost);
     assert_eq!(rows.iter().filter(|row| row[5] == 1).count() as u64, lost, "each is told of by the sample after it");

@@ -1,4 +1,4 @@
-//! A successful run has synced its files to the disk: first the content, then the name.
+//! A successful run has synced its files to the disk, both content and name.
 #![cfg(target_os = "linux")]
 
 use super::{Bench, FORMS, PROGRAM, SHORT, calibration, capture, skip};

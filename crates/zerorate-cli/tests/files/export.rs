@@ -223,7 +223,7 @@ impl Trial {
         self.axes.iter().enumerate().map(|(index, axis)| of(index + 1, axis)).collect()
     }
 
-    /// The rows of codes as array literals of the language.
+    /// The rows of codes as array literals, with the brackets of C or Rust.
     fn literals(&self, [open, close]: [&str; 2]) -> String {
         let row = |codes: &Vec<i64>| codes.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
         self.codes.iter().map(|codes| format!("{open}{}{close},\n", row(codes))).collect()

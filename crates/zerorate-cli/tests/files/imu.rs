@@ -83,7 +83,7 @@ fn columns_that_are_not_axes_are_left_out_and_named() {
     assert!(run.stderr.contains("it has: height, weight"), "{}", run.stderr);
 }
 
-/// N of the gyroscopes is 0.60, 0.72 and 0.48 °/√h. The one-sided accelerometer noise is 0.29, 0.36 and 0.43 mg/√Hz.
+/// Gyroscope N is 0.60, 0.72 and 0.48 °/√h. The one-sided accelerometer noise density is 0.29, 0.36 and 0.43 mg/√Hz.
 #[test]
 fn axes_are_compared_with_a_data_sheet() {
     let bench = bench();

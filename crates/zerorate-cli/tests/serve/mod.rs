@@ -29,7 +29,8 @@ struct TestServer {
 }
 
 impl TestServer {
-    /// Starts `serve --listen IP:0` with these arguments in the folder of the test.
+    /// Starts `serve` in the folder of the test, with free ports for the page and for libiio, and with these
+    /// arguments.
     fn at(bench: &Bench, ip: &str, arguments: &str) -> Self {
         let line = format!("serve --listen {ip}:0 --iio 127.0.0.1:0 {arguments}");
         let mut command = bench.command(line.trim_end());

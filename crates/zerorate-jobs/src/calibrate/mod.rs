@@ -26,7 +26,7 @@ use zerorate_record::{CaptureInfo, Format};
 pub struct OutputOptions {
     /// The file of the calibration; `None` if none was requested.
     pub output: Option<PathBuf>,
-    /// True if a calibration of a real part is saved as `calibration-<id>.toml` in this folder when `output` is
+    /// True if a calibration of a real part is saved as `calibration-<id>.toml` in the current folder when `output` is
     /// `None`.
     pub saves: bool,
     /// The file that records every sample; `None` to record nothing.

@@ -28,7 +28,7 @@ pub struct CalibrationReport {
     pub part: String,
     pub serial: Option<String>,
     pub device: Option<String>,
-    /// Time of recording, RFC 3339, or `SIMULATED` for a simulated part.
+    /// Time of recording, RFC 3339, or `SIMULATED` for a simulated part; `None` if unknown.
     pub created: Option<String>,
     pub calibration_id: String,
     /// True if the part was the twin, the simulated sensor.

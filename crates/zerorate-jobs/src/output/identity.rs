@@ -31,13 +31,13 @@ impl Identity {
         Some(Self::Inode(metadata.dev(), metadata.ino()))
     }
 
-    /// The identity of the file or pipe at `path`.
+    /// The identity of the file or pipe at `path`; `None` if the path cannot be resolved.
     #[cfg(not(unix))]
     pub fn of(_: &Metadata, path: &Path) -> Option<Self> {
         path.canonicalize().ok().map(Self::Path)
     }
 
-    /// The identity of the open file that is called `path`.
+    /// The identity of the open file that is called `path`; `None` if it is unknown.
     pub fn of_open(file: &File, path: &Path) -> Option<Self> {
         Self::of(&file.metadata().ok()?, path)
     }

@@ -17,7 +17,7 @@ pub enum Place {
     Name {
         folder: PathBuf,
         name: OsString,
-        /// The regular file that has this name now.
+        /// The regular file that has this name now; `None` if the name is free.
         replaces: Option<Identity>,
     },
     /// A pipe, terminal or device. It has no content to lose, and no file can be renamed onto it.

@@ -88,7 +88,7 @@ fn parameters(log: &UnitLog) -> Result<BTreeMap<String, f64>> {
 }
 
 /// Returns an error if a parameter that corrects or rotates the readings changes within the log. The error tells
-/// before which time the log can be used. ArduPilot applies a calibration as soon as it has learned it.
+/// before which time the log can be used. ArduPilot applies a calibration as soon as the calibration is learned.
 fn check_unchanged(path: &Path, options: &TempcalOptions) -> Result<()> {
     let corrects = |name: &str| name.starts_with("INS_TCAL") || name == "AHRS_ORIENTATION";
     let changed = zerorate_logs::changed_parameter(path, files::open(path)?, corrects)?;
@@ -98,7 +98,7 @@ fn check_unchanged(path: &Path, options: &TempcalOptions) -> Result<()> {
     Err(LogError::Ask(format!("{text}give {option} {until_s}, or less")).into())
 }
 
-/// The device id that a PX4 driver logs beside its readings.
+/// The device id that a PX4 driver logs beside its readings; `None` for other topics and logs.
 fn device_id(log: &UnitLog, topic: &str, options: &TempcalOptions) -> Option<i64> {
     let name = topic.starts_with("sensor_").then(|| format!("{topic}.device_id"))?;
     let log_options = ColumnOptions { topic: Some(topic.to_owned()), ..options.axes.log.clone() };
@@ -152,7 +152,7 @@ fn topics(log: &UnitLog, options: &ImuOptions) -> Result<Vec<String>> {
     }
 }
 
-/// Finds the temperature column of an IMU by the user's name, as the only one beside the axes, or by a usual name.
+/// Finds the temperature column of an IMU: by the given name, as the only one beside the axes, or by a usual name.
 fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &TempcalOptions) -> Result<Column> {
     let names = options.axes.log.names;
     let option = names.of(Setting::TempColumn);

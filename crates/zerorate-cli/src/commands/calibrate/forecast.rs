@@ -6,7 +6,7 @@ use zerorate_view::duration::Seconds;
 /// The forecast is rounded up to a multiple of this time, s, since the target is checked once a minute at most.
 const MINUTE_S: f64 = 60.0;
 
-/// Formats the forecast, one line per axis.
+/// Formats the forecast, one line per axis; empty without a target.
 pub fn lines(part: &Part, plan: &Plan) -> Vec<String> {
     let Some(target_dps) = plan.target_dps else { return Vec::new() };
     let target_dph = 3600.0 * target_dps;

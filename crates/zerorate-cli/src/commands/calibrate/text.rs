@@ -99,7 +99,7 @@ fn means(numbers: &AxisNumbers) -> Option<String> {
     Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
 }
 
-/// Formats the expanded uncertainty of the correction at the lowest and the highest measured temperature.
+/// The expanded uncertainty of the correction at the lowest and the highest measured temperature; empty if unknown.
 fn ends(numbers: &AxisNumbers, factor: f64) -> String {
     let end = |point: Option<&CurvePoint>| {
         let CurvePoint { temp_c, u_dps, .. } = point?;

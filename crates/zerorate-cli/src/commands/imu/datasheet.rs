@@ -50,7 +50,7 @@ fn row(axis: &str, line: &LineReport) -> Vec<String> {
     vec![line.figure.to_owned(), stated, axis.to_owned(), found(line), judged(line)]
 }
 
-/// Formats a measured value in the unit of the line: `0.0569 [0.0565, 0.0573]`, or `< 0.1` for an upper limit.
+/// Formats a measured value: `0.0569 [0.0565, 0.0573]`, `< 0.1` for an upper limit, or `no model`.
 fn found(line: &LineReport) -> String {
     match (line.measured, line.measured_lo, line.measured_hi) {
         (Some(value), Some(lo), Some(hi)) if lo > 0.0 => {
