@@ -53,7 +53,8 @@ impl CodeScales {
         }
     }
 
-    /// The scale of the codes at the full scale `range`. If `range` is `None`, the full scale after power-up applies.
+    /// The scale of the codes at the full scale `range`, or after power-up without one; `None` if the part states
+    /// none.
     fn at(&self, kind: Kind, range: Option<f64>, names: Names) -> Result<Option<FullScale>, InvalidOptions> {
         let (name, all) = (&self.name, self.of(kind));
         let Some(range) = range else { return Ok(all.first().copied()) };

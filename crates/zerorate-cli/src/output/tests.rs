@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Calls that open a file. The rest of the crate must not make them.
+/// Calls that open a file. Only the files of [`EXCEPTIONS`] may make them.
 const WAYS: [&str; 10] = [
     "fs::read(",
     "read_to_string",

@@ -66,7 +66,7 @@ pub struct ChamberOptions {
     pub moves_air: bool,
 }
 
-/// The error for saved steps that belong to another measurement.
+/// The error for saved steps that are damaged or belong to another measurement.
 #[derive(Debug, thiserror::Error)]
 #[error("{} does not go on with this measurement: {why}", path.display())]
 pub struct UnusableSteps {
@@ -121,8 +121,8 @@ pub struct Job {
 /// Prepares a measurement. The writer sets the ambient temperature of a simulated sensor.
 ///
 /// # Errors
-/// Returns [`InvalidOptions`] if the plan does not fit the part, [`UnusableSteps`] if saved steps belong to another
-/// measurement, or an error if a file cannot be read.
+/// Returns [`InvalidOptions`] if the plan does not fit the part, [`UnusableSteps`] if saved steps are damaged or
+/// belong to another measurement, or an error if a file cannot be read.
 pub fn prepare(
     acquisition: Acquisition,
     (control, writer): (SetPointControl, Option<ProfileWriter>),

@@ -28,7 +28,7 @@ pub struct AirState {
     pub set_c: Option<f64>,
 }
 
-/// The person or the device that sets the temperature.
+/// The source of the air temperature: a recording, a person or a chamber.
 pub(super) enum Control {
     /// Nobody: a recording is replayed.
     Recording,

@@ -230,7 +230,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     prepare(acquisition, (control, writer), plan, files, options).map_err(worded)
 }
 
-/// Adds advice to the error about a file of finished steps that belongs to another measurement.
+/// Adds advice to the error about a file of finished steps that is damaged or belongs to another measurement.
 fn worded(error: Error) -> Error {
     match error.downcast::<UnusableSteps>() {
         Ok(unusable) => Usage(format!("{unusable}; take another -o, or --restart to begin anew")).into(),

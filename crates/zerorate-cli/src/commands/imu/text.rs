@@ -8,7 +8,7 @@ use zerorate_view::noise::{GaussMarkov, gauss_markov, is_without_misfit, stated}
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
-/// Formats one table for each kind of sensor, with a row for each axis.
+/// Formats a heading, then one table for each kind of sensor, with a row for each axis.
 pub fn table(report: &ImuReport) -> Result<String> {
     let mut text = String::new();
     if let Some(axis) = report.axes.first() {
