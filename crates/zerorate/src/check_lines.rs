@@ -17,7 +17,7 @@ const DIGITS: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the field is the number of a line")]
 pub enum Damage {
-    /// This line was edited or added, or it follows one that was removed.
+    /// This line was edited or added, or a line next to it was removed.
     Changed { line: usize },
     /// The file ends after this line, and more lines were written.
     EndsEarly { line: usize },

@@ -13,7 +13,7 @@ pub struct Contribution {
     pub source: &'static str,
     /// Standard uncertainty from this source: °/s for PBC, °/s/°C for BTC.
     pub u: f64,
-    /// Share of the variance of the coefficient, 0 … 1. The shares of a coefficient add up to 1.
+    /// Share of the variance of the coefficient, 0 … 1. All shares are 0 if this variance is 0.
     pub share: f64,
 }
 

@@ -25,8 +25,7 @@ pub struct ChamberRun<'a> {
 }
 
 impl Calibration {
-    /// Builds the calibration of a part from the outcomes of its axes, in their order, and the record that they came
-    /// from.
+    /// Builds the calibration of a part from its record and one outcome for each axis, in the order of the axes.
     #[must_use]
     pub fn of_chamber(
         part: &Part,

@@ -56,7 +56,7 @@ fn number(text: &str, digits: usize) -> Option<u32> {
 mod tests {
     use super::*;
 
-    /// The examples of RFC 3339, section 5.8, and a leap day.
+    /// Four examples of RFC 3339, section 5.8, and a leap day.
     #[test]
     fn the_times_of_rfc_3339_are_valid() {
         for time in [

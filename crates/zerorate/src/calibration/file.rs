@@ -98,7 +98,7 @@ impl Calibration {
     /// Reads a calibration file.
     ///
     /// # Errors
-    /// Returns the first error in the text, with its line.
+    /// Returns the first error that the checks find, with its line.
     ///
     /// ```
     /// use zerorate::calibration::{Calibration, FileWarning};

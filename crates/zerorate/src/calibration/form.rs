@@ -209,8 +209,8 @@ impl Calibration {
         }
     }
 
-    /// Whether the only axis has the name, scales and margin of the built-in ADIS16130, and no warnings of its own.
-    /// The file and the exports then do not name the axis.
+    /// Whether the part, the name of its only axis, scales and margin are those of the built-in ADIS16130, and this
+    /// axis has no warnings of its own. The file and the exports then do not name the axis.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         let Part { name, axes, .. } = &Part::ADIS16130;

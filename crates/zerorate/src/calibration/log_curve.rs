@@ -22,16 +22,16 @@ pub struct LogUnit {
     pub serial: Option<String>,
     /// The software that made the measurement.
     pub software: String,
-    /// The logs that the curves come from.
+    /// The logs that the curves come from, as text.
     pub device: String,
     /// T3 of the corrections, °C.
     pub t3_c: f64,
 }
 
 impl Calibration {
-    /// Builds a calibration from the curves of the gyroscopes of a unit, °/s. Each curve comes with the name of its
-    /// axis and its warnings. The corrections have terms up to the third order. Their uncertainty includes the part of
-    /// the curve that these terms miss.
+    /// Builds a calibration from the bias curves, °/s, of the gyroscopes of a unit. Each curve comes with the name of
+    /// its axis and its warnings. The corrections have terms up to the third order. Their uncertainty includes the
+    /// part of the curve that these terms miss.
     #[must_use]
     pub fn of_log_curves(unit: LogUnit, axes: &[(String, &LogCurve, Vec<String>)]) -> Self {
         let spans = || axes.iter().map(|(_, curve, _)| curve.span_c());

@@ -127,7 +127,7 @@ pub struct CurveRecord {
     pub coverage: f64,
     pub coverage_factor: f64,
     pub order: usize,
-    /// Posterior probability of each order, from 0 to 3.
+    /// Posterior probability of each of the orders 0 to 3.
     pub order_weights: [f64; TERMS],
     /// Covariance of PBC, BTC, and the terms of second and third order. Entry (i, j) is in (°/s)²/°C^(i + j).
     pub covariance: [[f64; TERMS]; TERMS],
@@ -135,7 +135,7 @@ pub struct CurveRecord {
     pub lag_s: f64,
     /// Half width of the play between bias and temperature (a hysteresis, as of a gear with backlash), °C.
     pub play_c: f64,
-    /// Bias steps that were removed from the data: time from the start of the recording or log, s, and size, °/s.
+    /// Bias steps that were removed from the data: time from the start of the measurement or log, s, and size, °/s.
     pub steps: Vec<[f64; 2]>,
     /// Sources of the uncertainties of PBC and BTC. `None` in older files and in calibrations from logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -217,7 +217,7 @@ pub struct Notes {
     pub ambient: Option<String>,
     /// The person who measured.
     pub operator: Option<String>,
-    /// Name of the computer. `None` for a simulated part, whose files depend on the seed alone.
+    /// Name of the computer. `None` if unknown, and for a simulated part, whose files depend on the seed alone.
     pub host: Option<String>,
 }
 
@@ -246,7 +246,7 @@ impl Notes {
 }
 
 impl Calibration {
-    /// Builds the calibration of a part from the outcomes of its axes, in their order.
+    /// Builds the calibration of a part from one outcome for each axis, in the order of the axes.
     #[must_use]
     pub fn new(part: &Part, outcomes: &[Outcome], origin: Origin) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
@@ -280,10 +280,10 @@ impl Calibration {
         self.axes.iter().find(|axis| axis.name == name)
     }
 
-    /// Builds a corrector for these axes of a part, in their order.
+    /// Builds a corrector for the axes of a part with these names, in the given order.
     ///
     /// # Errors
-    /// Returns [`OtherPart`] if the calibration belongs to another part, or has no such axis.
+    /// Returns [`OtherPart`] if the calibration belongs to another part, or lacks one of the axes.
     pub fn corrector<'a>(
         &self,
         part: &str,
@@ -307,8 +307,8 @@ impl Calibration {
         self.method.as_deref() == Some(log_curve::METHOD)
     }
 
-    /// Identifies the calibration by 12 hexadecimal digits, which corrected data carry. The digits depend on the part,
-    /// the serial number, the date, the names of the axes, and the coefficients of the corrections.
+    /// Identifies the calibration by 12 hexadecimal digits, which corrected data carry. The digits depend on part and
+    /// serial number, the date if not [`SIMULATED`], the axis names if not [`Self::is_plain`], and the coefficients.
     #[must_use]
     pub fn id(&self) -> String {
         let part = &self.part;
@@ -335,7 +335,7 @@ impl Calibration {
 pub enum OtherPart {
     /// The calibration belongs to another kind of part.
     Part { calibrated: String, axes: String, part: String },
-    /// The calibration has other axes.
+    /// The calibration has no axis of the name `axis`.
     Axis { axis: String, axes: String },
 }
 
@@ -357,13 +357,13 @@ impl fmt::Display for OtherPart {
 impl core::error::Error for OtherPart {}
 
 impl CalibratedAxis {
-    /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: the uncertainty of the added
-    /// correction, not of the rate itself. `None` if the calibration states no uncertainties.
+    /// Standard uncertainty, °/s, of the correction that is added at the temperature `temp_c`, and not of the rate
+    /// itself. `None` if the calibration states no uncertainties.
     ///
-    /// u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc with d = T − T3, the first-order propagation of JCGM 100:2008,
-    /// equation 13, for two quantities. T3 is not a third quantity, because PBC holds *at the T3 that the file
-    /// states*. An error ε of the reading of T3 is an error −BTC · ε of PBC. So u_pbc contains it already, and
-    /// cov_pbc_btc contains its correlation with the error of BTC.
+    /// For a curve it follows from the covariance of all terms. Otherwise u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc
+    /// with d = T − T3, by JCGM 100:2008, equation 13. T3 is not a third quantity, because PBC holds *at the T3 that
+    /// the file states*. An error ε of the reading of T3 is an error −BTC · ε of PBC. So u_pbc contains this error
+    /// already, and cov_pbc_btc contains its correlation with the error of BTC.
     #[must_use]
     pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
         if let Some(curve) = &self.curve {
@@ -443,7 +443,7 @@ fn one_line(text: &str) -> String {
     line
 }
 
-/// The text of a warning for the file, without names of settings, because the reader may use another front end.
+/// Code and text of a warning for the file, without names of settings, because the reader may use another front end.
 fn said(warning: &Warning) -> String {
     one_line(&format!("{}: {}", warning.code(), warning.with(|_| SettingName::text(""))))
 }
@@ -462,7 +462,7 @@ fn calibrated(axis: &NamedAxis, outcome: &Outcome, common: &[&Warning]) -> Calib
     }
 }
 
-/// The temperatures that all axes were measured at.
+/// The span of temperatures that the measurements of all axes share.
 fn validity(part: &Part, outcomes: &[Outcome]) -> Option<Validity> {
     let temp_min_c = outcomes.iter().map(|outcome| outcome.temp_min_c).reduce(f64::max)?;
     let temp_max_c = outcomes.iter().map(|outcome| outcome.temp_max_c).reduce(f64::min)?;

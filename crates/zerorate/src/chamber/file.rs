@@ -10,7 +10,7 @@ use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
 /// The only version of the file form that is supported.
 const SCHEMA: u32 = 1;
-/// Largest number of steps over all cycles, enough for a week of ten-minute steps.
+/// Largest number of steps over all cycles, enough for about a week of ten-minute steps.
 pub(super) const MAX_STEPS: usize = 1000;
 
 /// Allowed set points of a plan, °C.
@@ -58,7 +58,7 @@ enum Number {
     Word(String),
 }
 
-/// Plans that come with this software: the name and the text of the file of each.
+/// Name and file text of each plan that comes with this software.
 pub const SHIPPED: [(&str, &str); 2] =
     [("f57", include_str!("../../plans/f57.toml")), ("two-point", include_str!("../../plans/two-point.toml"))];
 
@@ -66,7 +66,7 @@ impl ChamberPlan {
     /// Reads the file of a plan.
     ///
     /// # Errors
-    /// Returns an error with the line, the key and the remedy if the text is not a plan.
+    /// Returns an error with the place and the remedy if the text is not a plan.
     pub fn parse(text: &str) -> Result<Self, ChamberPlanError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);

@@ -20,7 +20,7 @@ pub struct ChamberOutcome {
     pub residuals: Vec<Residual>,
     /// Residual of each soak point after the correction, without the removed steps and base motion, °/s.
     pub soak_residuals_dps: Vec<f64>,
-    /// The hysteresis loop. `None` if the part was not at the same temperature in both directions.
+    /// The hysteresis loop. `None` if the part did not pass the same bin of 5 °C in both directions.
     pub branches: Option<Branches>,
 }
 
@@ -61,7 +61,7 @@ pub struct Branches {
     pub span_c: (f64, f64),
 }
 
-/// Approximate number of means for a curve. More means cost time and add no information.
+/// Approximate number of means for a curve, within the limits of [`BLOCK_S`]. More would add no information.
 const MOST_BLOCKS: usize = 1600;
 /// Shortest and longest averaging time of a mean, s: short compared with all slow effects in a part.
 const BLOCK_S: (usize, usize) = (2, 60);
@@ -78,7 +78,7 @@ const T3_S: usize = 10;
 
 impl Record {
     /// Finds the bias over temperature of each axis of the part. `earth_dps` is the component of the Earth's rotation
-    /// on the axis, °/s, which is subtracted, and `max_order` the highest order that is tried.
+    /// on the axis, °/s, which is subtracted, and `max_order` the highest order of the curve that is tried.
     ///
     /// # Errors
     /// Returns a refusal if the temperature hardly changed, the record does not determine a curve, the base moved too
@@ -152,7 +152,7 @@ impl Record {
         (steps_s(found.as_ref()), motions_hz(times_s.1 - times_s.0, found.as_ref()))
     }
 
-    /// Returns the means over windows of equal length without a gap, in which the part was at rest.
+    /// Returns the means over windows of equal length in which the part was at rest, without gaps or fast warming.
     fn blocks(&self, rates_dps: &[f64], earth_dps: f64) -> Vec<Block> {
         let length = self.len().div_ceil(MOST_BLOCKS).clamp(BLOCK_S.0, BLOCK_S.1);
         let (mut blocks, mut from) = (Vec::new(), 0);
@@ -179,8 +179,8 @@ fn block_s(blocks: &[Block]) -> f64 {
     blocks.first().map_or(1.0, |block| block.length_s)
 }
 
-/// One-sided density d of the white noise, °/s/√Hz, from the median difference of adjacent seconds. The differences
-/// have the variance d², and the median ignores the few seconds in which the temperature changes fast.
+/// One-sided density d of the white noise, °/s/√Hz, from the median absolute difference of adjacent seconds. The
+/// differences have the variance d², and the median ignores the few seconds in which the temperature changes fast.
 fn white_density(rates_dps: &[f64]) -> f64 {
     /// Median of the absolute value of a normal number of unit variance.
     const MEDIAN: f64 = 0.674_489_750_196_081_7;

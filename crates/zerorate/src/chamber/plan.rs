@@ -37,7 +37,7 @@ pub struct ChamberPlan {
     pub window_s: f64,
     /// Time limit for settling after the set point was reached, s.
     pub settle_timeout_s: f64,
-    /// How far the air may go beyond the coldest and the warmest set point, °C.
+    /// How far the air may go beyond the temperatures of the plan, °C.
     pub overshoot_c: f64,
     /// Temperature of the chamber after the measurement, °C.
     pub safe_c: f64,
@@ -74,13 +74,13 @@ impl Step {
 
 /// Shortest and longest averaging time that `auto` chooses, s.
 const AVERAGE_S: (f64, f64) = (30.0, 3600.0);
-/// Allowed drift if the part's noise or temperature coefficient is not known, °C/min.
+/// Allowed drift, °C/min, if no axis has both a known noise and a known temperature coefficient other than zero.
 const DRIFT_C_PER_MIN: f64 = 0.05;
 
 impl ChamberPlan {
     /// Makes a plan of timed steps from the temperatures that a chamber went through: times, s, and temperatures,
-    /// °C, in order. Each stretch where the temperature stayed within 1 °C for five minutes becomes a step, and
-    /// the time between two stretches becomes a ramp.
+    /// °C, in order. Each stretch where the temperature stayed within 1 °C for five minutes becomes the hold of a
+    /// step, and the time before the stretch becomes the ramp of this step.
     ///
     /// # Errors
     /// Returns an error for fewer than two rows, times that do not rise, or more than 1000 stretches.
@@ -130,8 +130,8 @@ impl ChamberPlan {
     }
 
     /// Returns the length of an average, s: the planned one, or the time at which the Allan deviation of this part
-    /// is lowest ([`NoiseModel::best_averaging_s`](crate::noise::NoiseModel::best_averaging_s)). It uses the
-    /// measured white noise of each axis, and the axis with the longest time decides.
+    /// is lowest ([`NoiseModel::best_averaging_s`](crate::noise::NoiseModel::best_averaging_s)), within 30 … 3600 s.
+    /// The white noise of each axis is the measured one, or the typical one. The axis with the longest time decides.
     #[must_use]
     pub fn average_s(&self, planned_s: Option<f64>, part: &Part, white_dps_per_rt_hz: &[Option<f64>]) -> f64 {
         let best_s = |(axis, white): (&NamedAxis, &Option<f64>)| {
@@ -143,9 +143,9 @@ impl ChamberPlan {
         planned_s.unwrap_or_else(|| libm::ceil(best_s().clamp(AVERAGE_S.0, AVERAGE_S.1)))
     }
 
-    /// Returns the largest allowed drift of the part's own temperature at a soak point, °C/s: the planned limit,
-    /// or the drift at which the bias changes over an average by no more than the noise of that average. That
-    /// limit is σ(τ)/(|tempco| τ), with the typical noise and coefficient of the most sensitive axis.
+    /// Returns the largest allowed drift of the part's own temperature at a soak point, °C/s: the planned limit, or
+    /// the drift that changes the bias during an average by as much as its noise, σ(τ)/(|tempco| τ), with the typical
+    /// values of the most sensitive axis. If these values are not known, the limit is 0.05 °C/min.
     #[must_use]
     pub fn drift_c_per_s(&self, average_s: f64, part: &Part) -> f64 {
         if let Some(c_per_min) = self.drift_c_per_min {
@@ -159,7 +159,7 @@ impl ChamberPlan {
     }
 
     /// Returns the least time from the beginning of a step to the end of the plan, s. It assumes that a soak point
-    /// settles within one window and is averaged for as long as a typical part needs.
+    /// settles within one window and is averaged for the planned time, or for as long as a typical part needs.
     #[must_use]
     pub fn least_s(&self, from_step: usize, part: &Part) -> f64 {
         let typical: Vec<Option<f64>> = part.axes.iter().map(|_| None).collect();
@@ -195,7 +195,7 @@ impl ChamberPlan {
 
 impl ChamberPlan {
     /// Checks that the part withstands every temperature of this plan. Call this before anything is heated or
-    /// cooled. A plan for a recording needs no such check, because the part has been at its temperatures already.
+    /// cooled. A plan for a recording needs no such check, because the part was at these temperatures already.
     ///
     /// # Errors
     /// Returns an error if a set point, or the temperature after the measurement, is beyond [`Part::operating_c`].

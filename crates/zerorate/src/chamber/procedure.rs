@@ -43,7 +43,7 @@ pub struct ChamberProgress {
     pub left_s: f64,
     /// Set point at the end of the step, °C.
     pub to_c: f64,
-    /// The part's own temperature during the last second, °C.
+    /// The part's own temperature during the last second of the record, °C. `None` if the record is empty.
     pub temp_c: Option<f64>,
 }
 
@@ -133,7 +133,7 @@ pub struct ChamberProcedure {
     tally: Tally,
     present: Present,
     disturbed: u32,
-    /// Set point and temperature of the last soak point at which the part had settled.
+    /// Set point and temperature of the last soak point with an average, °C.
     settled_at_c: Option<(f64, f64)>,
     /// Last air temperature that the chamber reported, °C.
     air_c: Option<f64>,
@@ -332,7 +332,7 @@ impl ChamberProcedure {
         self.offset_s + self.second as f64
     }
 
-    /// Numbers of samples, lost samples and impossible readings, including the earlier runs.
+    /// Numbers of samples, lost samples and impossible readings of the first axis, including the earlier runs.
     fn counts(&self) -> [u64; 3] {
         let impossible = self.axes.first().map_or(0, |axis| axis.health.fault_counts().faulty());
         let Record { samples, lost, impossible: before, .. } = self.record;

@@ -4,8 +4,8 @@ use crate::notice::Warning;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Means over whole seconds. `temp_c`, `at_rest` and each list in `rates_dps` are as long as `start_s`. A second
-/// without a reading is in none of them.
+/// Means over whole seconds. `temp_c`, `at_rest` and each list in `rates_dps` are as long as `start_s`. A second in
+/// which an axis lacks its rate or temperature is in none of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Beginning of each second, s from the start of the measurement.
@@ -22,7 +22,7 @@ pub struct Record {
     pub samples: u64,
     /// Rate samples lost.
     pub lost: u64,
-    /// Number of rates and temperatures that are impossible for the part. No mean includes them.
+    /// Number of impossible rates and temperatures of the first axis. No mean includes impossible values.
     pub impossible: u64,
 }
 

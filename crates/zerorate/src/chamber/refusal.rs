@@ -20,11 +20,11 @@ pub enum ChamberRefusal {
     Silent { step: usize, for_s: f64 },
     /// More samples were lost than the limit allows.
     Lost { lost: u64, samples: u64, limit: f64 },
-    /// The part's temperature never came to rest near the set point. `air_c` is the last reading of the chamber.
+    /// The part's temperature did not come to rest near the set point in time. `air_c` is the chamber's last reading.
     NotSettled { step: usize, set_c: f64, temp_c: f64, drift_c_per_min: f64, most_c_per_min: f64, air_c: Option<f64> },
     /// The air was far from the set point for too long.
     NotReached { step: usize, set_c: f64, air_c: f64, after_s: f64 },
-    /// The air went beyond all temperatures of the plan.
+    /// The air went beyond all temperatures of the plan by more than the allowed overshoot.
     Overshoot { step: usize, air_c: f64, low_c: f64, high_c: f64 },
     /// The air is at a temperature that may harm the part.
     BeyondPart { step: usize, air_c: f64, low_c: f64, high_c: f64 },

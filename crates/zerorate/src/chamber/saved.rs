@@ -29,7 +29,7 @@ pub struct Saved {
     pub record: Record,
     /// Number of finished steps of the plan.
     pub steps: usize,
-    /// Time at which the last step ended, RFC 3339. `None` for a simulated part.
+    /// Time at which the last finished step ended, RFC 3339. `None` for a simulated part.
     pub ended: Option<String>,
 }
 

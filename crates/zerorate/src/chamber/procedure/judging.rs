@@ -27,15 +27,15 @@ const REST_S: usize = 100;
 const SELF_HEATING_C: (f64, f64) = (-5.0, 25.0);
 /// Time without a reading after which the measurement ends, s.
 const SILENT_S: u64 = 60;
-/// Time within which a temperature of the part must be read, s.
+/// Time within which a temperature of the part must be read in each state, s.
 const TEMPERATURE_S: f64 = 30.0;
 
 impl ChamberProcedure {
     /// Takes in the air temperature that the chamber reads, °C. This is optional: it only ends a measurement that
-    /// cannot succeed.
+    /// cannot succeed or may harm the part.
     ///
     /// # Errors
-    /// Returns a refusal if the chamber does not follow its set point.
+    /// Returns a refusal if the air is beyond the plan or the part's limits, or does not reach the set point in time.
     pub fn air(&mut self, air_c: f64) -> Result<(), ChamberRefusal> {
         self.air_c = Some(air_c);
         let step = self.step + 1;
