@@ -46,8 +46,8 @@ impl<'a> CodeTable<'a> {
         self.rows_udps.get(row).copied()
     }
 
-    /// Returns the nearest row, µ°/s. For a temperature beyond the table this is the first or the last row, which is
-    /// wrong by BTC times the distance to that row. A table without rows gives 0.
+    /// Returns the nearest row, µ°/s. For a temperature beyond the table this is the first or the last row, which for
+    /// a line is wrong by BTC times the distance to that row. A table without rows gives 0.
     #[inline]
     #[must_use]
     pub fn look_up_held_udps(&self, temp_code: u32) -> i32 {
@@ -157,8 +157,7 @@ mod tests {
         ((from_middle * step - place).abs() << 40) / step
     }
 
-    /// Looks up every seventh code of the range and every code near T3, with the step of AN-1042 (0.02 °C) and with
-    /// odd steps.
+    /// Looks up every seventh code of the range and every code near T3, with the step of AN-1042 (0.02 °C) and others.
     #[test]
     fn codes_find_the_nearest_row() {
         for (step_uc, half) in [(20_000, 100), (20_000, 6), (333_333, 150), (1, 3), (1_000_000, 60)] {

@@ -7,7 +7,7 @@ use crate::notice::Warning;
 /// The corrections to apply, one for each axis: in an array on a microcontroller, in a `Vec` elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectorConfig<C = [Correction; 1]> {
-    /// PBC, BTC and T3 of each axis.
+    /// The correction of each axis.
     pub corrections: C,
     /// The temperatures at which the corrections hold. `None` if they are not known.
     pub validity: Option<Validity>,
@@ -43,7 +43,7 @@ pub struct Corrector<C = [Correction; 1]> {
 pub struct Corrected {
     /// Rate corrected by F-50, °/s. `None` without a valid rate, and before the first temperature.
     pub rate_dps: Option<f64>,
-    /// The temperature that was used, °C.
+    /// The temperature that was used, °C. `None` before the first temperature.
     pub temp_c: Option<f64>,
     /// Whether the temperature lies outside the span where the correction holds.
     pub extrapolated: bool,

@@ -24,10 +24,10 @@ pub struct Correction {
     pub btc_dps_per_c: f64,
     /// Reference temperature T3, °C, as the part's own sensor reads it.
     pub t3_c: f64,
-    /// Quadratic term over TEMP − T3, °/s/°C²: zero for F-50.
+    /// Coefficient of (TEMP − T3)², °/s/°C². It is zero for the straight line of AN-1042 (F-50).
     #[cfg_attr(feature = "file", serde(default, skip_serializing_if = "is_zero"))]
     pub btc2_dps_per_c2: f64,
-    /// Cubic term over TEMP − T3, °/s/°C³: zero for F-50.
+    /// Coefficient of (TEMP − T3)³, °/s/°C³. It is zero for the straight line of AN-1042 (F-50).
     #[cfg_attr(feature = "file", serde(default, skip_serializing_if = "is_zero"))]
     pub btc3_dps_per_c3: f64,
 }
@@ -153,7 +153,7 @@ pub struct CorrectionF32 {
     pub btc_dps_per_c: f32,
     /// T3, °C.
     pub t3_c: f32,
-    /// Quadratic term, °/s/°C²: zero for F-50.
+    /// Coefficient of the quadratic term, °/s/°C². It is zero for the straight line of AN-1042 (F-50).
     pub btc2_dps_per_c2: f32,
     /// Coefficient of the cubic term, °/s/°C³. It is zero for the straight line of AN-1042 (F-50).
     pub btc3_dps_per_c3: f32,

@@ -238,7 +238,7 @@ pub(super) mod tests {
     }
 
     /// Rate and temperature of several parts: two's complement of 14 and 16 bits with a coarse temperature, offset
-    /// binary of 24 bits, fine rates with coarse temperatures, and all 32 bits.
+    /// binary of 24 bits, fine rates with coarse temperatures, all 32 bits, and 8 bits with a temperature of 1 bit.
     fn scales() -> [(Scale, Scale); 7] {
         [
             (signed(16, 20.0, 0.0), signed(12, 7.14, 25.0)),

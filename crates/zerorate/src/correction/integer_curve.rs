@@ -20,8 +20,8 @@ impl CurveForm {
     /// The form for the ADIS16130, which reaches 148.8 °C to either side of T3.
     pub const ADIS16130: Self = Self::new(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp);
 
-    /// Least distance from T3 that the form covers to either side, °C. [`new`](Self::new) rounds it up to a power of
-    /// two in codes. It covers every temperature for which a sensor is specified. Temperatures beyond are clamped.
+    /// Least distance from T3 that the form covers to either side, °C. [`new`](Self::new) rounds this distance up to a
+    /// power of two in codes. With T3 at 25 °C, the form covers −103 … 153 °C. Temperatures beyond are clamped.
     pub const REACH_C: f64 = 128.0;
 
     /// The form for codes on these scales, of up to 32 bits each.
@@ -50,7 +50,7 @@ impl CurveForm {
 /// is rounded by ±½ u. Each of the three products loses up to 1 u by its floor, and an earlier loss counts at most
 /// half, because |x| ≤ 2³¹. So the sum is off by at most ½ + (1 + ½ (½ + 1 + ½ (½ + 1 + ¼))) = 2.69 u. The code is off
 /// by **½ + 2.69 · 2⁻ᶠ codes** (0.51 for f = 8, and 1.85 at worst) from the curve in f64 within [`CurveForm::REACH_C`]
-/// of T3. Beyond it, the temperature is clamped.
+/// of T3. Beyond [`CurveForm::reach`], the temperature is clamped.
 ///
 /// ```
 /// use zerorate::{Axis, Correction};
@@ -172,7 +172,7 @@ fn largest(terms: &[f64; 4]) -> (&'static str, f64) {
 /// A curve that does not fit the integer arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveError {
-    /// Name in the calibration of the term that is too large.
+    /// Name in the calibration of the largest term, or of T3.
     pub coefficient: &'static str,
     /// Size of the terms within the reach, rate codes. For T3 it is the code of T3.
     pub codes: f64,
@@ -235,8 +235,8 @@ mod tests {
     }
 
     /// Multiplies each of the largest coefficients that an ADIS16130 can need by −1, 0 and 1, in every combination:
-    /// 250 °/s, 1 °/s/°C, 0.02 °/s/°C² and 2·10⁻⁴ °/s/°C³. The last two are forty times those of a usual unit. T3 lies
-    /// at the ends of the operating range and between them.
+    /// 250 °/s, 1 °/s/°C, 0.02 °/s/°C² and 2·10⁻⁴ °/s/°C³. The third is forty times the spread of M-02. T3 lies at the
+    /// ends of the operating range and between them.
     #[test]
     fn the_bound_holds_at_every_corner() {
         for corner in 0..3_u32.pow(4) {

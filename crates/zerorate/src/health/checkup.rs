@@ -19,8 +19,8 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// Allows a quarter to three times the typical noise, and a sample rate within 5 %. The clock of an ADIS16130 is
-    /// assumed to be good to 2 % (F-31).
+    /// Allows a quarter to three times the typical noise, and a sample rate within 5 %, which covers an ADIS16130 with
+    /// a clock of 6.000 or 6.144 MHz (F-31).
     fn default() -> Self {
         Self { least_noise: 0.25, most_noise: 3.0, rate_error: 0.05 }
     }
@@ -50,7 +50,7 @@ impl Default for Limits {
 pub struct Checkup {
     /// Rate codes less the zero code.
     rate_codes: Vec<i32>,
-    /// Places of missing or invalid readings.
+    /// Places of invalid rates.
     gaps: Vec<Gap>,
     rates: CodeSum,
     temps: CodeSum,

@@ -2,7 +2,7 @@
 
 use crate::part::Reading;
 
-/// Time without a change after which a noisy channel counts as frozen, if [`FROZEN_READINGS`] readings were equal.
+/// Time without a change of the rate after which a part with noise counts as frozen, if [`FROZEN_READINGS`] are equal.
 const FROZEN_NS: u64 = 100_000_000;
 /// Number of equal readings that [`FROZEN_NS`] requires. Noise gives the same code twice with a probability below
 /// 0.2, even in 16 bits and behind the filter of F-04. So this many equal codes have a probability below 10⁻²².
@@ -16,7 +16,7 @@ const DEAD_ALONE_NS: u64 = 10_000_000_000;
 /// The time since which the readings have not changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frozen {
-    /// Time of the first reading of the present code, ns.
+    /// Time of the first reading with the present code of the rate, ns.
     pub since_ns: u64,
     /// Whether the temperature has stopped changing too.
     pub both: bool,
@@ -81,7 +81,7 @@ impl Freeze {
         if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
     }
 
-    /// Like [`Freeze::watch`], but at the end of a record. Equal readings count as frozen after any time.
+    /// Judges at the end of a record, by the number of equal readings and not by their time.
     #[must_use]
     pub fn at_end(&self) -> Option<Frozen> {
         let same = self.rate.same_readings();

@@ -1,5 +1,5 @@
-//! The health of a sensor: which readings are valid, whether they still change, whether the sensor is at rest, and
-//! whether samples are lost.
+//! The health of a sensor: which readings are valid, whether they still change, whether the sensor is at rest,
+//! whether samples are lost, and where a resonance appears among the samples.
 
 pub(crate) mod block_means;
 mod checkup;

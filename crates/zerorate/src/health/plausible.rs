@@ -41,7 +41,8 @@
 //!
 //! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C plus 2 °C for each
 //! second between them. By M-05, a reading has a noise of 0.053 °C, so 1 °C is 13 deviations of a difference, and F-55
-//! expects up to 1 °C/s. If a second such temperature in a row agrees with the first, it is valid.
+//! expects up to 1 °C/s. If a second such temperature in a row agrees with the first, it is valid. The very first
+//! temperature is impossible if the next two agree with each other and not with it.
 
 use crate::part::{Axis, Reading};
 use core::num::NonZeroU64;
@@ -54,7 +55,7 @@ struct Limits {
     /// Period of the readings below which the noise part of Θ is constant, µs. A part that converts only its rate
     /// has a shorter period.
     least_us: u64,
-    /// Motion part of Θ, µs⁴ per code.
+    /// Divisor of the fourth power of the period in the motion part of Θ, µs⁴ per code.
     motion_us4_per_code: NonZeroU64,
     /// Readings farther apart than this are judged by the loose rule, µs.
     longest_strict_us: u64,
@@ -62,7 +63,7 @@ struct Limits {
     slew_codes_per_us: u64,
     /// Difference that the loose rule allows for noise, codes.
     slew_noise_codes: u64,
-    /// Largest difference of two codes.
+    /// Number of codes of the scale.
     span_codes: u64,
 }
 
@@ -308,7 +309,7 @@ impl Plausible {
         Verdict::Impossible
     }
 
-    /// Largest distance that the response can move between two readings, in codes.
+    /// Largest distance that the response can move between two readings, with the allowance for noise, in codes.
     fn reach_codes(&self, limits: &Limits, place: usize, other: usize) -> u64 {
         let us = self.times_ns[place % KEPT].abs_diff(self.times_ns[other % KEPT]).div_ceil(1000);
         us.saturating_mul(limits.slew_codes_per_us).saturating_add(limits.slew_noise_codes)

@@ -22,7 +22,7 @@ pub enum Verdict {
     AtRest,
     /// The part was at rest except for one step, `at_s` after the window's start.
     Step { at_s: f64, size_dps: f64 },
-    /// At `tau_s`, the Allan deviation is `seen_dps`, and noise explains at most `limit_dps`.
+    /// At `tau_s`, the Allan deviation is `seen_dps`, and noise and drift explain at most `limit_dps`.
     Moving { tau_s: f64, seen_dps: f64, limit_dps: f64 },
     /// The white noise is `seen_dps_per_rt_hz`, and the part has at most `limit_dps_per_rt_hz`.
     Noisy { seen_dps_per_rt_hz: f64, limit_dps_per_rt_hz: f64 },

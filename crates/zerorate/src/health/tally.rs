@@ -4,7 +4,7 @@ use crate::notice::Refusal;
 use crate::part::Reading;
 use crate::plan::State;
 
-/// Counts of samples that were read and lost, and the rates of samples.
+/// Counts of samples, lost samples and edges of data ready, with their rates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Rate samples read.
@@ -101,7 +101,7 @@ impl Tally {
         self.per_second(self.samples.saturating_sub(1))
     }
 
-    /// Falling edges of data ready per second (F-32).
+    /// Edges of data ready per second (F-32).
     #[must_use]
     pub fn rdy_hz(&self) -> f64 {
         self.per_second(self.edges)
