@@ -34,7 +34,7 @@ impl NoiseModel {
             + k * k * tau_s / 3.0
     }
 
-    /// Averaging time with the least Allan variance, s: √3 N/K.
+    /// Averaging time with the least Allan variance, s: √3 N/K. It is infinite if K is zero and N is not.
     #[must_use]
     pub fn best_averaging_s(&self) -> f64 {
         libm::sqrt(1.5) * self.white_dps_per_rt_hz / self.rate_random_walk_dps_per_rt_s
@@ -154,8 +154,8 @@ impl Process {
     }
 }
 
-/// Returns the processes of the flicker noise. Their corner frequencies are evenly spaced in logarithm from the
-/// cutoff to the top, each at the middle of its cell, whose variance is the integral of S(f) = B²/(πf).
+/// Returns the processes of the flicker noise, one for each of the cells that divide the logarithm of the frequency
+/// evenly. The corner is at the middle of its cell, and the variance is the integral of S(f) = B²/(πf) over the cell.
 fn flicker_processes(bias_instability_dps: f64) -> [Process; CELLS] {
     let octaves_per_cell = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / CELLS as f64;
     let variance = square(bias_instability_dps) / PI * LN_2 * octaves_per_cell;

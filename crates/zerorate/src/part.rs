@@ -1,5 +1,5 @@
-//! The properties of one kind of gyroscope, as a value that the caller passes. [`Part::ADIS16130`] is built in;
-//! any other comes from a file ([`Part::parse`], `docs/formats/part.md`).
+//! The properties of one kind of gyroscope, as a value that the caller passes. [`Part::ADIS16130`] is built in.
+//! Other parts come from files ([`Part::parse`], `docs/formats/part.md`).
 
 use crate::noise::NoiseModel;
 use alloc::borrow::Cow;

@@ -8,7 +8,7 @@ use core::fmt;
 pub enum Deviation {
     /// The level changed, because of the supply or because the platform turned.
     Step {
-        /// Time from the first sample, s.
+        /// Time from the start of the measurement, s.
         at_s: f64,
         /// The level after the step less the level before it, °/s.
         size_dps: f64,

@@ -239,8 +239,8 @@ rows_with_remedies!(match Warning {
     },
 });
 
-/// Says whether the effect of a standing warning is in the uncertainty or was taken out. A standing warning comes
-/// with every measurement of the same part by the same plan. `None` for other codes.
+/// Says whether the effect of a standing warning is in the uncertainty, is not in it, or was taken out. A standing
+/// warning comes with every measurement of the same part by the same plan. `None` for other codes.
 #[must_use]
 pub fn standing_place(code: &str) -> Option<&'static str> {
     match code {

@@ -2,7 +2,7 @@
 
 use super::Scale;
 
-/// The exact sum of up to 2³² codes of one channel, each less the zero code, and their number.
+/// The exact sum of fewer than 2³² codes of one channel, each less the zero code, and their number.
 ///
 /// ```
 /// use zerorate::{Axis, CodeSum};

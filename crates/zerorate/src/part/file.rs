@@ -33,7 +33,7 @@ impl Part {
         Self::parse_at(text, None)
     }
 
-    /// Reads the file of a part that is set to a full scale of `range_dps`, °/s, instead of its default one.
+    /// Reads the file of a part at the full scale `range_dps`, °/s. `None` takes the default full scale.
     ///
     /// # Errors
     /// Returns the errors of [`Part::parse`], or an error that lists the full scales if the file lacks this one.
@@ -344,8 +344,7 @@ impl Noise {
 }
 
 impl Bias {
-    /// Converts to a typical bias. The initial bias and the curvature are zero on average over units, so the typical
-    /// value is their spread.
+    /// Converts to a typical bias. Initial bias, curvature and hysteresis become √(value² + u²), their rms over units.
     fn typical(&self, table: Entry<'_>) -> Result<TypicalBias, EntryError> {
         let known = |key, number: &Option<Number>| number.as_ref().map(|it| it.known(table.at(key))).transpose();
         let spread = |key, number| known(key, number).map(|known| known.map(|(value, u)| libm::hypot(value, u)));
@@ -408,7 +407,7 @@ fn word(what: &str, entry: Entry<'_>, name: &str) -> Result<String, EntryError> 
     Ok(String::from(name))
 }
 
-/// Whether a name has up to 40 letters, digits, `-`, `_` and `.`.
+/// Whether a name has 1 to 40 letters, digits, `-`, `_` and `.`.
 pub(crate) fn is_word(name: &str) -> bool {
     let good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     !name.is_empty() && name.len() <= 40 && name.chars().all(good)

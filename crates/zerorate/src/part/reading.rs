@@ -17,7 +17,7 @@ pub struct Reading {
     pub temp: Option<i32>,
     /// Whether the rate is beyond the range, by the status of the part or by a code at the end of the scale.
     pub out_of_range: bool,
-    /// Number of readings that were lost between the one before and this one.
+    /// Number of readings that were lost between the previous reading and this one.
     pub lost: u32,
 }
 
@@ -38,7 +38,7 @@ pub struct Scan {
     pub t_ns: u64,
     /// Running number, as in [`Reading`].
     pub seq: u32,
-    /// Number of scans that were lost between the one before and this one.
+    /// Number of scans that were lost between the previous scan and this one.
     pub lost: u32,
     /// Code of the shared temperature less the zero code, if it was read.
     pub temp: Option<i32>,
@@ -53,7 +53,7 @@ const _: () = assert!(MAX_AXES <= u8::BITS as usize);
 
 impl Scan {
     /// Makes a scan from the code of each axis less its zero code, without a temperature, with none lost and none out
-    /// of range. `None` if there are more than [`MAX_AXES`].
+    /// of range. `None` for more than [`MAX_AXES`] codes.
     #[must_use]
     #[inline]
     pub fn new(t_ns: u64, seq: u32, rates: &[i32]) -> Option<Self> {

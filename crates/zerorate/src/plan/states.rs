@@ -1,6 +1,6 @@
 //! The states of the procedure of F-51, and the transitions between them.
 //!
-//! All transitions stand in [`TABLE`].
+//! All transitions stand in [`TABLE`], except that other methods go from the start to the recording ([`State::next`]).
 
 use super::{Method, Plan};
 use core::fmt;

@@ -75,7 +75,7 @@ const FEWEST: usize = 40;
 /// Number of standard deviations from which a deviation is suspected, and widens the uncertainty.
 const SUSPECT: f64 = 3.0;
 
-/// Looks for deviations. `None` if the record is too short or has too many gaps.
+/// Looks for deviations. `None` if the record is too short, has too many gaps, or cannot be fitted.
 pub(crate) fn findings(seconds: &[Second], question: &SearchInput) -> Option<Findings> {
     let bins = bins(seconds);
     if bins.len() < FEWEST {
@@ -93,7 +93,7 @@ struct Bin {
 /// Number of bins of a record, without the short ones at its ends.
 const BINS: u32 = 280;
 
-/// Averages the record into bins, shorter ones at its ends. Bins with less than half of their seconds are left out.
+/// Averages the record into bins, shorter ones at its ends. Bins with at most half of their seconds are left out.
 fn bins(seconds: &[Second]) -> Vec<Bin> {
     let total_s = seconds.last().map_or(0, |second| second.at_s as u32 + 1);
     let longest = total_s.div_ceil(BINS).max(1);

@@ -57,7 +57,7 @@ pub struct Outcome<W = Vec<Warning>> {
     pub uncertainty: Uncertainty,
     /// The noise that the uncertainties are computed from.
     pub noise: Noise,
-    /// Falling edges of data ready per second.
+    /// Edges of data ready per second.
     pub rdy_hz: f64,
     /// Rate samples per second.
     pub rate_hz: f64,
@@ -105,8 +105,8 @@ impl Outcome {
 pub struct Noise {
     /// White noise, flicker and random walk. White noise is always measured.
     pub model: NoiseModel,
-    /// Whether the flicker was measured. Otherwise it is the part's typical value (M-04), which so short a record
-    /// cannot improve.
+    /// Whether the flicker was measured. Otherwise it is the part's typical value (M-04), or for a curve close to this
+    /// value, because so short a record cannot improve it.
     pub flicker_measured: bool,
     /// Whether the rate random walk was measured.
     pub walk_measured: bool,

@@ -1,5 +1,5 @@
-//! The calibration of F-51 as a state machine: the procedure for one axis and for all axes of a sensor, two kinds
-//! of sums over its samples, and the estimators that turn these into an outcome.
+//! The calibration by F-51 or from one recording, as a state machine: the procedure for one axis and for all axes of
+//! a sensor, two kinds of sums over its samples, the estimators of the outcome, and the search for deviations.
 
 mod all_axes;
 mod blocks;

@@ -328,7 +328,7 @@ impl<S: WindowSums> Procedure<S> {
         }
     }
 
-    /// Checks that there are enough samples, few lost, none out of range, and no motion.
+    /// Checks the number of samples, the losses, the range, bit errors, the temperature and rest.
     fn at_rest(&self) -> Result<(), Refusal> {
         let (window, seen) = (self.state, self.sums.summary(self.state));
         let (samples, lost, limit) = (seen.samples, seen.lost, self.plan.max_lost);

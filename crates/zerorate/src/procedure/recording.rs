@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 #[cfg(feature = "std")]
 use zerorate_allan::{self as allan, FitOptions, Input, Term};
 
-/// Approximate number of blocks of a recording. More blocks add no information.
+/// Approximate largest number of blocks of a recording. More blocks add no information.
 const MOST_BLOCKS: f64 = 1600.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 2.0;
@@ -33,8 +33,8 @@ pub struct Reached {
     pub u_pbc_dps: f64,
     /// Standard uncertainty of BTC, °/s/°C.
     pub u_btc_dps_per_c: f64,
-    /// Expected time until the temperature has settled, s. The temperature is assumed to change as by a typical
-    /// self-heating.
+    /// Expected time until the temperature has settled, s, if it changes as by a typical self-heating. Infinite in the
+    /// first minute.
     pub left_s: f64,
     /// Whether the temperature has settled: the remaining change is within the margin of the calibration.
     pub settled: bool,
@@ -208,7 +208,7 @@ pub(crate) struct Searched<'a> {
 }
 
 impl Searched<'_> {
-    /// Returns the deviations. `None` if the part's noise is not known.
+    /// Returns the deviations. `None` if the part's noise is not known, or the seconds are too few for a search.
     pub(crate) fn findings(&self, seconds: &[Second]) -> Option<Findings> {
         let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
         axis.noise?;

@@ -20,7 +20,7 @@ pub(crate) enum Shape {
     Oscillation { hz: f64, phase: f64 },
 }
 
-/// A value for each second of the record, as time and value.
+/// A value for each second of the record, as time, s, and value.
 pub(crate) type Series = Vec<(f64, f64)>;
 
 impl Shape {
