@@ -9,7 +9,7 @@ const ODDS: f64 = 0.02;
 const COARSE: f64 = 1.0;
 /// Frequencies whose log evidence is this far below the best one need no finer steps.
 const FAR: f64 = 6.0;
-/// Largest number of frequencies that are tried.
+/// Number of frequencies from which on no more are added.
 const MOST: usize = 96;
 /// Relative difference below which neighbours count as the same frequency.
 const FINEST: f64 = 1e-4;

@@ -110,8 +110,8 @@ impl Filter {
         Whites { gram: (0..series.len()).map(row).collect(), series }
     }
 
-    /// The sums of products of the series in `whites` and `more`, and the estimates of the random walk. `None` if one
-    /// of these is not finite.
+    /// The sums of products of the series in `whites` and `more`, and the estimates of the random walk. `None` if a
+    /// sum or the determinant is not finite.
     pub(super) fn filtered(&self, whites: &Whites, more: &[White]) -> Option<Filtered> {
         let mut gram = whites.gram.clone();
         for (k, one) in more.iter().enumerate() {
@@ -185,7 +185,7 @@ impl Filter {
     }
 }
 
-/// Covariance of the states: the random walk, then the processes that are slow compared with a block.
+/// Covariance of the states (random walk, then the processes that are slow compared with a block), and their noise.
 struct Covariance {
     white_variance: f64,
     walk_variance_per_s: f64,

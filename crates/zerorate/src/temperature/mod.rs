@@ -78,10 +78,10 @@ struct Noise {
     gauss_markov: Vec<(f64, f64)>,
 }
 
-/// What is known or assumed about a recording in addition to its blocks.
+/// Knowledge and assumptions about a recording in addition to its blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Assumed<'a> {
-    /// The typical axis, which gives the prior probabilities of coefficients and noises.
+    /// The axis with its typical properties, which give the prior probabilities of coefficients and noises.
     pub axis: &'a Axis,
     /// One-sided density of the white noise of this recording, °/s/√Hz.
     pub white_dps_per_rt_hz: f64,
@@ -112,11 +112,11 @@ pub struct BiasCurve {
     pub sources: Sources,
     /// The order of the polynomial that `correction` holds, 0 to 3.
     pub order: usize,
-    /// Posterior probability of each order.
+    /// Posterior probability of each of the orders 0 to 3.
     pub order_weights: [f64; TERMS],
     /// The lag and the play of the bias, as the mean over all models.
     pub following: LagAndPlay,
-    /// Whether the bias lags more likely than not.
+    /// Whether the bias lags with a probability above one half.
     pub is_late: bool,
     /// The noise: white as given, B and K the geometric means over all models.
     pub noise: NoiseModel,
@@ -172,7 +172,7 @@ pub struct Step {
 pub struct BaseMotion {
     /// Frequency, Hz.
     pub hz: f64,
-    /// Amplitude of the sine, °/s. The phase of the sine is zero at the start.
+    /// Amplitude of the sine, °/s. The phase of the sine is zero at time 0.
     pub sine_dps: f64,
     /// Amplitude of the cosine, °/s.
     pub cosine_dps: f64,
@@ -455,7 +455,7 @@ fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] 
     core::array::from_fn(|index| if index < record.steps_s.len() { step(index) } else { None })
 }
 
-/// The base motion of the most likely model that has one, if its probability is above one half.
+/// The base motion of the most likely model that has one, if base motion has a probability above one half.
 fn base_motion(models: &[Weighed]) -> Option<BaseMotion> {
     let with = || models.iter().filter_map(|model| Some((model, model.hypothesis.motion_hz?)));
     let weight: f64 = with().map(|(model, _)| model.weight).sum();

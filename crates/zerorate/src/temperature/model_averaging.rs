@@ -48,7 +48,7 @@ pub(super) struct Hypothesis {
     log_prior: f64,
 }
 
-/// A model with its weight among all: posterior probabilities that add up to 1.
+/// A model with its weight, which is its posterior probability. The weights of all models add up to 1.
 pub(super) struct Weighed {
     pub(super) weight: f64,
     pub(super) hypothesis: Hypothesis,

@@ -1,6 +1,6 @@
 //! Chooses the unknown conditions of a record by their evidence, before the search for models: whether the sensor was
-//! on before the logs, the noise and the lag of the thermometer, and the change of temperature over which a hysteresis
-//! passes from one branch to the other.
+//! on before the logs, the noise and the lag of the thermometer, a draught at the thermometer, and the change of
+//! temperature over which a hysteresis passes from one branch to the other.
 
 use super::LogMeans;
 use super::evidence::{Model, Record, TURNS};
@@ -34,8 +34,8 @@ const LITTLE: f64 = 1.5;
 /// A record and its best model.
 type Explained = (Record, Model);
 
-/// The conditions that explain the logs best, with the best model. Where a lag explains them as well, `with_lag` is
-/// the record with it, and the lag, s.
+/// The conditions that explain the logs best, with the best model. If `record` has a draught and a lag explains the
+/// logs as well, `with_lag` is the record with this lag, and the lag, s.
 pub(super) struct Conditions {
     pub(super) record: Record,
     pub(super) model: Model,
@@ -120,7 +120,7 @@ fn is_near(record: &Record, model: &Model) -> bool {
     search::log_evidence_like(record, model) > model.log_score - FAR
 }
 
-/// The logs as they are and, if the thermometer is noisy, with its temperature smoothed.
+/// The logs as they are and, if the thermometer is noisy, with the temperature smoothed over each of [`REACHES`].
 fn smoothings(logs: &[LogMeans]) -> Vec<Vec<LogMeans>> {
     let is_noisy = logs.iter().any(|log| log.noise_by_temperature() > NOISY);
     let reaches = if is_noisy { &REACHES[..] } else { &[] };

@@ -27,7 +27,7 @@ pub(super) struct Record {
     was_on: bool,
     /// Logarithm of the prior probability of `was_on`.
     log_start: f64,
-    /// Whether no lag is tried, because the best one is so long that it stands for another effect.
+    /// Whether no lag is tried, because the best one stands for another effect: a draught, or one of long duration.
     pub(super) without_lag: bool,
     /// Share of the temperature span over which the bias passes from one branch of the hysteresis to the other after
     /// the temperature has reversed.
@@ -74,8 +74,8 @@ pub(super) struct Model {
     pub(super) following: LagAndPlay,
     pub(super) was_on: bool,
     pub(super) shape: PriorSpreads,
-    /// All coefficients: those of the series, then the hysteresis offset, the offset of each log, the transient of
-    /// each log, and the size of each step.
+    /// All coefficients: those of the series, the hysteresis offset (with two directions), the offset of each log
+    /// (with several logs), the transient of each log, and the size of each step.
     pub(super) all: Vec<f64>,
     pub(super) coefficients: [f64; COEFFICIENTS],
     pub(super) covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
@@ -89,15 +89,15 @@ pub(super) struct Products {
     log_determinant: f64,
 }
 
-/// Prior standard deviations of the first order that are tried, as ratios of the scale.
+/// Values that are tried for the prior standard deviation of the first order, as ratios of the scale.
 const SIZES: [f64; 3] = [0.3, 1.0, 3.0];
-/// Ratios of the standard deviation of each order to that of the order before that are tried.
+/// Values that are tried for the ratio of the prior standard deviation of each order to that of the order before.
 const SHRINKS: [f64; 2] = [0.15, 0.35];
-/// Prior standard deviations of the hysteresis offset that are tried, as ratios of the scale.
+/// Values that are tried for the prior standard deviation of the hysteresis offset, as ratios of the scale.
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
-/// Prior standard deviations of the offsets of the logs that are tried, as ratios of the scale.
+/// Values that are tried for the prior standard deviation of the logs' offsets, as ratios of the scale.
 const STARTS: [f64; 9] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1, 0.3, 1.0];
-/// Prior probability that a sensor that lags begins out of balance.
+/// Prior probability that a sensor that lags begins out of balance with its thermometer.
 const UNSETTLED: f64 = 0.02;
 /// Prior probability that the sensor was on before the log began, if nothing says so.
 const WAS_ON: f64 = 0.1;

@@ -39,11 +39,11 @@ pub struct LogMeans {
     white: f64,
     /// One-sided density of the white noise of the temperature, °C/√Hz.
     temps_white: f64,
-    /// Standard uncertainty by rounding to codes, if the noise is too small to average it out.
+    /// Standard uncertainty by rounding to codes. It is zero if the noise averages the rounding out.
     rounding: f64,
     /// Times in which the sensor moves: begin and end, s.
     moving_s: Vec<(f64, f64)>,
-    /// Number of blocks of the log that have samples.
+    /// Number of blocks with enough samples that vary, and with a temperature, whether the sensor moves or not.
     seen: usize,
     thermometer: Thermometer,
     /// Whether the sensor was on before the log began. `None` if that is not known.
@@ -280,7 +280,7 @@ fn local_parabolas(values: &[f64], reach: usize) -> Vec<[f64; 2]> {
 /// Number of coefficients of a parabola.
 const PARABOLA: usize = 3;
 
-/// Returns the temperatures with gaps filled by linear interpolation.
+/// Returns the temperatures with gaps filled by linear interpolation, and at the ends by the nearest temperature.
 fn filled(mut temps_c: Vec<f64>) -> Vec<f64> {
     let known: Vec<usize> = (0..temps_c.len()).filter(|k| !temps_c[*k].is_nan()).collect();
     if let (Some(&first), Some(&last)) = (known.first(), known.last()) {
@@ -293,7 +293,7 @@ fn filled(mut temps_c: Vec<f64>) -> Vec<f64> {
 }
 
 impl LogMeans {
-    /// The means, without those of a moving sensor.
+    /// The means, without outliers that were removed, and without those of a moving sensor.
     #[must_use]
     pub fn blocks(&self) -> &[Block] {
         &self.blocks
@@ -311,7 +311,7 @@ impl LogMeans {
         if self.seen == 0 { 0.0 } else { 1.0 - self.blocks.len() as f64 / self.seen as f64 }
     }
 
-    /// How coarse the thermometer is, how long it stuck, and how its readings were smoothed.
+    /// The steps, the sticking, the smoothing and the lag of the thermometer.
     #[must_use]
     pub fn thermometer(&self) -> Thermometer {
         self.thermometer
@@ -393,8 +393,8 @@ impl LogMeans {
         self.indices.retain(|_| which.next() == Some(true));
     }
 
-    /// The temperature that the bias follows, for each block, °C. `was_on` says whether the sensor was on before
-    /// the log began, if the log does not say so.
+    /// The temperature that the bias follows, for each block, °C. `was_on` is whether the sensor was on before the log
+    /// began. It counts only if the log does not state this.
     #[must_use]
     pub fn followed_c(&self, following: &LagAndPlay, was_on: bool) -> Vec<f64> {
         self.followed(following, was_on, 1.0).0
@@ -430,7 +430,7 @@ impl LogMeans {
         self.parts_c.first().copied().unwrap_or(0.0) - behind_c
     }
 
-    /// Whether the sensor was on before the log began. Returns `unknown` if the log does not say so.
+    /// Whether the sensor was on before the log began. Returns `unknown` if the log does not state this.
     pub(super) fn was_on(&self, unknown: bool) -> bool {
         self.was_on.unwrap_or(unknown)
     }

@@ -40,10 +40,10 @@ pub const COEFFICIENTS: usize = 7;
 /// Smallest temperature span that gives a curve, °C.
 pub const LEAST_SPAN_C: f64 = 5.0;
 
-/// Largest share of the blocks of a log that are left out because the sensor moves. Above it there is no curve.
+/// Largest share of the blocks of a log that may be left out because the sensor moves. Above it there is no curve.
 pub const MOST_MOTION: f64 = 0.3;
 
-/// The bias of one axis over temperature. All values are in the unit of the samples.
+/// The bias of one axis over temperature. Values without a stated unit are in the unit of the samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LogCurve {
     series: Series,
@@ -54,14 +54,14 @@ pub struct LogCurve {
     pub following: LagAndPlay,
     /// Lag of the thermometer behind the sensor, s, which is taken out of its readings.
     pub thermometer_late_s: f64,
-    /// The longest lag that was tried, s, if a lag near it would fit best; no lag was taken then.
+    /// The longest lag that is tried, s, if no lag was taken: a lag near it would fit best, or a draught may cause it.
     pub long_lag_s: Option<f64>,
     /// The lag that explains the logs as well as a draught that only the thermometer feels, s. No lag was taken then,
-    /// and the uncertainty holds both.
+    /// and the uncertainty covers both.
     pub lag_or_draught_s: Option<f64>,
     /// Posterior probability that the bias lags.
     pub late_probability: f64,
-    /// Whether the sensor was probably on before the logs began, for logs that do not say.
+    /// Whether the sensor was probably on before the logs began. False for logs that state it or that warm and cool.
     pub was_on: bool,
     /// Largest standard uncertainty of the bias if the sensor was on before the logs began and its bias lags.
     /// `None` if the probability of that is at most 1 %.
@@ -73,13 +73,13 @@ pub struct LogCurve {
     pub spread_of_starts: Option<f64>,
     /// Standard uncertainty by rounding to codes. It is zero if the noise averages the rounding out.
     pub rounding: f64,
-    /// The noise, as geometric means over all models.
+    /// The noise: white as measured, B and K as geometric means over all models.
     pub noise: NoiseModel,
     /// Steps of the level that were removed.
     pub steps: Vec<CurveStep>,
     /// Number of blocks that were left out as outliers.
     pub glitches: usize,
-    /// Log ratio of the evidence for this curve to that for a bias that does not depend on the temperature.
+    /// Log ratio of the evidence for the best model to that for a bias that does not depend on the temperature.
     pub log_odds: f64,
     /// Change of the bias that was still to come at the end of the last log, because the bias lags.
     pub unsettled: f64,
@@ -102,7 +102,7 @@ pub struct Cubic {
 }
 
 impl Cubic {
-    /// The bias at a temperature, °C.
+    /// The bias at the temperature `temp_c`, °C, in the unit of the samples.
     #[must_use]
     pub fn at(&self, temp_c: f64) -> f64 {
         self.terms.iter().rev().fold(0.0, |sum, term| sum * (temp_c - self.about_c) + term)
@@ -136,14 +136,14 @@ impl LogCurve {
         self.series.span_c()
     }
 
-    /// The bias at a temperature, °C.
+    /// The bias at the temperature `temp_c`, °C, in the unit of the samples.
     #[must_use]
     pub fn at(&self, temp_c: f64) -> f64 {
         gls::dot(&self.series.at(temp_c), &self.coefficients)
     }
 
-    /// Standard uncertainty of the bias at a temperature, °C. It includes hysteresis, the spread from log to log, and
-    /// rounding to codes.
+    /// Standard uncertainty of the bias at the temperature `temp_c`, °C, in the unit of the bias. It includes
+    /// hysteresis, the spread from log to log, and rounding to codes.
     #[must_use]
     pub fn u_at(&self, temp_c: f64) -> f64 {
         libm::sqrt(self.variance(&self.series.at(temp_c)) + self.level_variance())
@@ -156,7 +156,8 @@ impl LogCurve {
         hysteresis * hysteresis / 3.0 + spread * spread + self.rounding * self.rounding
     }
 
-    /// Standard uncertainty of the change of the bias from a temperature to another, °C.
+    /// Standard uncertainty of the change of the bias from `from_c` to `to_c` (°C), in the unit of the bias. It
+    /// includes hysteresis and rounding to codes, but not the spread from log to log.
     #[must_use]
     pub fn u_change(&self, from_c: f64, to_c: f64) -> f64 {
         let (from, to) = (self.series.at(from_c), self.series.at(to_c));
@@ -165,7 +166,7 @@ impl LogCurve {
         libm::sqrt(variance + hysteresis * hysteresis / 3.0 + 2.0 * self.rounding * self.rounding)
     }
 
-    /// Lag of the bias behind the readings of the thermometer, s; negative if the thermometer lags.
+    /// Lag of the bias behind the readings of the thermometer, s. It is negative if the thermometer lags more.
     #[must_use]
     pub fn lag_s(&self) -> f64 {
         self.following.lag_s - self.thermometer_late_s

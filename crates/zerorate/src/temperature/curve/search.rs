@@ -20,7 +20,7 @@ const B_STEPS: (i32, i32) = (-4, 12);
 /// First and last lattice step of the random walk K. At step 0, the walk over a log equals the white noise of a mean.
 const K_STEPS: (i32, i32) = (-4, 16);
 const SHORTEST_LAG_S: f64 = 3.0;
-/// Longest lag that is tried: the smaller of a time, s, and a share of the longest log.
+/// Longest lag that is tried: the smaller of a time, s, and a share of the longest log. It is at least 6 s.
 const LONGEST_LAG: (f64, f64) = (600.0, 1.0 / 6.0);
 const LEAST_PLAY_C: f64 = 0.05;
 /// Largest play, as a share of the span.
@@ -118,7 +118,8 @@ pub(super) fn weigh(models: &mut Vec<Model>) {
     models.iter_mut().for_each(|model| model.weight /= total);
 }
 
-/// Log prior probability of each value: ½ for 0, and ½ spread evenly over the logarithm of the others; 1 if single.
+/// Logarithms of the prior probabilities of the values: ½ for 0, and ½ spread evenly over the logarithm of the others.
+/// A single value has the probability 1.
 fn shares(values: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
     if values.len() == 1 {
         return vec![0.0];
@@ -283,7 +284,7 @@ impl<'a> Search<'a> {
         scored
     }
 
-    /// Returns the relevant noises, the best first. It begins at `start`, and tries the neighbours of relevant noises.
+    /// Returns the relevant noises, the best first. The search goes from `start` to the neighbours of relevant noises.
     fn noises(&mut self, start: Place, following: &LagAndPlay) -> Vec<Place> {
         let mut scores: BTreeMap<Place, f64> = BTreeMap::new();
         let mut open = vec![start];

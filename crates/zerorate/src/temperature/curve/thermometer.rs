@@ -1,4 +1,4 @@
-//! Smooths the readings of a coarse thermometer, and finds the times at which a thermometer sticks.
+//! Smooths the readings of a coarse thermometer, removes failed readings, and finds the times at which it sticks.
 
 use super::means::median;
 use alloc::vec::Vec;
@@ -10,7 +10,7 @@ pub struct Thermometer {
     pub coarse_step_c: Option<f64>,
     /// Total time for which the thermometer was stuck, s.
     pub stuck_s: f64,
-    /// Time over which the readings were smoothed, s, because they are noisy. 0 if they were not smoothed.
+    /// Time over which the readings were smoothed, s, because of noise, a lag or a draught. 0 without smoothing.
     pub smoothed_s: f64,
     /// Lag of the thermometer behind the sensor, s.
     pub late_s: f64,

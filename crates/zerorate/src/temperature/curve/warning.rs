@@ -101,7 +101,7 @@ impl CurveWarning {
 const NO_EVIDENCE: f64 = 2.0;
 /// Ratio of the change that is still to come to the uncertainty above which there is a warning.
 const UNSETTLED: f64 = 3.0;
-/// Limits of the difference between the curve and a cubic: ratio to the uncertainty, and share of the bias's span.
+/// Ratio to the uncertainty, and share of the bias's span, above which a difference from a cubic gives a warning.
 const LEFT: (f64, f64) = (1.0, 0.01);
 
 impl LogCurve {
