@@ -15,8 +15,8 @@ pub struct Uncertainty {
     pub u_pbc_dps: f64,
     /// Uncertainty of BTC, °/s/°C. BTC is minus the slope of the bias at T3.
     pub u_btc_dps_per_c: f64,
-    /// The part of the uncertainty of BTC that allows for curvature and hysteresis, °/s/°C. It is zero under
-    /// [`Plan::assume_linear`](crate::Plan::assume_linear).
+    /// The part of the uncertainty of BTC that allows for curvature and hysteresis, °/s/°C. It is zero for a curve
+    /// and under [`Plan::assume_linear`](crate::Plan::assume_linear).
     pub u_curvature_dps_per_c: f64,
     /// Uncertainty of T3 by noise alone, °C.
     pub u_t3_c: f64,

@@ -314,7 +314,7 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     }
 }
 
-/// Operator, host and surroundings need schema 4, and nothing else changes.
+/// Operator and host need schema 4, and do not change the id.
 #[test]
 fn notes_make_a_file_schema_4() {
     let notes = Notes { operator: Some("Ada".into()), host: Some("pi4".into()), ..Notes::default() };

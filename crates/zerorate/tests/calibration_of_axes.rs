@@ -1,4 +1,4 @@
-//! Schema 2 of the calibration file: several axes of any part.
+//! Calibration files of schema 2 and higher: several axes of any part.
 
 mod outcome;
 
@@ -178,7 +178,7 @@ fn one_axis_at_least_and_eight_at_most() {
     assert!(none.contains("axis stands 0 times"), "{none}");
 }
 
-/// Schema 1 cannot express an ADIS16130 on another scale, or with an axis of another name.
+/// Schema 1 cannot express another part, scale, margin or name of the axis, nor warnings of the axis alone.
 #[test]
 fn schema_1_is_written_only_for_a_line_of_a_standard_adis16130() {
     let one = |change: fn(&mut Calibration)| {

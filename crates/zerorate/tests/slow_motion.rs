@@ -58,7 +58,7 @@ fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
     }
 }
 
-/// For every unit at rest, the standard uncertainty of PBC is 0.0018 to 0.0037 °/s. An earlier version always treated
+/// For these units at rest, the standard uncertainty of PBC is 0.0018 to 0.0037 °/s. An earlier version always treated
 /// the models with a base motion as separate peaks, and stated 0.0075 to 0.0123 °/s for the first four units.
 #[test]
 fn a_platform_at_rest_has_one_uncertainty() {

@@ -127,7 +127,7 @@ fn motion_is_not_learned_from() {
     assert!((0.001..0.004).contains(&(sum_dps / 20.0)), "{sum_dps}");
 }
 
-/// Another axis that moves, a gap or a missing reading ends a rest. A rate without any temperature is ignored.
+/// Another axis that moves, or a missing reading, ends a rest. A rate without any temperature is ignored.
 #[test]
 fn missing_samples_are_not_taken_for_rest() {
     let mut random = Random::new(1);

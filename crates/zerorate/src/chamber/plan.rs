@@ -65,7 +65,7 @@ pub enum StepEnd {
 }
 
 impl Step {
-    /// Duration of the ramp from another temperature to the set point, s.
+    /// Duration of the ramp from another temperature to the set point, s. It is 0 if the set point jumps.
     #[must_use]
     pub fn ramp_s(&self, from_c: f64) -> f64 {
         self.c_per_min.map_or(0.0, |c_per_min| (self.to_c - from_c).abs() / c_per_min * 60.0)

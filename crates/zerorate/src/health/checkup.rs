@@ -50,7 +50,7 @@ impl Default for Limits {
 pub struct Checkup {
     /// Rate codes less the zero code.
     rate_codes: Vec<i32>,
-    /// Places of invalid rates.
+    /// Places and numbers of invalid rates.
     gaps: Vec<Gap>,
     rates: CodeSum,
     temps: CodeSum,

@@ -16,7 +16,7 @@ use crate::plan::{Check, Method, Plan, PlanError, State, Until, ns};
 /// Time from the start of a step in which [`Procedure::pending_refusal`] returns `None`, s.
 const FIRST_LOOK_S: f64 = 2.0;
 
-/// Time after which samples without any temperature are refused, ns. A longer wait would not bring a temperature.
+/// Time from the start after which samples without any temperature are refused, ns. Longer waits would not help.
 pub(crate) const TEMPERATURE_NS: u64 = 30_000_000_000;
 
 /// The next task of the caller.

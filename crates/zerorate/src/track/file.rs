@@ -129,7 +129,7 @@ impl TrackFile {
     /// Reads a state, and checks that it is complete.
     ///
     /// # Errors
-    /// Returns the first error in the text, with its line.
+    /// Returns an error if the text is not a state, is damaged or incomplete, or has a newer schema.
     pub fn parse(text: &str) -> Result<Self, TrackFileError> {
         let checked = check_lines::verify(text).map_err(TrackFileError::Altered)?;
         let fields = check_lines::without_checks(text);
@@ -209,8 +209,8 @@ impl Prior {
 
 impl TrackerConfig {
     /// Makes the configuration for an axis of a calibration. It takes the noise and the uncertainties of the
-    /// calibration, or of the part if the calibration states none. `None` if neither states the noise, because the
-    /// test for rest compares with it.
+    /// calibration, or of the part if the calibration states none. `None` if there is no white noise above zero,
+    /// because the test for rest compares with it.
     #[must_use]
     pub fn of_calibration(calibrated: &CalibratedAxis, axis: &Axis) -> Option<Self> {
         let noise = match &calibrated.noise {

@@ -233,7 +233,8 @@ impl Filter {
     }
 }
 
-/// Factor of each state in the bias at T − T3, with this factor of the flicker.
+/// The factor by which each state enters the bias at T − T3 = `d_c`. `flicker` is the factor of the three flicker
+/// states: 1, or 0 to leave them out.
 fn shape(d_c: f32, flicker: f32) -> [f32; STATES] {
     let mut shape = [flicker; STATES];
     (shape[OFFSET], shape[SLOPE], shape[CURVATURE]) = (1.0, d_c, d_c * d_c);

@@ -19,7 +19,7 @@ const SAME: f32 = 1e-3;
 /// platform need not be independent of each other.
 const FADING: f32 = 0.97;
 
-/// A mean over some windows at rest.
+/// A mean over some windows of a quiet period.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mean {
     pub(super) rate_dps: f32,
@@ -101,7 +101,7 @@ impl HypothesisBank {
         }
     }
 
-    /// Adds to the variance of the offset of all hypotheses.
+    /// Adds the square of `u_dps`, °/s, to the variance of the offset in all hypotheses.
     pub(super) fn inflate_bias_variance(&mut self, u_dps: f64) {
         for Hypothesis { before, sure, now, .. } in self.used() {
             for filter in [before, &mut sure.filter, &mut now.filter] {

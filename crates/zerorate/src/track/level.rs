@@ -38,9 +38,9 @@ pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
 /// rotation, by its probability of either.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestPrior {
-    /// Number of rests so far, plus one.
+    /// Number of rests so far, plus one. Old quiet periods count less beyond a hundred.
     pub rests: f32,
-    /// Number of rotations so far, plus one.
+    /// Number of rotations so far, plus one. Old quiet periods count less beyond a hundred.
     pub rotations: f32,
 }
 
@@ -58,7 +58,7 @@ impl RestPrior {
         self.rests / (self.rests + self.rotations)
     }
 
-    /// Excess of rotations: 0 while they are few, 1 if all quiet periods are rotations.
+    /// Excess of rotations: 0 up to the share [`FEW`] of the quiet periods, 1 if all of them are rotations.
     pub(super) fn rotation_excess(&self) -> f32 {
         ((1.0 - self.probability() - FEW) / (1.0 - FEW)).max(0.0)
     }

@@ -116,7 +116,7 @@ pub struct Tracked {
     pub phase: Phase,
 }
 
-/// Counts since the tracker began.
+/// Counts since tracking began, over all power-ups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Seconds of rest from which the tracker learned.
@@ -138,7 +138,7 @@ pub struct Saved {
     pub counts: Counts,
 }
 
-/// The error for an impossible saved state: not finite, or with an impossible covariance.
+/// The error for a saved state or a time without power that is impossible, such as a negative variance or NaN.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unsound;
 
@@ -195,7 +195,7 @@ impl Tracker {
     /// Makes a tracker that continues from a saved state after a power-down of `off_s` seconds.
     ///
     /// # Errors
-    /// Returns [`Unsound`] if the state is impossible.
+    /// Returns [`Unsound`] if the state or `off_s` is impossible.
     pub fn resume(config: TrackerConfig, saved: &Saved, off_s: f64) -> Result<Self, Unsound> {
         if !(saved.filter.is_sound() && saved.rest_prior.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
             return Err(Unsound);
@@ -222,8 +222,8 @@ impl Tracker {
         Saved { filter, rest_prior: self.bank.rest_prior, counts: self.counts() }
     }
 
-    /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]. A missing mean is `None`. A
-    /// rate without a temperature takes the last temperature. `still` means that no other axis of the part
+    /// Takes in the mean rate, °/s, and the mean temperature, °C, over the next [`BLOCK_S`] seconds. A missing mean is
+    /// `None`. A rate without a temperature takes the last temperature. `still` means that no other axis of the part
     /// [moves](Self::moves).
     pub fn push(&mut self, rate_dps: Option<f64>, temp_c: Option<f64>, still: bool) -> Phase {
         self.blocks += 1;
@@ -274,7 +274,7 @@ impl Tracker {
         self.config.correction.apply(rate_dps, temp_c) - self.tracked(temp_c).change_dps
     }
 
-    /// Counts so far, including the present rest.
+    /// Counts so far, including the present quiet period.
     #[must_use]
     pub fn counts(&self) -> Counts {
         let mut counts = self.counts;

@@ -24,7 +24,7 @@ const STEPS: [(u32, f64); 3] = [(1, 3.9), (4, 3.7), (16, 3.5)];
 /// Ratio of the difference of adjacent seconds to its standard deviation beyond which the part moves. Noise exceeds it
 /// in one of 16 000 differences.
 const SECOND_FACTOR: f64 = 4.0;
-/// Limit of χ², nine degrees of freedom, for the ten means of 0.1 s. Noise exceeds it in one of 33 000 seconds.
+/// Limit of χ², nine degrees of freedom, for the ten means of 0.1 s. Noise exceeds it in one of 35 000 seconds.
 const SECOND_CHI2: f32 = 36.8;
 /// Largest valid rate, °/s, and distance of the temperature from T3, °C.
 const LARGEST: f32 = 1e5;

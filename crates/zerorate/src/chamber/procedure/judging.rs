@@ -57,9 +57,9 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Returns the range in which the plan allows the air, °C. It covers the set points and the temperature after
-    /// the measurement, because an open door lets the air go there. It also covers the first air temperature,
-    /// until the air has come into the rest of the range or the first step is over.
+    /// Returns the range in which the plan allows the air, °C: the set points and, because of an open door, the
+    /// temperature after the measurement, each with the overshoot. The range also covers the first air temperature,
+    /// until the air has come into the rest of the range or the step of the first reading is over.
     fn air_may_be_c(&mut self, air_c: f64) -> (f64, f64) {
         let ((low_c, high_c), safe_c) = (self.plan.span_c(), self.plan.safe_c);
         let (low_c, high_c) = (low_c.min(safe_c), high_c.max(safe_c));
