@@ -91,7 +91,6 @@ impl Judged {
         self.reading.temp.filter(|_| self.flags.temp_is_good())
     }
 
-    /// Whether the rate or the temperature is impossible.
     pub(crate) fn is_faulty(&self) -> bool {
         self.flags.has(Flags::IMPOSSIBLE) || self.flags.has(Flags::IMPOSSIBLE_TEMP)
     }

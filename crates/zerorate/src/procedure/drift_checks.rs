@@ -356,7 +356,6 @@ impl Candidate {
         self.columns.iter().zip(sizes).map(|(column, size)| size * dot(column, residual)).sum()
     }
 
-    /// Size of the first column.
     fn size(&self, residual: &[f64]) -> f64 {
         self.sizes(residual)[0]
     }

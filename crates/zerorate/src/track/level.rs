@@ -69,7 +69,6 @@ impl RestPrior {
         (self.rests, self.rotations) = ((self.rests + rest) * forget, (self.rotations + 1.0 - rest) * forget);
     }
 
-    /// Whether the counts are possible.
     pub(super) fn is_sound(&self) -> bool {
         [self.rests, self.rotations].iter().all(|count| *count > 0.0 && *count < 2.0 * REMEMBERED)
     }

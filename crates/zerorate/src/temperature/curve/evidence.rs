@@ -346,7 +346,6 @@ impl Record {
         log_evidence.is_finite().then_some(Solved { coefficients, log_evidence, information, used })
     }
 
-    /// Computes the coefficients under these prior spreads.
     pub(super) fn solve_shape(&self, products: &Products, shape: &PriorSpreads) -> Option<Solved> {
         self.solve(products, &self.variances(shape))
     }
