@@ -19,7 +19,7 @@ const DIGITS: usize = 4;
 pub enum Damage {
     /// This line was edited or added, or a line next to it was removed.
     Changed { line: usize },
-    /// The file ends after this line, and more lines were written.
+    /// The file ends after this line, although more lines were written.
     EndsEarly { line: usize },
 }
 

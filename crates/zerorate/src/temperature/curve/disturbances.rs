@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 const GAIN: f64 = 30.0;
 /// Largest number of steps in all logs together.
 const MOST_STEPS: usize = 8;
-/// Largest share of the blocks that are left out as outliers.
+/// Largest share of the blocks that may be left out as outliers.
 const MOST_GLITCHES: f64 = 0.05;
 /// Number of searches for the noise model, each without the disturbances that were found before.
 const ROUNDS: usize = 3;

@@ -104,7 +104,7 @@ impl MeansBuilder {
     }
 
     /// Says whether the sensor was on before the log began, if that is known. If it was on, a bias that lags is behind
-    /// from the start. Otherwise the bias begins in balance.
+    /// from the start. If it was off, the bias begins in balance.
     #[must_use]
     pub fn was_on(self, was_on: Option<bool>) -> Self {
         Self { was_on, ..self }

@@ -323,7 +323,7 @@ fn has_two_directions(logs: &[LogMeans]) -> bool {
     rises_c.min(falls_c) > SHARED * (high_c - low_c)
 }
 
-/// Share of the temperature span that the sensor must cover in each direction.
+/// Share of the temperature span of which the logs must cover more in each direction to count as having both.
 const SHARED: f64 = 0.25;
 
 /// The weighted mean over models.
