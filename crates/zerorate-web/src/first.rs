@@ -28,7 +28,7 @@ impl FirstLook {
         Ok(Self { live_view, source: Some(source), pace })
     }
 
-    /// Reads the samples that are due, for at most `budget_ms`. `clock` returns the page's time, ms.
+    /// Reads the samples that are due, for about `budget_ms`. `clock` returns the page's time, ms.
     pub fn turn(&mut self, clock: &mut dyn FnMut() -> f64, budget_ms: f64) {
         let Some(source) = &mut self.source else { return };
         let until_ms = clock() + budget_ms;

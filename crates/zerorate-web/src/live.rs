@@ -5,7 +5,7 @@ use crate::session::{About, HostCommand, RequestResult, Session};
 use crate::source::{Next, Source};
 use zerorate_record::Row;
 
-/// A function that opens the device and resets it. Its argument is the page's time, ms.
+/// A function that opens the device anew. Its argument is the page's time, ms.
 pub type Open = Box<dyn Fn(f64) -> Result<Box<dyn Source>, String>>;
 
 /// A session and its device.
@@ -53,7 +53,7 @@ impl Live {
         &mut self.session
     }
 
-    /// Reads the samples that are due, for at most `budget_ms`. `clock` returns the page's time, ms.
+    /// Reads the samples that are due, for about `budget_ms`. `clock` returns the page's time, ms.
     pub fn turn(&mut self, clock: &mut dyn FnMut() -> f64, budget_ms: f64) {
         let Some(mut source) = self.source.take() else { return };
         let began_ms = clock();
@@ -134,7 +134,7 @@ impl Live {
         self.session = before.reopened(about);
     }
 
-    /// Marks a simulated or recorded device as being read. A real device is marked when its source was opened.
+    /// Marks a simulated or recorded device as being read. [`Live::turn`] marks a real device once it was opened.
     fn begun(&mut self) {
         if self.pace.is_simulated {
             self.session.state(DeviceState::Reading);
@@ -145,19 +145,19 @@ impl Live {
 /// Paces simulated time against the page's clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
-    /// True if the part's time is simulated; false for a real part.
+    /// True if the part's time is simulated or replayed; false for a real part.
     is_simulated: bool,
     /// Multiple of real time; 0 means as fast as possible.
     factor: f64,
-    /// Simulated time that a preview has already shown, s; 0 without a preview.
+    /// Simulated time that a preview has already shown, s; 0 without a preview, and after a restart of the pace.
     begun_s: f64,
-    /// A simulated time, ns, and the page's time at which it was reached, ms. `None` before the first reading, and
-    /// after the page was too slow.
+    /// A simulated time, ns, and the page's time, ms, at which it is due. `None` before the first reading, and after
+    /// the speed changed or the page was too slow.
     since: Option<(u64, f64)>,
 }
 
 impl Pace {
-    /// Paces the device in real time.
+    /// The pace of real time for a simulated device; no pace for a real one.
     pub fn of(about: &About) -> Self {
         Self { is_simulated: about.simulated, factor: 1.0, begun_s: 0.0, since: None }
     }
@@ -198,7 +198,7 @@ impl Pace {
         }
     }
 
-    /// True if a sample at `t_ns` is ahead of the pace.
+    /// True if a sample at `t_ns` is ahead of the pace. Only simulated samples can be.
     fn is_ahead(&mut self, t_ns: u64, now_ms: f64) -> bool {
         let begun_ms = 1000.0 * self.begun_s;
         let &mut (from_ns, from_ms) = self.since.get_or_insert((t_ns, now_ms - begun_ms));

@@ -65,7 +65,7 @@ pub enum Command {
     Restart,
     /// Set the integrated angle of each axis to zero.
     ZeroAngle,
-    /// Set the speed of a simulated part, as a multiple of real time; 0: as fast as possible.
+    /// Set the speed of a simulated or recorded part, as a multiple of real time; 0: as fast as possible.
     Speed {
         /// The speed, 0 to 1000.
         factor: f64,
@@ -166,9 +166,9 @@ pub struct Download {
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Frame {
-    /// The number of the frame in its session, which increases.
+    /// The number of the frame. It increases with each frame of changes; a snapshot repeats the last number.
     pub seq: u32,
-    /// True if the frame replaces everything that was shown before: the session is new, or the page was just opened.
+    /// True if the frame replaces everything that was shown before.
     pub snapshot: bool,
     /// The completed bins of the plots over time. Their values are in the payload.
     pub strips: Vec<Strip>,
@@ -226,11 +226,11 @@ pub struct Strip {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Device {
-    /// The address, in the syntax of `zerorate --device`.
+    /// The address, in the syntax of `zerorate --device`; words for a bridge in a browser, which has no address.
     pub name: String,
     /// Opening, reading, ended or failed.
     pub state: DeviceState,
-    /// True if the part's time is simulated, so that its `speed` can be set.
+    /// True if the part is simulated or recorded, so that its `speed` can be set.
     pub simulated: bool,
     /// The speed as a multiple of real time; 0: as fast as possible.
     pub speed: f64,
@@ -250,7 +250,7 @@ pub struct Device {
     pub checks: Vec<CheckResult>,
     /// The default durations of a guided calibration.
     pub durations: Durations,
-    /// Version of the program.
+    /// Name and version of the program.
     pub software: String,
 }
 
@@ -289,11 +289,11 @@ pub enum DeviceState {
 pub struct AxisAbout {
     /// The name of the axis in its part.
     pub name: String,
-    /// Largest rate, °/s.
+    /// Largest rate, °/s; null if unknown.
     pub range_dps: Option<f64>,
-    /// Bandwidth (−3 dB), Hz.
+    /// Bandwidth (−3 dB), Hz; null if unknown.
     pub bandwidth_hz: Option<f64>,
-    /// The mechanical resonance, Hz.
+    /// Frequency of the mechanical resonance, Hz; null if unknown.
     pub resonance_hz: Option<f64>,
 }
 
@@ -345,13 +345,13 @@ pub struct CheckResult {
 pub struct Now {
     /// Time of the newest sample since the first, s.
     pub t_s: f64,
-    /// Mean temperature of the last second, °C.
+    /// Mean temperature of the last second, °C; null if unknown.
     pub temp_c: Option<f64>,
     /// The values of each axis.
     pub axes: Vec<AxisNow>,
 }
 
-/// The newest values of an axis: means over the last second, with standard uncertainties.
+/// The newest values of an axis. Its rates are means over the last second; null if unknown.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisNow {
@@ -359,14 +359,14 @@ pub struct AxisNow {
     pub rate_dps: Option<f64>,
     /// Standard uncertainty of the raw rate due to its noise, °/s.
     pub u_rate_dps: Option<f64>,
-    /// Corrected rate, °/s; null if no calibration is applied.
+    /// Corrected rate, °/s; null if unknown or if no calibration is applied.
     pub corrected_dps: Option<f64>,
     /// Standard uncertainty of the corrected rate, including the calibration's, °/s.
     pub u_corrected_dps: Option<f64>,
     /// True if the temperature is outside the range of the calibration.
     pub extrapolated: bool,
-    /// Integral of the corrected rate, °; of the raw rate without a calibration. `zero-angle` and any change of the
-    /// calibration reset it to zero.
+    /// Integral of the corrected rate, °; of the raw rate without a calibration. It restarts at zero with `zero-angle`
+    /// and with any change of the calibration.
     pub angle_deg: f64,
     /// Standard uncertainty of the angle due to noise and calibration, °.
     pub u_angle_deg: Option<f64>,
@@ -397,30 +397,30 @@ pub enum RestVerdict {
     Unjudged,
 }
 
-/// The counts of samples since the start.
+/// The counts of samples since the device was opened.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct SampleCounts {
     /// Number of samples that reached the session.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
-    /// Number of samples that were lost before they were read, as counted by the samples themselves.
+    /// Number of samples that were lost before they were read. Each sample states the number lost before it.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub lost: u64,
-    /// Number of samples that were read but not shown, because this page's session was too slow. A recording has them.
+    /// Number of samples that were read but not shown, because the session was too slow. A recording has them.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missed: u64,
-    /// Number of readings that are impossible for the part.
+    /// Number of readings of all axes that are impossible for the part.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub impossible: u64,
-    /// Number of readings out of range.
+    /// Number of readings of all axes that are out of range.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub out_of_range: u64,
-    /// Sample rate, Hz.
+    /// Rate of the samples that were read, Hz; 0 before the second sample.
     pub rate_hz: f64,
-    /// Rate of data-ready edges, Hz.
+    /// Rate of data-ready edges, Hz; 0 before the second sample.
     pub rdy_hz: f64,
-    /// Time since which the readings are frozen, s after the first sample; null if they are not frozen.
+    /// Time since which the readings of an axis are frozen, s after the first sample; null if no axis is frozen.
     pub frozen_since_s: Option<f64>,
     /// Time from the first to the newest sample, s.
     pub duration_s: f64,

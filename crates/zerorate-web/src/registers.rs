@@ -68,7 +68,7 @@ fn conversion(word: ConversionTime) -> String {
 mod tests {
     use super::*;
 
-    /// The registers as F-30 leaves them, typed from docs/facts.md.
+    /// Some registers after F-30 (docs/facts.md), with the readings 1 °/s and 24 °C.
     const AFTER_F30: [(Address, u32); 7] = [
         (Address::Iop, 0xF8),
         (Address::RateCs, 0x0A),

@@ -99,7 +99,7 @@ fn a_session_continues_from_the_preview() {
 fn a_slow_page_keeps_its_turns_short_and_does_not_catch_up() {
     let mut now_ms = 0.0;
     let mut live = Live::open(twin("seed=7"), now_ms).expect("a twin");
-    // each reading of the clock takes 5 ms, so that a turn ends after five times 64 samples
+    // each reading of the clock takes 5 ms, so a turn that falls behind ends after four times 64 samples
     run(&mut live, &mut now_ms, 1000.0, 5.0);
     let samples = seen(&mut live)["ledger"]["samples"].as_u64().expect("a count");
     assert!((1000..5694).contains(&samples), "{samples}");

@@ -41,7 +41,7 @@ fn warming(span_c: f64) -> String {
     text
 }
 
-/// Half an hour at 10 Hz of a gyroscope in a log of PX4, which warms by 30 °C.
+/// A PX4 log of a gyroscope: half an hour at 10 Hz, during which the gyroscope warms by 30 °C.
 fn of_px4() -> Vec<u8> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
     let mut noise = || ((0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0) as f32;
@@ -204,7 +204,7 @@ fn other_files_are_refused_with_a_reason() {
     }
 }
 
-/// The rate x follows the temperature by 0.05 °/s per °C over 6 °C; the rate y does not.
+/// The temperature rises by almost 6 °C. The rate x follows it by 0.05 °/s per °C; the rate y does not.
 #[test]
 fn a_rate_that_follows_its_temperature_is_reported() {
     let whole = table("t_s,x_dps,y_dps,z_dps,ax_mps2,ay_mps2,az_mps2", 20_000);

@@ -150,7 +150,7 @@ fn a_minute_of_the_twin_fills_the_frames() {
     assert!(all["snapshot"] == true && all["device"]["part"] == "ADIS16130" && all["calibration"]["is"] == "idle");
 }
 
-/// The forecast at 10 minutes agrees with the uncertainties of a calibration that is finished then.
+/// A forecast after 10 minutes agrees with the uncertainties of a calibration that is finished then.
 #[test]
 fn the_forecast_agrees_with_the_result() {
     let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "warmup" }));

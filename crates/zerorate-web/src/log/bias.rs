@@ -25,7 +25,7 @@ pub enum Bias {
 }
 
 impl Bias {
-    /// Averages the axes of a log. `None` if the temperature has impossible values or too small a span.
+    /// Averages the axes of a log. `None` without axes, or if the temperature is impossible or has too small a span.
     ///
     /// # Errors
     /// Returns an error if too many samples are missing.

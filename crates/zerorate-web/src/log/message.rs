@@ -12,14 +12,14 @@ use zerorate_imu::{AxisReport, Kind};
 #[cfg_attr(feature = "types", derive(TS))]
 #[cfg_attr(feature = "types", ts(optional_fields))]
 pub struct LogSettings {
-    /// The columns, by name or by number counted from 0; null: all axes.
+    /// The columns, by name or by number counted from 0; null: all axes, or all columns of a log without axes.
     pub columns: Option<Vec<String>>,
-    /// The topic to read, if a bag has several IMUs.
+    /// The topic or message to read, if a log has several IMUs.
     pub topic: Option<String>,
     /// The condition for rows to read, such as `SensorId=1` or `bus=0,sensor=1`; null: all rows.
     #[serde(rename = "where")]
     pub only: Option<String>,
-    /// Samples per second, Hz.
+    /// Sample rate, Hz; null: as the log states.
     pub rate_hz: Option<f64>,
     /// The column with the timestamps.
     pub time_column: Option<String>,
@@ -94,16 +94,16 @@ pub enum LogInspection {
 pub struct LogAbout {
     /// The format of the file: `Parquet`, `text, packed by gzip`.
     pub form: String,
-    /// Number of samples per column, including missing ones.
+    /// Number of samples of the first column, including missing ones.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
-    /// Samples per second, Hz.
+    /// Sample rate of the first column, Hz.
     pub rate_hz: f64,
-    /// Duration, s.
+    /// Duration of the first column, s.
     pub duration_s: f64,
     /// The topic that was read, if the log is a bag.
     pub topic: Option<String>,
-    /// The columns that will be analysed, gyroscopes first.
+    /// The columns that will be analysed: the axes, gyroscopes first, or all columns of a log without axes.
     pub columns: Vec<LogColumn>,
     /// Warnings about the log.
     pub warnings: Vec<String>,

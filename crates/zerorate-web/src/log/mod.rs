@@ -1,6 +1,7 @@
 //! A log that was dropped on the page: its content, its noise, its bias over temperature, and files made from them.
 //!
-//! [`LogReader::look`] reads the log once. Columns are then analysed one by one, so that the caller can show progress.
+//! [`LogReader::look`] reads the log and keeps its columns. They are then analysed one by one, so that the caller can
+//! show progress.
 
 #[cfg(feature = "readers")]
 mod axis;
@@ -42,7 +43,8 @@ mod reader {
     }
 
     impl LogReader {
-        /// Reads the log of this name. Returns its content or a question. `open` opens the log from its start.
+        /// Reads the log of this name. Returns its facts and a reader, or else a question or a refusal. `open` opens
+        /// the log from its start.
         pub fn look(name: &str, open: impl Fn() -> Input, said: &LogSettings) -> (LogInspection, Option<Self>) {
             let path = Path::new(name);
             match read(path, &open, said) {
@@ -85,7 +87,8 @@ mod reader {
             Ok(Some(message))
         }
 
-        /// The bias over temperature, if the temperature of the log changes enough. Only the first call returns it.
+        /// The bias over temperature, or the reason why there is none. `None` if the temperature changes too little,
+        /// and after the first call.
         pub fn bias(&mut self) -> Option<LogBias> {
             self.bias.take().map(|bias| bias.message(&self.path, &self.warnings))
         }
@@ -118,7 +121,7 @@ mod reader {
         /// Makes the file for a filter.
         ///
         /// # Errors
-        /// Returns an error if the numbers would not be a valid result, or if the log lacks the necessary axes.
+        /// Returns an error if the command is invalid, the numbers are not a valid result, or the log lacks axes.
         pub fn noise_file(&self, command: &NoiseFileCommand) -> Result<Download, String> {
             let (format, combine) = (format(&command.format)?, combine(&command.combine)?);
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));

@@ -107,13 +107,11 @@ fn decimal(text: &str) -> Result<Decimal, LogError> {
     }
 }
 
-/// Finds the format of a noise file by its name.
 pub fn format(name: &str) -> Result<Format, String> {
     let found = Format::ALL.into_iter().find(|format| format.name() == name);
     found.ok_or_else(|| format!("`{name}` is unknown: take one of {}", Format::ALL.map(Format::name).join(", ")))
 }
 
-/// Finds the way to combine axes by its name.
 pub fn combine(name: &str) -> Result<Combine, String> {
     let found = [Combine::Worst, Combine::Mean].into_iter().find(|combine| combine.name() == name);
     found.ok_or_else(|| format!("`{name}` is unknown: take worst or mean"))

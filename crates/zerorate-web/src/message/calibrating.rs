@@ -40,22 +40,22 @@ pub struct Running {
     pub method: MethodName,
     /// All steps in order.
     pub steps: Vec<Step>,
-    /// Time since the start, s.
+    /// Time since the start of the calibration, s.
     pub elapsed_s: f64,
-    /// Remaining time, s.
+    /// Remaining time of the calibration, s.
     pub left_s: f64,
     /// The instruction for the user at this moment.
     pub advice: String,
     /// The refusals that would result if the step ended now.
     pub pending_refusals: Vec<String>,
-    /// Temperatures, °C: at the start, now, the lowest and the highest.
+    /// Temperatures, °C: at the start, now, the lowest and the highest; null if none was read yet.
     pub temps_c: Option<[f64; 4]>,
-    /// The uncertainties that an end at the last check would have given; null if the calibration would be refused.
-    /// Only for `warmup` and `cycle`.
+    /// The uncertainties that an end at the last check would have given. Null before the first check, if the
+    /// calibration would be refused, and for methods other than `warmup` and `cycle`.
     pub forecast: Option<Forecast>,
     /// True if `finish-calibration` is allowed now.
     pub can_finish: bool,
-    /// True if the recording is sufficient: nothing would be refused, and the temperature of a warm-up has settled.
+    /// True if `warmup` or `cycle` has enough samples: nothing would be refused, and a `warmup` has settled.
     pub is_enough: bool,
 }
 
@@ -63,7 +63,7 @@ pub struct Running {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Forecast {
-    /// The assumed end, s after the start.
+    /// The assumed end, s after the start of the calibration.
     pub at_s: f64,
     /// Standard uncertainty of PBC, °/s.
     pub u_pbc_dps: f64,

@@ -8,11 +8,11 @@ use ts_rs::TS;
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Statistics {
-    /// Length of the record, s.
+    /// Length of the record since the statistics restarted, s.
     pub duration_s: f64,
     /// The points of the Allan deviation, in order of averaging time.
     pub allan: Vec<AllanPoint>,
-    /// The noise coefficients; empty before there are enough samples.
+    /// The noise coefficients; empty if no noise model was fitted yet.
     pub coefficients: Vec<Coefficient>,
     /// The spectrum of the last 131 072 readings, by Welch's method.
     pub spectrum: Vec<SpectrumPoint>,
@@ -20,7 +20,7 @@ pub struct Statistics {
     pub marks: Vec<SpectrumMark>,
     /// The bias over temperature.
     pub temperature: OverTemperature,
-    /// A remark if the deviations contain signals other than noise; otherwise null.
+    /// A remark if the deviations contain signals other than noise, or if readings are missing; otherwise null.
     pub caution: Option<String>,
 }
 

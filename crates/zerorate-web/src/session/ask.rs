@@ -151,8 +151,8 @@ impl Session {
         Ok(())
     }
 
-    /// Handles the end of a recording. A method that can end early gives its result. Any other method is aborted for
-    /// the reason `otherwise`.
+    /// Handles the end of a recording. A method that can end early gives its result or is refused. Any other method is
+    /// aborted for the reason `otherwise`.
     pub(super) fn end_guided(&mut self, otherwise: &str) {
         let Some(guided) = &mut self.guided else { return self.abort_calibration(otherwise) };
         match guided.end_recording() {

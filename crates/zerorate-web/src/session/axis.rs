@@ -24,7 +24,7 @@ const KEPT: usize = 600;
 pub struct Block {
     /// Rate, °/s; NaN if no reading is valid.
     pub rate_dps: f64,
-    /// Corrected rate, °/s; NaN without a correction.
+    /// Corrected rate, °/s; NaN without a correction or a valid reading.
     pub corrected_dps: f64,
     /// Temperature, °C; NaN if none was read.
     pub temp_c: f64,
@@ -70,8 +70,8 @@ impl AxisState {
         }
     }
 
-    /// Adds any reading, valid or not, to the strips. `at_ns` is its time since the start. Returns the judged reading
-    /// that came two before it.
+    /// Adds any reading, valid or not, to the strips. `at_ns` is its time since the first reading. Returns the judged
+    /// reading that came two before it; `None` if there is none.
     #[inline]
     pub fn show(&mut self, at_ns: u64, reading: &Reading, correct: impl Fn(f64) -> Option<f64>) -> Option<Judged> {
         let rate_dps = self.axis.rate.value(reading.rate.into());
@@ -83,7 +83,7 @@ impl AxisState {
         self.health.push(reading)
     }
 
-    /// Adds a valid reading to the block and the angle.
+    /// Adds the valid values of a judged reading to the block, and its valid rate to the angle.
     #[inline]
     pub fn count(&mut self, judged: &Judged, corrected_dps: Option<f64>) {
         if let Some(temp) = judged.temp() {
@@ -99,7 +99,6 @@ impl AxisState {
         self.angle.push(judged.reading.t_ns, rate_dps);
     }
 
-    /// Ends the current block and returns it.
     pub fn close_block(&mut self) -> Block {
         let sums = std::mem::take(&mut self.open);
         let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -119,7 +118,6 @@ impl AxisState {
         block
     }
 
-    /// The newest values for the page.
     pub fn now(&self, applied: Option<&Calibration>, extrapolated: bool) -> AxisNow {
         let shown = self.newest(SHOWN);
         let temp_c = mean(shown.iter().map(|block| block.temp_c));
@@ -154,8 +152,8 @@ impl AxisState {
         self.blocks.iter().skip(self.blocks.len().saturating_sub(count)).copied().collect()
     }
 
-    /// One-sided noise density d, °/s/√Hz, over the last minute. Differences of adjacent block means have the
-    /// variance d²/τ, where τ is the block length.
+    /// One-sided noise density d, °/s/√Hz, over the last minute; `None` before there are ten differences of adjacent
+    /// block means. Their variance is d²/τ, where τ is the block length.
     fn white_dps_per_rt_hz(&self) -> Option<f64> {
         let rates = self.blocks.iter().map(|block| block.rate_dps);
         let steps = rates.clone().zip(rates.skip(1)).map(|(one, next)| (next - one) * (next - one));
@@ -213,7 +211,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// The temperature's slope, from the means of the first and the second half, °C/s.
+/// The temperature's slope, from the means of the first and the second half, °C/s; 0 if one of them is unknown.
 fn slope_c_per_s(blocks: &[Block]) -> f64 {
     let (early, late) = blocks.split_at(blocks.len() / 2);
     let [early, late] = [early, late].map(|half| mean(half.iter().map(|block| block.temp_c)));

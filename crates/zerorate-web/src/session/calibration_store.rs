@@ -79,7 +79,8 @@ impl CalibrationStore {
         self.stored.iter().map(|stored| &stored.calibration)
     }
 
-    /// The warnings about applying a calibration to this device. Returns an error if it belongs to another part.
+    /// The warnings about applying a calibration to this device. Returns an error if the calibration is unknown or
+    /// belongs to another part.
     pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<SessionWarning>, String> {
         let StoredCalibration { calibration, warnings } = self.known(id)?;
         let cal = || format!("calibration {id}");
@@ -89,7 +90,6 @@ impl CalibrationStore {
         Ok(warnings.iter().map(of_file).chain(of_serial).collect())
     }
 
-    /// The applied calibration, if there is one.
     pub fn applied(&self) -> Option<&Calibration> {
         self.find(self.applied.as_deref()?).map(|stored| &stored.calibration)
     }
@@ -107,7 +107,6 @@ impl CalibrationStore {
         Ok(Some(corrector))
     }
 
-    /// Applies no calibration from now on.
     pub fn apply_none(&mut self) {
         self.applied = None;
     }
@@ -162,7 +161,7 @@ impl CalibrationStore {
     }
 }
 
-/// The error for a stored id with other content. The id depends on part, time and coefficients only.
+/// The error for a stored id with other content. The id does not depend on all of the content.
 fn other_content(id: &str) -> String {
     format!(
         "calibration {id} is on file with the same coefficients but other values, such as [validity]. Remove that \

@@ -194,7 +194,7 @@ impl LiveView {
         self.last_ns as f64 * 1e-9
     }
 
-    /// Mean temperature over the last second, °C.
+    /// Mean temperature over the last second, °C; `None` if unknown.
     pub fn temp_c(&self) -> Option<f64> {
         self.axes.first().and_then(AxisState::temp_c)
     }

@@ -136,8 +136,8 @@ impl Session {
         &self.live_view.about
     }
 
-    /// The session after its device was opened again. Everything restarts, but calibrations stay stored. A requested
-    /// calibration starts; a running one ends.
+    /// The session after its device was opened again. The stored calibrations, the applied one and the speed stay. A
+    /// requested calibration starts; a running one ends.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
         let Self { live_view, store, calibrating, guided, wanted, .. } = self;
@@ -237,7 +237,7 @@ impl Session {
     /// Stores a calibration from its TOML text, and returns its id. A place stays free for one that is being measured.
     ///
     /// # Errors
-    /// Returns a text about what is wrong with the calibration.
+    /// Returns the reason why the calibration cannot be stored.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, String> {
         let id = self.store.add_file(toml, usize::from(self.is_calibrating()))?;
         self.changed.calibrations = true;

@@ -23,6 +23,7 @@ struct NoticeEntry {
 }
 
 /// The text of a notice. Texts with the same code and axis count as the same notice, even if their numbers differ.
+/// Texts without a code must be equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoticeText {
     /// The code for `zerorate explain`; empty for a text without a code.
@@ -33,12 +34,10 @@ pub struct NoticeText {
 }
 
 impl NoticeText {
-    /// A text with a code.
     pub fn new(code: &'static str, text: impl fmt::Display) -> Self {
         Self { code, axis: String::new(), text: text.to_string() }
     }
 
-    /// A text without a code.
     pub fn plain(text: impl fmt::Display) -> Self {
         Self::new("", text)
     }

@@ -180,7 +180,7 @@ impl Statistics {
         density.iter().map(point).collect()
     }
 
-    /// The known features of the part, at the frequencies where they appear (aliased) at this sample rate.
+    /// The bandwidth and the aliased resonance of the part, half of the sample rate, and the lines of the model.
     fn marks(&self, rate_hz: f64) -> Vec<SpectrumMark> {
         let half_hz = rate_hz / 2.0;
         let mark = |hz, kind, text| SpectrumMark { hz, kind, text };
@@ -215,7 +215,7 @@ impl Statistics {
         self.fit.as_ref().map_or(typical, |fit| std::f64::consts::SQRT_2 * fit.n.value)
     }
 
-    /// A remark if the deviations contain signals other than noise.
+    /// A remark if the deviations contain signals other than noise, or if readings are missing.
     fn caution(&self) -> Option<String> {
         if self.moved_s > 0.0 {
             return Some(format!(

@@ -69,7 +69,7 @@ impl Default for Strips {
 }
 
 impl Strips {
-    /// Adds the values at `at_ns` since the start. Times must not decrease.
+    /// Adds the values at `at_ns` since the first reading. Times must not decrease.
     pub fn push(&mut self, at_ns: u64, values: Values) {
         let mut bin = Bin::from(values);
         let mut number = at_ns / SHORTEST_NS;
@@ -107,7 +107,7 @@ impl Strips {
 #[derive(Debug)]
 struct Level {
     bins: VecDeque<Bin>,
-    /// Number of the first bin.
+    /// Number of the oldest bin that is kept.
     first: u64,
     /// Number of the first bin that was not sent.
     given: u64,

@@ -14,7 +14,7 @@ pub struct TwinSource {
     twin: Twin,
     part: Adis16130<TwinSpi, ()>,
     sampler: Sampler,
-    /// Time of the last reading, ns.
+    /// Time of the last reading, ns; before the first, the time when the part was opened.
     alive_ns: u64,
 }
 

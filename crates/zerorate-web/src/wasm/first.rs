@@ -16,7 +16,7 @@ impl FirstLook {
         first::FirstLook::open(keys).map(Self).map_err(|why| JsError::new(&why))
     }
 
-    /// Reads the samples that are due, for at most `budget_ms`.
+    /// Reads the samples that are due, for about `budget_ms`.
     pub fn turn(&mut self, budget_ms: f64) {
         self.0.turn(&mut now_ms, budget_ms);
     }

@@ -97,7 +97,7 @@ impl LiveSession {
         self.0.catch_up(shown_s, &mut now_ms);
     }
 
-    /// Reads the samples that are due, for at most `budget_ms`.
+    /// Reads the samples that are due, for about `budget_ms`.
     pub fn turn(&mut self, budget_ms: f64) {
         self.0.turn(&mut now_ms, budget_ms);
     }

@@ -45,7 +45,7 @@ impl Log {
         found.as_ref().map(json).transpose()
     }
 
-    /// The bias over temperature, a `LogBias` in JSON; none if the temperature changes too little.
+    /// A `LogBias` in JSON; none if the temperature changes too little, and after the first call.
     pub fn bias(&mut self) -> Result<Option<String>, JsError> {
         self.open()?.bias().as_ref().map(json).transpose()
     }

@@ -17,7 +17,7 @@ const MAX_ORDER: usize = 3;
 #[derive(Debug)]
 pub struct ByHand {
     procedure: ChamberProcedure,
-    /// End times of the finished steps, s since the start.
+    /// End times of the finished steps, s since the start of the calibration.
     ends_s: Vec<f64>,
     max_lost: f64,
     earth_dps: Option<f64>,

@@ -8,7 +8,7 @@ use zerorate::{
     Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Reached, Scan, State, Wording,
 };
 
-/// Earliest time at which a recording can be finished, s of the part's time.
+/// A recording can be finished after this time since its start, s of the part's time.
 const FINISH_FROM_S: f64 = 60.0;
 
 #[derive(Debug)]

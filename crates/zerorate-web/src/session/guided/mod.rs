@@ -18,7 +18,7 @@ use zerorate_allan::SettingName;
 use zerorate_record::{CaptureInfo, Row, SampleHash};
 use zerorate_view::remarks_apart;
 
-/// Shortest time between two checks of pending refusals, s of the part's time.
+/// Shortest time between two calls of [`GuidedMethod::look`], s of the part's time.
 const LOOK_EVERY_S: f64 = 2.0;
 /// Number of points of the reported curve.
 const POINTS: u8 = 9;
@@ -31,7 +31,7 @@ trait GuidedMethod: std::fmt::Debug + Send {
     /// Processes a reading. Returns true when the procedure is complete. An error is a refusal.
     fn take(&mut self, scan: &Scan) -> Result<bool, String>;
 
-    /// Ends a recording now. Returns false if the method has more steps.
+    /// Ends a recording now. Returns false if the method is not a recording that can end early.
     fn end_recording(&mut self) -> Result<bool, String> {
         Ok(false)
     }
@@ -119,12 +119,12 @@ impl GuidedCalibration {
         self.begun
     }
 
-    /// Ends a recording now. Returns false if the method has more steps.
+    /// Ends a recording now. Returns false if the method is not a recording that can end early.
     pub fn end_recording(&mut self) -> Result<bool, String> {
         self.procedure.end_recording()
     }
 
-    /// Updates the temperatures and the pending refusals. Called at the end of each block.
+    /// Updates the temperatures and, if a check is due, the pending refusals. Called at the end of each block.
     pub fn look(&mut self, temp_c: Option<f64>) {
         if let Some(now_c) = temp_c {
             let [first, _, low, high] = self.temps_c.unwrap_or([now_c; 4]);
