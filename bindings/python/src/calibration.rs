@@ -42,7 +42,7 @@ impl Calibration {
         Ok(Self { known, text, notes: warnings.iter().map(ToString::to_string).collect() })
     }
 
-    /// Short identifier of the coefficients.
+    /// Short identifier of the calibration: 12 hexadecimal digits.
     #[getter]
     fn id(&self) -> String {
         self.known.id()

@@ -11,10 +11,9 @@ use zerorate::{Axis, Part, Scale};
 use zerorate_jobs::capture::{self, Recording};
 use zerorate_record::CaptureWarning;
 
-/// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id``
-/// and ``warning``.
+/// Reads a capture. Returns the fields of `zerorate.Capture`.
 ///
-/// Raises ValueError if the file is not a complete capture, and OSError if it cannot be read.
+/// Raises ValueError if the file is not a capture or is damaged, and OSError if it cannot be read.
 #[pyfunction]
 pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let recording = py.detach(|| capture::read_capture(&path)).map_err(|error| exception(&error))?;

@@ -56,7 +56,7 @@ pub fn unit_kind(unit: &str) -> Option<&'static str> {
     Some(Kind::of(unit.parse::<Unit>().ok()?.quantity())?.name())
 }
 
-/// The unit that the name of a column states.
+/// The unit that the name of a column states; None if it states none.
 #[pyfunction]
 pub fn column_unit(name: &str) -> Option<&'static str> {
     Unit::of_column(name).map(label)

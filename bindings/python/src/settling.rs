@@ -1,4 +1,4 @@
-//! Treats the temperature and the beginning of a record as `zerorate allan` does.
+//! The options for the temperature and the beginning of a record, as in `zerorate allan`.
 
 use crate::error::{exception, joined};
 use crate::log::argument;

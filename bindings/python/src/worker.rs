@@ -102,8 +102,8 @@ impl Latest {
     }
 }
 
-/// Does the work in a thread, and returns its result. Raises its warnings in Python, and calls `progress` with each
-/// step, at most ten times a second. Ctrl-C and an exception of `progress` end the work.
+/// Does the work in a thread, and returns its result. Raises its warnings in Python, and calls `progress` with the
+/// latest step about ten times a second. Ctrl-C and an exception of `progress` end the work.
 pub fn supervised<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,

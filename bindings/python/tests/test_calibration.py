@@ -29,7 +29,7 @@ temp_max_c = 35.0
 
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory: pytest.TempPathFactory) -> tuple[zerorate.Calibrated, Path]:
-    """A short calibration at 1/100 of the sampling rate, and the folder with its log and its file."""
+    """A short calibration with samples at 1/100 of the conversion rate, and the folder with its log and its file."""
     folder = tmp_path_factory.mktemp("unit")
     found = zerorate.calibrate(
         zerorate.Twin(seed=7),

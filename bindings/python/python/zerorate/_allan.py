@@ -132,7 +132,7 @@ def allan(
     confidence
         Probability with which `Allan.lo` and `Allan.hi` enclose the true deviation.
     scale
-        The value of the number 1 in the record, in `unit`; 1 unless given.
+        The value of the number 1 in the record, in `unit`. Unless given, that of the `Capture` or log, or 1.
     unit
         Unit of the rate and of the results: ``rad/s``, ``m/s²``, ``g`` …; for arrays, any other text as well. Unless
         given, it is the unit that the name of a column or the log states; for values without a name, °/s.

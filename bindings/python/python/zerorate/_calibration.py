@@ -173,19 +173,19 @@ class CalibratedAxis:
     name: str
     """The name of the axis; an ADIS16130 has only ``rate``."""
     correction: Correction
-    """PBC, BTC and T3."""
+    """PBC, BTC and T3, and the further terms of a curve."""
     warnings: list[str] = field(default_factory=list)
     """Warnings that concern this axis alone."""
     rate: Scale | None = None
     """The scale of the axis's rate codes."""
     measured: Measured | None = None
-    """The means from which the correction was computed; None for methods other than AN-1042."""
+    """The means from which AN-1042 computes the correction; None unless the file has them."""
     uncertainty: Uncertainties | None = None
-    """The uncertainties; None for methods other than AN-1042."""
+    """The uncertainties of the result of AN-1042; None unless the file has them."""
     curve: CurveRecord | None = None
-    """The uncertainty of the curve; None for AN-1042."""
+    """The uncertainty of the result of any other method than AN-1042; None unless the file has it."""
     noise: NoiseRecord | None = None
-    """The noise behind the uncertainty."""
+    """The noise behind the uncertainty; None unless the file has it."""
 
     def __repr__(self) -> str:
         return f"<CalibratedAxis {self.name}: {self.correction._told()}>"
@@ -193,7 +193,7 @@ class CalibratedAxis:
 
 @dataclass(frozen=True)
 class Run:
-    """Facts about the measurement: durations, rates, losses and limits."""
+    """Facts about the measurement: durations, rates, losses, limits and assumptions."""
 
     duration_s: float
     """Time from the first sample to the last, s."""
@@ -220,15 +220,15 @@ class Run:
     assume_linear: bool
     """True if the bias was assumed to be a straight line over temperature."""
     earth_dps: float | None = None
-    """Component of the Earth's rotation that was subtracted, °/s; None means that it is part of PBC."""
+    """Component of the Earth's rotation that was subtracted, °/s; None if none was, so that PBC contains it."""
 
 
 @dataclass(frozen=True)
 class Calibration:
     """A calibration, as its file holds it. Only ``part`` and ``axes`` are always present.
 
-    With one axis, ``correction``, ``measured``, ``uncertainty`` and ``noise`` belong to this axis. With several axes,
-    take one of them as ``calibration["x"]``.
+    With one axis, ``correction``, ``measured``, ``uncertainty``, ``noise`` and ``curve`` belong to this axis. With
+    several axes, take one of them as ``calibration["x"]``.
     """
 
     schema: int
@@ -339,27 +339,27 @@ class Calibration:
 
     @property
     def correction(self) -> Correction:
-        """PBC, BTC and T3 of the only axis."""
+        """PBC, BTC and T3 of the only axis, and the further terms of a curve."""
         return self._only("correction").correction
 
     @property
     def measured(self) -> Measured | None:
-        """The means from which the correction of the only axis was computed; None for methods other than AN-1042."""
+        """The means from which the correction of the only axis was computed, or None, as in `CalibratedAxis`."""
         return self._only("measured").measured
 
     @property
     def uncertainty(self) -> Uncertainties | None:
-        """The uncertainty of the only axis; None for methods other than AN-1042."""
+        """The uncertainties of the only axis after AN-1042, or None, as in `CalibratedAxis`."""
         return self._only("uncertainty").uncertainty
 
     @property
     def noise(self) -> NoiseRecord | None:
-        """The noise behind the uncertainty of the only axis."""
+        """The noise behind the uncertainty of the only axis, or None, as in `CalibratedAxis`."""
         return self._only("noise").noise
 
     @property
     def curve(self) -> CurveRecord | None:
-        """The uncertainty of the curve of the only axis; None for AN-1042."""
+        """The uncertainty of the curve of the only axis, or None, as in `CalibratedAxis`."""
         return self._only("curve").curve
 
     def _only(self, what: str) -> CalibratedAxis:

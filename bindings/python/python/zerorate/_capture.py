@@ -48,7 +48,7 @@ class Capture:
     calibration_id: str | None = None
     """The calibration that was applied, if the file is corrected; its raw columns are unchanged."""
     warning: str | None = None
-    """A warning about the file: a tail that was lost in a power cut, or rows without a checksum."""
+    """Warnings about the file and its readings, each ``code: text``, joined by ``; ``; None if there are none."""
     axes: tuple[str, ...] = ("rate",)
     """Names of the axes of the part."""
     rate_scales: tuple[tuple[float, int], ...] | None = field(default=None, repr=False)
@@ -71,7 +71,7 @@ class Capture:
 
     @cached_property
     def rate_hz(self) -> float:
-        """Samples per second by the timestamps, lost samples counted; NaN for less than two rows."""
+        """Samples per second by the timestamps, lost samples counted; NaN for fewer than two rows."""
         if len(self) < 2:
             return float("nan")
         intervals = len(self) - 1 + int(self.lost[1:].sum(dtype=np.uint64))
@@ -85,15 +85,15 @@ class Capture:
 
     @cached_property
     def rate_dps(self) -> NDArray[np.float64]:
-        """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet); NaN where it is
-        invalid."""
+        """Rate before any correction, °/s: (code − 2²³) / 23 488 for the 24-bit codes of an ADIS16130. NaN where
+        `good` is false."""
         rates = self._rates_dps(self.rate_code)
         return np.where(self.good, rates, np.nan)
 
     @cached_property
     def temp_c(self) -> NDArray[np.float64]:
-        """Temperature, °C: (code − 2²³) / 14 093 + 25 for 24-bit codes (data sheet); NaN where it was not read or is
-        impossible."""
+        """Temperature, °C: (code − 2²³) / 14 093 + 25 for the 24-bit codes of an ADIS16130. NaN where it was not read
+        or is impossible."""
         if self.temp_scale is None:
             temps = _zerorate.temp_c(np.asarray(self.temp_code, dtype=np.int32), self.width_bits)
         else:
@@ -128,7 +128,7 @@ class Capture:
         return float(np.diff(_zerorate.rate_dps(step, self.width_bits))[0])
 
     def _codes(self, axis: int = 0) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
-        """The rate codes of an axis, and the gaps between them: index of the next row, number of missing samples."""
+        """The good rate codes of an axis, and the gaps between them: index of the next code, number of lost ones."""
         is_good = self.good.reshape(len(self), -1)[:, axis]
         codes = self.rate_code.reshape(len(self), -1)[:, axis]
         good = np.flatnonzero(is_good)

@@ -104,7 +104,7 @@ class Imu:
         Refused
             If an axis has no noise model, or a rejected one.
         ValueError
-            For a format that does not take this number of axes.
+            For an invalid argument, or a format that does not take this number of axes.
         FileExistsError
             If the file exists, without ``force``.
         """
@@ -187,7 +187,7 @@ def imu(
         Samples per second. Otherwise it comes from a DatetimeIndex, `time_column`, or the log, which also tell where
         samples are missing.
     topic
-        The topic, if a bag has several IMUs.
+        The topic or message to read, if the log has several IMUs.
     gyro_unit, accel_unit
         Unit of the columns, if their names do not state it, and of the results: ``rad/s``, ``°/s``, ``m/s²``,
         ``g``, ``mg`` …

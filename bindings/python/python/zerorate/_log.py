@@ -40,7 +40,7 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
     units: dict[str, str | None]
     """The unit of each column; None if nothing states it."""
     rate_hz: float
-    """Samples per second, including missing ones."""
+    """Sample rate, Hz, with missing samples counted."""
     warnings: list[str] = field(repr=False)
     """Warnings about the log."""
 
@@ -73,7 +73,7 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
         return {names.get(name, name): column for name, column in self.items()}
 
     def to_frame(self, library: Library = "pandas") -> Any:
-        """A DataFrame with `t_s` and the columns, of pandas or polars.
+        """A DataFrame of pandas or polars with `t_s` and the columns.
 
         Raises
         ------
@@ -107,7 +107,7 @@ def read_log(
     """Reads columns of a log, in every format that ``zerorate allan`` reads, in one pass.
 
     Formats: captures, CSV and text of any dialect, Parquet, Arrow, NumPy, MATLAB, HDF5, bags of ROS 1 and 2 (files and
-    folders), PX4 ULog; compressed or not. docs/logs.md describes each format.
+    folders), PX4 ULog, ArduPilot DataFlash; compressed or not. docs/logs.md describes each format.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def read_log(
     max_bad
         Largest share of broken lines of a text that are skipped; 0.01 unless given.
     topic
-        The topic of a bag, if it has several IMUs.
+        The topic or message to read, if the log has several IMUs.
     where
         Read only the rows in which a column has this value, as in ``"SensorId=1"``, or several columns have theirs,
         as in ``"bus=0,sensor=1"``: for a table or text with the rows of several sensors.

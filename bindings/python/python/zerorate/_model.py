@@ -21,7 +21,7 @@ class Coefficient:
     unit: str
     """Unit of `value`, `lo` and `hi`."""
     identified: bool
-    """True if the record shows this noise at all: zero is outside of the interval."""
+    """True if zero is outside the interval, the model is accepted and no other explanation fits as well."""
     needed_s: float | None
     """Length of a record that would identify the coefficient, s; infinite if none would. None if it is identified, if
     the model is rejected or ambiguous, and for R."""
@@ -97,7 +97,7 @@ class Cleaned:
     """The samples and steps that were removed from the record before the fit. The deviations do not include them."""
 
     glitches: int
-    """Number of glitches whose samples were replaced by the line between their neighbours."""
+    """Number of glitches (one or more adjacent samples) that were replaced by the line between their neighbours."""
     steps: list[tuple[float, float]]
     """Jumps of the level: time, s, and size, in the unit of the rate."""
 

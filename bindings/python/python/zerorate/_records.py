@@ -51,7 +51,7 @@ def is_array(data: Any) -> bool:
 
 
 def is_wide(data: Any) -> bool:
-    """True if the data is an array of several columns."""
+    """True if the data is a two-dimensional array."""
     return is_array(data) and not isinstance(data, (list, tuple)) and np.ndim(data) == 2
 
 

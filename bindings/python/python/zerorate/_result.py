@@ -109,7 +109,7 @@ class Allan:
         return _zerorate.unit_kind(self.unit)
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
-        """A DataFrame with a row for each averaging time, of pandas or polars.
+        """A DataFrame of pandas or polars with a row for each averaging time.
 
         Raises
         ------
@@ -151,7 +151,7 @@ class Allan:
         Raises
         ------
         ValueError
-            If nothing states the unit, because the assumed °/s could be wrong.
+            If nothing states the unit, because the assumed °/s could be wrong, or for an invalid argument.
         """
         said = self.warnings + (self.fit.warnings if self.fit else [])
         asked = (horizon_s, as_fitted, inflate, topic, force, accept_rejected)

@@ -1,4 +1,4 @@
-"""Treats the temperature and the beginning of a record."""
+"""The options for the temperature of a record, and for its beginning, which can be left out."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Settling:
         return found
 
     def of_capture(self, capture: Capture, axis: int) -> Temperature | None:
-        """The temperature of an axis of a capture, from its first valid rate to its last."""
+        """The temperature from the first valid rate of an axis of a capture to the last."""
         given = self.of_array(len(capture))
         return _OWN, capture._temps_c(axis, capture.temp_c if given is None else given[1])
 

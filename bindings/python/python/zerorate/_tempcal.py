@@ -180,9 +180,10 @@ class Tempcal:
         Raises
         ------
         ValueError
-            If a sensor does not have three axes, or has no device id, by which PX4 finds it. Logs of PX4 have the id.
+            If a sensor does not have three axes, or has no device id, by which PX4 finds it, or a number that PX4
+            does not have. Logs of PX4 have the id.
         FileExistsError
-            If the file exists.
+            If the file exists, without ``force``.
         """
         return _written(self._px4, path, force)
 
@@ -199,9 +200,9 @@ class Tempcal:
         Raises
         ------
         ValueError
-            If a sensor does not have three axes.
+            If a sensor does not have three axes, or a number that ArduPilot does not have.
         FileExistsError
-            If the file exists.
+            If the file exists, without ``force``.
         """
         return _written(self._ardupilot, path, force)
 
@@ -265,8 +266,8 @@ def tempcal(
         The column with the temperature, °C, by name or by number counted from 0. Unless given, the only column whose
         unit or name states a temperature.
     reference_c
-        The temperature at which the bias is stated, °C. Unless given, it is 25 °C, or the middle of the temperatures
-        if the logs do not reach 25 °C.
+        The temperature at which the bias is stated, °C. Unless given, it is 25 °C, or if the logs do not reach 25 °C,
+        the middle of the temperatures in whole degrees.
     max_u_dps
         The largest accepted standard uncertainty of a gyroscope's bias over the temperatures of the logs, °/s.
     serial

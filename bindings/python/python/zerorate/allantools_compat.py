@@ -4,8 +4,8 @@
 
 Signatures, order and names of the results, and the selection of averaging times are the same as in allantools 2024.06.
 Its own tests of these functions pass against this module (``cargo xtask python allantools`` in the repository). One
-thing differs: missing values (NaN) inside a record stay gaps, and averages over them count if half of their samples
-are present. allantools returns NaN.
+thing differs: missing values (NaN) inside a record stay gaps, and averages over them count if at least half of
+their samples are present. allantools returns NaN.
 
 The names in `NOT_OFFERED` are not here: accessing one raises `NotOffered`. New programs should call `zerorate.allan`,
 which states confidence limits and noise types without further calls.

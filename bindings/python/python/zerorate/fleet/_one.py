@@ -16,7 +16,7 @@ from ._recipe import DEFAULT, Options, Recipe
 # Number of attempts if a signal ends the command: the kernel may kill it because other programs use the memory.
 TRIES = 3
 
-# Memory of an analysis, about 40 bytes per row: a constant and a multiple of the file, by `cargo xtask bench-fleet`.
+# Memory of an analysis: a constant and a multiple of the file's size, by `cargo xtask bench-fleet`.
 BASE_BYTES = 64 << 20
 BYTES_PER_BYTE = {
     ".parquet": 11,
@@ -65,7 +65,7 @@ def one(url: str, out: str, recipe: Recipe = DEFAULT, *, max_memory: Optional[in
 
     Jobs of Slurm, Snakemake, Ray or Spark call this function, and so does ``zerorate fleet one``. `max_memory` (bytes)
     limits each command; without it, the limit follows from the size of the file. Raises OSError or
-    `_store.Unreachable` if the file cannot be fetched or the row cannot be written.
+    `_store.Unreachable` if the file cannot be fetched or the row cannot be written, and `NotEnoughMemory`.
     """
     _downloads.remove_left()
     try:
@@ -231,7 +231,7 @@ def _merged(calibrated: list[dict[str, Any]], measured: list[dict[str, Any]]) ->
 
 
 def _noise(record: dict[str, Any]) -> dict[str, Any]:
-    """N, B and K of a record, with their intervals; None if the record was not fitted."""
+    """N, B and K of a record, with their intervals, and the model's error; None if the record was not fitted."""
     fit = record.get("fit") or {}
     found: dict[str, Any] = {"model_error": fit.get("model_error")}
     for name in "nbk":
@@ -243,7 +243,7 @@ def _noise(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _judge(row: dict[str, Any], answer: Answer) -> None:
-    """Sets the state of the row by the first command that fails."""
+    """Sets the state of the row by the first command that does not succeed."""
     if row["state"] == "ok" and answer.state != "ok":
         row.update(state=answer.state, code=answer.code, error=answer.error)
 

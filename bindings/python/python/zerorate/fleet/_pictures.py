@@ -57,7 +57,7 @@ def _by_serial(rows: list[dict[str, Any]]) -> list[int]:
 
 
 def by_group(groups: dict[str, Numbers], unit: str) -> str:
-    """Plots a box for each group: quartiles, median, and whiskers to the last value within 1.5 quartile distances."""
+    """Plots a box for each group: quartiles, median, whiskers to the last value within 1.5 interquartile ranges."""
     figure, ax = _figure()
     ax.boxplot(list(groups.values()), orientation="horizontal")
     ax.set_yticks(range(1, len(groups) + 1), [f"{name} ({len(values)})" for name, values in groups.items()])

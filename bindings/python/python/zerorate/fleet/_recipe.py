@@ -44,7 +44,7 @@ DEFAULT = Recipe()
 
 
 def load(path: str) -> Recipe:
-    """Reads a recipe from a TOML file. The file has a table for each command, with the list ``options``.
+    """Reads a recipe from a TOML file: ``timeout_s``, and a table for each command with the list ``options``.
 
     A command without a table is left out. Raises ValueError if the recipe is invalid, and OSError if it cannot be
     read.

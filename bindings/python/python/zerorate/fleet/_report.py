@@ -34,7 +34,7 @@ class Quantity:
     unit: str
     scale: float = 1.0
     of: str = "°/s"
-    """The unit of the rates to which the quantity applies."""
+    """The unit of the records to which the quantity applies."""
 
 
 ACCELERATION = "m/s²"
@@ -165,8 +165,8 @@ def _values(rows: list[dict[str, Any]], quantity: Quantity) -> tuple[list[dict[s
 
 
 def _outliers(rows: list[dict[str, Any]]) -> list[Outlier]:
-    """The axes with a robust z above 3.5 in any quantity, the largest z first. An axis is compared with the axes of
-    the same name in sensors of the same type."""
+    """The axes with a robust z beyond ±3.5 in any quantity, the farthest first. An axis is compared with at least four
+    axes of the same name in sensors of the same type."""
     found: list[tuple[float, Outlier]] = []
 
     def kind(row: dict[str, Any]) -> tuple[str, str]:
@@ -207,7 +207,7 @@ def _limits(part: Optional[str]) -> dict[str, tuple[float, ...]]:
 
 
 def _pictures(rows: list[dict[str, Any]], quantity: Quantity, group: Optional[str]) -> Optional[dict[str, str]]:
-    """The pictures of a quantity as SVG, with a sentence for each trend that is seen."""
+    """The pictures of a quantity as SVG, with a summary and a sentence about the drift; None if no row has it."""
     from . import _pictures as pictures
 
     having, values = _values(rows, quantity)

@@ -1,8 +1,8 @@
 """The row of one file: the columns of the table of a fleet.
 
-The numbers are from ``zerorate recalibrate --json`` and ``zerorate allan --fit --json``, in the same units: rates in
-°/s, temperatures in °C, N in °/√s, B in °/s, K in °/s/√s. ``u_…`` is a standard uncertainty; ``…_lo`` and ``…_hi``
-bound the 95 % interval of a noise coefficient.
+The numbers are from ``zerorate recalibrate``, ``allan --fit`` and ``imu`` with ``--json``, in the same units: rates in
+°/s, temperatures in °C, N in °/√s, B in °/s, K in °/s/√s; for an accelerometer, m/s² replaces °/s. ``u_…`` is a
+standard uncertainty; ``…_lo`` and ``…_hi`` bound the 95 % interval of a noise coefficient.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs the tasks for all files of a source, on an engine that may lose workers or its scheduler, or end itself.
+"""Runs the tasks for all files of a source, on an engine that may lose workers or its scheduler, or fail.
 
 Each task writes its own row. So the engine keeps no results, and a task that runs twice leaves one row. A new start
 does only the tasks without a row. The driver sends the tasks, and receives only the state of each row.
@@ -73,8 +73,8 @@ def run(
     `source` is a folder, a glob or a bucket (``s3://…``, any address of fsspec), and `out` a folder or bucket.
     `executor` is an Executor, or a function that makes one if the engine breaks when a worker dies. Without it,
     threads of this process each start the native program. `workers` is the number of tasks at once, and `max_memory`
-    (bytes) the memory of all of them together [default: half of the machine's]. Rows in the states of `again`, such
-    as ``failed``, are made anew.
+    (bytes) the memory of all of them together [default: the executor's ``memory_bytes``, or half of the machine's].
+    Rows in the states of `again`, such as ``failed``, are made anew.
     """
     began = time.monotonic()
     _downloads.remove_left()
@@ -265,7 +265,7 @@ class _Driver:
 
     @contextmanager
     def _pool(self) -> Iterator[Executor]:
-        """Yields an executor, and closes it at the end without waiting for running tasks."""
+        """Yields an executor. One that was made here is closed at the end, without waiting for running tasks."""
         if isinstance(self.engine, Executor):
             yield self.engine
             return

@@ -57,7 +57,7 @@ class File:
 
 
 def find(source: str) -> list[File]:
-    """All files of a folder, a glob or a bucket, sorted by address."""
+    """The file with this address, or all files of a folder, a glob or a bucket, sorted by address."""
     filesystem, path = opened(source)
     try:
         # an existing path is not a pattern, even if its name has letters such as * or [
