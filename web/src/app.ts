@@ -18,7 +18,7 @@ export interface App {
 /** One of the four pages. */
 export interface Page {
   readonly element: HTMLElement;
-  /** Shows changes, at most once per animation frame and only while the page is visible. `all`: it was just opened. */
+  /** Shows changes, at most once per animation frame and only while the page is visible. `all`: shows everything. */
   update(changed: ReadonlySet<Part>, all: boolean): void;
   /** Redraws the page after a change of theme or unit. */
   restyle(): void;

@@ -7,7 +7,7 @@ export type Part =
   "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
 const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"];
 
-/** The state that the session has sent so far. The size of a frame and the rings bound its memory. */
+/** The state that the session has sent so far. Its memory is bounded by the rings and the size of a frame. */
 export class Model {
   device: Device | undefined;
   now: Now | undefined;

@@ -47,7 +47,7 @@ function packed(files) {
 
 const { seconds, found } = await deviations(process.argv[2]);
 const { best, files } = await firstPicture();
-/** True for a file that is loaded after the first picture: the session, and modules for later. */
+/** True for a file that the first picture does not need: the session, and files for later. */
 const isLater = (name) => /zerorate_(live|log|replay)|licence|^sw\./.test(name);
 console.log(JSON.stringify({
   seconds,

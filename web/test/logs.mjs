@@ -32,7 +32,7 @@ function text(count, head) {
   return [head, ...rows(count).map((row) => row.map((value) => value.toFixed(6)).join(","))].join("\n");
 }
 
-/** A log of half an hour at 10 Hz that warms from 20 to 50 °C, with a bias of 0.002 °/s/°C. */
+/** A log of half an hour at 10 Hz: a sensor that warms from 20 to 50 °C, whose bias rises by 0.002 °/s/°C. */
 export function warming() {
   const noise = normal(43);
   const count = 18_000;

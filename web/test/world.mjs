@@ -2,7 +2,7 @@
 //
 //   ZERORATE_PAGE       the folder of the static page (dist)
 //   ZERORATE_PROGRAM    the program with the page inside (../target/debug/zerorate)
-//   ZERORATE_BRIDGE     the image of the bridge for QEMU; without it, and without QEMU, its test is skipped
+//   ZERORATE_BRIDGE     the image of the bridge for QEMU; without the image or QEMU, its test is skipped
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { existsSync, readFileSync } from "node:fs";
@@ -76,7 +76,7 @@ export function twinOf(keys) {
   return (page) => page.addInitScript((text) => localStorage.setItem("zerorate.twin", text), text);
 }
 
-/** Records the twin of these keys at every 50th sample. Returns the path. */
+/** Records the twin of these keys at every 50th data-ready edge, 223 samples per second (F-56). Returns the path. */
 export function recorded(path, keys, ...more) {
   const wish = ["capture", "--device", `twin:${keys}`, "--divider", "50", ...more, "-o", path];
   const { status, stderr } = spawnSync(PROGRAM, wish);

@@ -41,7 +41,7 @@ export class Notices {
   }
 }
 
-/** The row of a notice. There is one row for each code. Its text and count change. */
+/** The row of a notice, one for each code and for each text without a code. Its text and count change. */
 class Row {
   readonly element: HTMLElement;
   readonly #at = h("time", {});

@@ -37,7 +37,7 @@ export class Extent {
   }
 }
 
-/** The next larger value that is 1, 2 or 5 times a power of ten. */
+/** The least value of 1, 2 or 5 times a power of ten that is not below `step`. */
 function nice(step: number): number {
   const power = 10 ** Math.floor(Math.log10(step));
   const times = [1, 2, 5, 10].find((of) => of * power >= step * 0.999) ?? 10;

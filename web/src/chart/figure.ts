@@ -20,7 +20,7 @@ const FRAME = {
   padding: [8, 18, 0, 0] as uPlot.Padding,
 };
 
-/** A chart that is redrawn from scratch when its numbers change. A table below it holds the numbers. */
+/** A chart that gets all its numbers with each change. A table below it holds the numbers. */
 export abstract class Figure<T> {
   readonly element: HTMLElement;
   protected readonly note = h("p", { class: "note" });

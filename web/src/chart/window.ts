@@ -71,7 +71,7 @@ export class TimeWindow {
   }
 }
 
-/** The ring with the shortest bins that covers the displayed time with at most `DRAWN` bins. */
+/** The ring with the shortest bins that covers the displayed time with at most `DRAWN` bins, or else the coarsest. */
 export function levelFor(levels: readonly Ring[], from_s: number, to_s: number): Ring | undefined {
   const begin_s = Math.max(from_s, 0);
   for (const ring of levels) {

@@ -13,7 +13,7 @@ const NOT_STARTED = "The worker of this page could not be started. Load the page
 export class Inside implements Link {
   onframe: (bytes: ArrayBuffer) => void = () => {};
   onstate: (state: LinkState) => void = () => {};
-  /** Bytes for the serial port of this window. */
+  /** Called with bytes to write to the serial port of this window. */
   onserial: (bytes: Uint8Array) => void = () => {};
   /** Called when the session no longer reads the port of this window. */
   onrelease: () => void = () => {};

@@ -25,5 +25,5 @@ export type FromLive =
   | { is: "serial-send"; bytes: Uint8Array }
   /** Another window opened another device, so the session no longer reads the port of this window. */
   | { is: "serial-release" }
-  /** The module does not run here, so there will be no session. */
+  /** There is no session: its module does not run here, broke down, or could not open a device. */
   | { is: "failed"; why: string };

@@ -15,7 +15,7 @@ before(() => {
 });
 after(() => rmSync(folder, { recursive: true }));
 
-/** Number and uncertainty of `a ± b`. */
+/** Value and half width of `a ± b`. */
 function numbers(text) {
   const [, value, u] = /([−\d.]+) ± ([\d.]+)/.exec(text);
   return [Number(value.replace("−", "-")), Number(u)];
@@ -36,7 +36,7 @@ function drawn(page, strip) {
 }
 
 test("a part that is slower than the bins is on the strips", { skip: without.program }, async (t) => {
-  // about 110 samples per second in bins of 1 ms: eight of nine bins are empty
+  // about 220 samples per second in bins of 1 ms: seven of nine bins are empty
   const path = recorded(`${folder}/slow.arrows`, "seed=7", "--duration", "2m");
   const { page } = await visit(t, home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);

@@ -24,7 +24,7 @@ test("the twin is on view without a click, and soon", async () => {
   const { page, context, faults } = await open(home.browser, home.site.url);
   await liveBench(page);
   await context.close();
-  // a second visit, with a filled cache; the time is only printed
+  // another visit, whose time is only printed
   const again = await open(home.browser, home.site.url);
   console.log(`page to first picture: ${Math.round(await firstTrace(again.page))} ms`);
   assert.deepEqual([faults, again.faults], [[], []]);
