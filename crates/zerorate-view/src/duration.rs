@@ -4,7 +4,7 @@ use jiff::SignedDuration;
 use std::fmt;
 use std::str::FromStr;
 
-/// A duration in seconds, never negative.
+/// A duration in seconds. A parsed one is finite and not negative.
 #[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]
 pub struct Seconds(pub f64);
 

@@ -128,7 +128,7 @@ class Capture:
         return float(np.diff(_zerorate.rate_dps(step, self.width_bits))[0])
 
     def _codes(self, axis: int = 0) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
-        """The good rate codes of an axis, and the gaps between them: index of the next code, number of lost ones."""
+        """The good rate codes of an axis, and the gaps: index of the next code, number of missing codes."""
         is_good = self.good.reshape(len(self), -1)[:, axis]
         codes = self.rate_code.reshape(len(self), -1)[:, axis]
         good = np.flatnonzero(is_good)

@@ -9,7 +9,7 @@ use zerorate::{Correction, Validity};
 pub(crate) const ARDUPILOT_C: f64 = 35.0;
 /// The factor from a coefficient to ArduPilot's parameter (AP_InertialSensor_tempcal.cpp, SCALE_FACTOR).
 pub(crate) const ARDUPILOT_SCALE: f64 = 1e6;
-/// The sensor numbers for which PX4 has parameters: TC_G0 to TC_G3 (src/modules/temperature_compensation).
+/// The sensor numbers for which PX4 has parameters: the n of TC_Gn and TC_An (src/modules/temperature_compensation).
 pub(crate) const PX4_SENSORS: std::ops::RangeInclusive<u32> = 0..=3;
 /// The IMU numbers for which ArduPilot has parameters INS_TCALn.
 pub(crate) const ARDUPILOT_SENSORS: std::ops::RangeInclusive<u32> = 1..=3;

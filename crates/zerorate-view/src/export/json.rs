@@ -72,7 +72,7 @@ struct Line {
     offset_q: i64,
     slope_q: i32,
     t3_code: i32,
-    /// The ranges of the codes. Absent for the ADIS16130, whose ranges are known.
+    /// The ranges of the codes. Absent in [`One`], because the ranges of an ADIS16130 are known.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     codes: Option<Ranges>,
 }

@@ -62,7 +62,7 @@ impl Layout {
         (!self.stated).then_some(unstated).into_iter().chain(short).collect()
     }
 
-    /// The largest error, °/s, if the table ends before the calibrated range; `None` if the table is long enough.
+    /// The largest error, °/s, if the calibrated range extends beyond the table; `None` if the table is long enough.
     fn wrong_dps(&self, correction: &Correction) -> Option<f64> {
         let reach_c = reach(&self.valid, correction.t3_c);
         let beyond_c = reach_c - self.span_c - self.step_c / 2.0;
@@ -93,8 +93,8 @@ fn reach(valid: &Validity, t3_c: f64) -> f64 {
     (t3_c - valid.temp_min_c).max(valid.temp_max_c - t3_c) + valid.margin_c
 }
 
-/// Rounds the distance `reach_c` up to a whole number of steps, °C. With an invalid step, it is returned unchanged and
-/// refused later.
+/// Rounds the distance `reach_c` up to a whole number of steps, °C. With an invalid step, which is refused later, the
+/// distance is returned unchanged.
 fn covering(reach_c: f64, step_c: f64) -> f64 {
     let span_c = (reach_c / step_c - 1e-9).ceil() * step_c;
     super::tidy(if span_c.is_finite() { span_c } else { reach_c })
@@ -118,7 +118,7 @@ mod tests {
         calibration
     }
 
-    /// Every range is covered by at most 1025 rows, with the step of F-52 if 1025 such steps suffice.
+    /// Every range is covered by at most 1025 rows, with the step of F-52 if 1025 rows of it suffice.
     #[test]
     fn the_default_covers_the_range_in_bounded_room() {
         for (t3_c, low, high) in
@@ -154,7 +154,7 @@ mod tests {
         let measured = calibration(32.5, Some((25.0, 32.5)));
         let layout = Layout::new(&measured, None, Some(0.12));
         assert_eq!(layout.step_c, 0.02);
-        // from T3, the range reaches 8 °C, and the table 0.13 °C
+        // the range reaches 8 °C from T3, and the table 0.13 °C: its span and half a step
         assert!(layout.warnings(&measured)[0].to_string().contains("wrong by up to 0.31 °/s"));
     }
 }

@@ -103,7 +103,7 @@ impl<'a> Group<'a> {
         self.records.first().and_then(|record| record.quantity).map_or("unit", Quantity::unit)
     }
 
-    /// Draws the deviations, the spectra and the records over time.
+    /// Draws the deviations, and the spectra and the records over time if all records have them.
     #[must_use]
     pub fn pictures(&self) -> Vec<Picture> {
         let is_of_axes = self.is_of_one_log && self.records.len() > 1;
