@@ -46,7 +46,7 @@ export class Ring {
     this.#next = first;
   }
 
-  /** Copies the bins `from` to `to` − 1, which the ring must have, into existing arrays. Returns their number. */
+  /** Copies the bins `from` to `to` − 1, which the ring must have, as far as they fit. Returns their number. */
   copy(column: Column, from: number, to: number, least: Float64Array, largest: Float64Array): number {
     const low = this.#columns[2 * COLUMNS.indexOf(column)]!;
     const high = this.#columns[2 * COLUMNS.indexOf(column) + 1]!;

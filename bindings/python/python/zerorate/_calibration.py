@@ -260,7 +260,7 @@ class Calibration:
     operator: str | None = None
     """Name of the person who measured."""
     host: str | None = None
-    """Name of the computer; None for the software twin."""
+    """Name of the computer; None for the software twin, and if the file does not state it."""
     warnings: list[str] = field(default_factory=list)
     """Warnings of the measurement; with several axes, only warnings about all of them."""
     temp: Scale | None = None
@@ -454,11 +454,11 @@ class Corrected:
     """The result of `Corrector.take`."""
 
     rate_dps: NDArray[np.float64]
-    """The corrected rates, °/s; NaN before the first temperature."""
+    """The corrected rates, °/s; NaN for an invalid rate, and before the first temperature."""
     temp_c: NDArray[np.float64]
-    """The temperature with which each rate was corrected, °C: the last one that was read."""
+    """The temperature for the correction at each time, °C: the last one that was read; NaN before the first."""
     extrapolated: NDArray[np.bool_]
-    """True if this temperature lies outside the span in which the calibration holds."""
+    """True where `temp_c` lies outside the span in which the calibration holds."""
 
 
 class Corrector:

@@ -138,7 +138,7 @@ class Capture:
         return codes[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
 
     def _temps_c(self, axis: int, temps_c: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The temperature of each sample of an axis, from its first valid one to its last; NaN where it was lost."""
+        """The temperature of each sample of an axis, from its first good one to its last; NaN where it is unknown."""
         at = np.arange(len(self)) + np.cumsum(self.lost, dtype=np.int64)
         good = np.flatnonzero(self.good.reshape(len(self), -1)[:, axis])
         if not len(good):

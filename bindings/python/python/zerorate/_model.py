@@ -145,7 +145,7 @@ class Fit:
     model_error: float
     """Relative error of the model, from the scatter of the spectrum about it: 0.016 is 1.6 %."""
     motion_ratio: float | None
-    """The standard deviation of loud windows of ten seconds over that of quiet ones; None if the sensor is at rest."""
+    """The standard deviation of loud windows of ten seconds over that of quiet ones; None if no motion was found."""
     p_value: float
     """Probability of more scatter than was measured, if the model is right within `model_error`."""
     f_max_hz: float

@@ -96,7 +96,7 @@ class Calibrated:
     created: str | None
     """Time at which the samples were recorded, RFC 3339; ``SIMULATED`` for a twin."""
     simulated: bool
-    """True if the device was the software twin."""
+    """True if the samples are from the software twin, directly or from a recording of it."""
     calibration_id: str
     """Short identifier of the calibration. Files with corrected data state it."""
     capture_sha256: str
@@ -110,7 +110,7 @@ class Calibrated:
     calibration: Calibration = field(repr=False)
     """The calibration, which can correct rates and be saved."""
     truth: Truth | None = None
-    """The twin's true values at the end of the last average, or of the recording; None for a real sensor."""
+    """The twin's true values at the end of the last average, or of the recording; None unless a twin was measured."""
     order: int = 1
     """Order of the correction over temperature."""
     order_weights: list[float] | None = None

@@ -107,7 +107,7 @@ class BiasAxis:
     """Half width of the backlash between bias and thermometer, °C."""
     u_if_on_before: float | None
     """Largest standard uncertainty of the bias in case the sensor was on before the log began and its bias lags. None
-    if the log shows whether it was on."""
+    if the probability of this case is at most 1 %."""
     hysteresis: float | None
     """Half of the difference between warming and cooling; None if the temperature only rose or only fell."""
     spread_of_starts: float | None

@@ -47,7 +47,7 @@ pub fn misfit(fit: &FitReport) -> String {
     }
 }
 
-/// The highest frequency at which the model is valid, Hz. `None` without a model, or if this is half the sampling rate.
+/// The highest frequency at which the model is valid, Hz; `None` without a model, or if it is half the sample rate.
 #[must_use]
 pub fn holds_below(report: &AllanReport) -> Option<f64> {
     report.fit.as_ref()?.f_max_hz.filter(|hz| *hz < 0.499 * report.rate_hz)

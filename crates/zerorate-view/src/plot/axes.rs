@@ -32,7 +32,7 @@ pub fn range_with_margins(values: impl Iterator<Item = f64>, below: f64, above: 
 pub struct Tick {
     /// The value, in the unit of the axis.
     pub value: f64,
-    /// The number beside the line; `None` for minor lines.
+    /// The number beside the line; `None` for a line without one.
     pub label: Option<String>,
     /// True if the line is major: a whole decade, or any tick of a linear axis.
     pub major: bool,
@@ -133,7 +133,7 @@ pub fn round_step(least: f64) -> (f64, usize) {
     (step, usize::try_from(-exponent(step)).unwrap_or(0))
 }
 
-/// Formats a number with three significant digits: 0.0123 or 1.23·10⁻⁵.
+/// Formats a number with three significant digits: 0.0123 or 1.23·10⁻⁵. From 1000 to 99 999, all digits are written.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return minus(&value.to_string());

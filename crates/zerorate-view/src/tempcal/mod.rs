@@ -79,7 +79,7 @@ pub struct AxisCurve {
     /// Half width of the backlash between bias and thermometer, °C.
     pub play_c: f64,
     /// Largest standard uncertainty of the bias in case the sensor was on before the log began and its bias lags.
-    /// Null if the log shows whether it was on.
+    /// Null if the probability of this case is at most 1 %.
     pub u_if_on_before: Option<f64>,
     /// Half of the difference between warming and cooling; null if the temperature only rose or only fell.
     pub hysteresis: Option<f64>,

@@ -29,7 +29,7 @@ fn term(row: TermRow) -> LogTerm {
     LogTerm { name, values: row.values.into_iter().map(value).collect(), identified, remark }
 }
 
-/// The plots of all columns: deviations, spectra and records for each quantity.
+/// The plots of all columns for each quantity: deviations, and spectra and records if all its columns have them.
 pub fn pictures(axes: &[Record]) -> Vec<LogPicture> {
     Group::all(axes).iter().flat_map(of_group).collect()
 }

@@ -153,7 +153,7 @@ pub struct LogTerm {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogSummary {
-    /// The plots for each kind of axis: deviations, spectra and records.
+    /// The plots for each kind of axis: deviations, and spectra and records if all its axes have them.
     pub pictures: Vec<LogPicture>,
     /// Warnings about several axes at once.
     pub warnings: Vec<String>,

@@ -117,9 +117,9 @@ pub struct AxisResult {
     pub t3_c: f64,
     /// The correction over the temperatures that were measured.
     pub curve: Vec<CurvePoint>,
-    /// Uncorrected mean rate over the last minute, °/s; null if unknown.
+    /// Uncorrected mean rate over the last minute of the calibration, °/s; null if unknown.
     pub before_dps: Option<f64>,
-    /// Corrected mean rate over the last minute, °/s; null if unknown.
+    /// Corrected mean rate over the last minute of the calibration, °/s; null if unknown.
     pub after_dps: Option<f64>,
 }
 
