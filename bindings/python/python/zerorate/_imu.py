@@ -123,6 +123,8 @@ class Imu:
         ------
         ImportError
             If matplotlib is not installed.
+        ValueError
+            If no deviation of a kind is above zero.
         """
         return _plot.kinds([list(of.values()) for of in (self.gyroscope, self.accelerometer) if of])
 

@@ -180,8 +180,8 @@ class Tempcal:
         Raises
         ------
         ValueError
-            If a sensor does not have three axes, or has no device id, by which PX4 finds it, or a number that PX4
-            does not have. Logs of PX4 have the id.
+            If a sensor does not have three axes, has a number above 3, or has no device id, by which PX4 finds it.
+            Logs of PX4 have the id.
         FileExistsError
             If the file exists, without ``force``.
         """
@@ -200,7 +200,7 @@ class Tempcal:
         Raises
         ------
         ValueError
-            If a sensor does not have three axes, or a number that ArduPilot does not have.
+            If a sensor does not have three axes, or an IMU has a number above 2, counted from 0.
         FileExistsError
             If the file exists, without ``force``.
         """

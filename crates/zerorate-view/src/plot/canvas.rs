@@ -150,8 +150,8 @@ pub fn text(content: &str, (x, y): (f64, f64), anchor: Anchor) -> Text {
     Text::new(printable::line(content)).set("x", px(x)).set("y", px(y)).set("text-anchor", anchor.name())
 }
 
-/// A line of text with a white halo that stays readable on top of lines. The halo is a second text below it, because
-/// some renderers do not support `paint-order`.
+/// A line of text with a white halo, so that it stays readable on top of lines. The halo is a second text below the
+/// first, because some renderers do not support `paint-order`.
 pub fn label(content: &str, at: (f64, f64), anchor: Anchor, colour: &str) -> Group {
     let halo = text(content, at, anchor)
         .set("fill", "white")

@@ -217,7 +217,7 @@ impl AxisCurve {
         }
     }
 
-    /// Lowest and highest temperature, °C.
+    /// Lowest and highest temperature of the curve, °C.
     #[must_use]
     pub fn span_c(&self) -> (f64, f64) {
         let temp_c = |point: Option<&CurvePoint>| point.map_or(0.0, |point| point.values().0);

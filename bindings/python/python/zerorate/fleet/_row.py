@@ -19,7 +19,7 @@ AXIS = pa.struct(
     [("name", pa.string()), ("kind", pa.string()), ("unit", pa.string())]
     + [(name, pa.float64()) for name in COEFFICIENTS + NOISE]
 )
-"""An axis of a sensor or log with several axes; ``kind`` and ``unit`` are those of the noise coefficients."""
+"""One of several axes of a sensor or log. ``kind`` and ``unit`` (of the rate) are from the noise analysis."""
 
 AXIS_NAMES = [field.name for field in AXIS]
 
