@@ -2,7 +2,7 @@
 export class Extent {
   #min = NaN;
   #max = NaN;
-  /** The smallest and largest value of the last drawing. */
+  /** The smallest and largest value of the last drawing; undefined if it had none. */
   seen: [number, number] | undefined;
 
   constructor(readonly least: number) {}

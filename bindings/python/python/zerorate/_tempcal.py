@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class BiasCurve:
-    """The bias at evenly spaced temperatures: arrays of equal length, in the unit of the axis."""
+    """The bias at evenly spaced temperatures: arrays of equal length. The bias is in the unit of the axis."""
 
     temp_c: NDArray[np.float64]
     """Temperature, °C, ascending."""

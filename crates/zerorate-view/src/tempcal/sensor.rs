@@ -216,7 +216,7 @@ impl ImuColumns {
         Ok(means.finish())
     }
 
-    /// The last temperature before each sample of an axis, °C; NaN where it is missing. The axis has `samples` samples
+    /// The last temperature up to each sample of an axis, °C; NaN where there is none. The axis has `samples` samples
     /// at `rate_hz`, and starts at `start_s` on the log's clock.
     pub fn temps_of(&self, samples: usize, rate_hz: f64, start_s: Option<f64>) -> impl Iterator<Item = f64> {
         let is_same = self.temps_c.len() == samples;

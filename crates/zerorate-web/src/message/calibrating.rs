@@ -133,7 +133,7 @@ pub struct CurvePoint {
     pub correction_dps: f64,
     /// Standard uncertainty of the correction, °/s; null if unknown.
     pub u_dps: Option<f64>,
-    /// The result of a perfect measurement, °/s; null unless the part is simulated.
+    /// The result of a perfect measurement, °/s; null unless the part is the twin itself, not a recording.
     pub truth_dps: Option<f64>,
 }
 

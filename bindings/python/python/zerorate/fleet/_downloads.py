@@ -19,7 +19,7 @@ LOCK = ".lock"
 
 @contextmanager
 def folder() -> Iterator[str]:
-    """Makes a folder, and removes it at the end. The lock in the folder lasts as long as this process."""
+    """Makes a folder, and removes it at the end. The lock in the folder is free once this process has died."""
     path = tempfile.mkdtemp(prefix=PREFIX)
     try:
         with open(os.path.join(path, LOCK), "w") as lock:
