@@ -18,7 +18,7 @@ pub struct Notices {
 struct NoticeEntry {
     notice: Notice,
     axis: String,
-    /// True for a condition that still holds, false for an event.
+    /// True for a condition that still holds; false for an event, and for a condition that has ended.
     lasts: bool,
 }
 
