@@ -125,7 +125,7 @@ export class Strip {
     this.tell();
   }
 
-  /** Shows the values under the pointer, or else those of the last bin in the window, at most every `READ_MS`. */
+  /** Shows the values under the pointer, or else, at most every `READ_MS`, those of the last bin in the window. */
   tell(): void {
     const at = this.shared.hover;
     if (at === undefined && performance.now() - this.#told < READ_MS) return;

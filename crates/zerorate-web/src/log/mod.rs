@@ -87,8 +87,8 @@ mod reader {
             Ok(Some(message))
         }
 
-        /// The bias over temperature, or the reason why there is none. `None` if the temperature changes too little,
-        /// and after the first call.
+        /// The bias over temperature, or the reason why there is none. `None` if the log has no temperature that
+        /// changes enough, and after the first call.
         pub fn bias(&mut self) -> Option<LogBias> {
             self.bias.take().map(|bias| bias.message(&self.path, &self.warnings))
         }

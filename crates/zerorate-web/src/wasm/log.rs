@@ -45,7 +45,7 @@ impl Log {
         found.as_ref().map(json).transpose()
     }
 
-    /// A `LogBias` in JSON; none if the temperature changes too little, and after the first call.
+    /// A `LogBias` in JSON; none if the log has no temperature that changes enough, and after the first call.
     pub fn bias(&mut self) -> Result<Option<String>, JsError> {
         self.open()?.bias().as_ref().map(json).transpose()
     }
