@@ -432,6 +432,8 @@ pub struct SampleCounts {
 pub struct Notice {
     /// The code for `zerorate explain`; empty for a notice without a code.
     pub code: String,
+    /// The name of the axis, if the part has several; otherwise empty. Code and axis together name a notice.
+    pub axis: String,
     /// The observation, its consequence and the remedy.
     pub text: String,
     /// Time at which the event first occurred or the condition first started, s after the first sample.

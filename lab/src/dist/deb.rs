@@ -109,19 +109,21 @@ pub fn check(folder: &Folder) -> Result<()> {
     let Some(root) = Root::unpack(folder)? else { return Ok(()) };
     for machine in &MACHINES {
         root.copy(&folder.of(name(machine)), &name(machine))?;
-        let foreign = machine.emulator.is_some();
-        if foreign {
+        if machine.emulator.is_some() {
             root.script(&format!("dpkg --add-architecture {}", machine.debian))?;
         }
         root.script(&format!("dpkg --install /{}", name(machine)))?;
         root.script(INSTALLED)?;
-        if let (Some(emulator), true) = (machine.emulator, machine.runs_here()?) {
-            root.copy(&Path::new("/usr/bin").join(emulator), "usr/bin/emulator")?;
-        }
-        let run = if foreign { "/usr/bin/emulator /usr/bin/zerorate" } else { "/usr/bin/zerorate" };
-        root.script(&USED.replace("ZERORATE", run))?;
-        if !foreign {
-            root.script(AS_THE_UNIT)?;
+        match machine.emulator {
+            None => {
+                root.script(&USED.replace("ZERORATE", "/usr/bin/zerorate"))?;
+                root.script(AS_THE_UNIT)?;
+            }
+            Some(emulator) if machine.runs_here()? => {
+                root.copy(&Path::new("/usr/bin").join(emulator), "usr/bin/emulator")?;
+                root.script(&USED.replace("ZERORATE", "/usr/bin/emulator /usr/bin/zerorate"))?;
+            }
+            Some(_) => {}
         }
         root.script("dpkg --purge zerorate && test ! -e /usr/bin/zerorate")?;
         println!("{}: installed, used and removed in a bare Debian 12", name(machine));

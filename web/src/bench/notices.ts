@@ -27,12 +27,12 @@ export class Notices {
     const before = this.#rows;
     this.#rows = new Map(
       [...notices].reverse().map((notice) => {
-        const name = notice.code || notice.text;
+        const name = nameOf(notice);
         return [name, before.get(name) ?? new Row(notice)];
       }),
     );
     for (const [name, row] of before) if (!this.#rows.has(name)) row.element.remove();
-    for (const notice of notices) this.#rows.get(notice.code || notice.text)!.update(notice);
+    for (const notice of notices) this.#rows.get(nameOf(notice))!.update(notice);
     [...this.#rows.values()].forEach(({ element }, index) => {
       const there = this.#list.children[index]!;
       if (there !== element) this.#list.insertBefore(element, there);
@@ -41,7 +41,11 @@ export class Notices {
   }
 }
 
-/** The row of a notice, one for each code and for each text without a code. Its text and count change. */
+function nameOf({ code, axis, text }: Notice): string {
+  return code ? `${code} ${axis}` : text;
+}
+
+/** The row of a notice, one for each code and axis, and for each text without a code. Its text and count change. */
 class Row {
   readonly element: HTMLElement;
   readonly #at = h("time", {});

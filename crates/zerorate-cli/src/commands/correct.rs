@@ -146,7 +146,7 @@ fn log(args: &CorrectArgs, calibration: &Calibration, outputs: Outputs) -> Resul
             gyro: KindOptions { columns, unit: *gyro_unit, scale: *gyro_scale, codes: None },
             accel: KindOptions::default(),
             log: reading.options(Names(option)),
-            more_topics: Vec::new(),
+            more_topics: reading.more_topics().to_vec(),
         },
         codes: CodeOptions::default(),
         temperature: temp_column.clone(),

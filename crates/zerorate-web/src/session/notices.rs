@@ -17,7 +17,6 @@ pub struct Notices {
 #[derive(Debug)]
 struct NoticeEntry {
     notice: Notice,
-    axis: String,
     /// True for a condition that still holds; false for an event, and for a condition that has ended.
     lasts: bool,
 }
@@ -70,8 +69,8 @@ impl From<&CaptureWarning> for NoticeText {
 
 impl NoticeEntry {
     fn is(&self, new: &NoticeText) -> bool {
-        let Notice { code, text, .. } = &self.notice;
-        code == new.code && self.axis == new.axis && (!code.is_empty() || *text == new.text)
+        let Notice { code, axis, text, .. } = &self.notice;
+        code == new.code && *axis == new.axis && (!code.is_empty() || *text == new.text)
     }
 }
 
@@ -111,8 +110,8 @@ impl Notices {
         if self.entries.len() == MOST {
             self.entries.remove(0);
         }
-        let notice = Notice { code: new.code.to_owned(), text: new.text.clone(), at_s, count };
-        self.entries.push(NoticeEntry { notice, axis: new.axis.clone(), lasts });
+        let NoticeText { code, axis, text } = new.clone();
+        self.entries.push(NoticeEntry { notice: Notice { code: code.to_owned(), axis, text, at_s, count }, lasts });
     }
 
     pub fn all(&self) -> Vec<Notice> {
@@ -146,8 +145,8 @@ mod tests {
             notices.push(&NoticeText::from(&CaptureWarning::OfAxis { axis: axis.to_owned(), warning }), 3.0);
         }
         let all = notices.all();
-        let texts: Vec<&str> = all.iter().map(|notice| &*notice.text).collect();
-        assert_eq!(texts, ["axis y: since 3 s", "axis x: since 4 s"]);
+        let texts: Vec<_> = all.iter().map(|notice| (&*notice.axis, &*notice.text)).collect();
+        assert_eq!(texts, [("y", "axis y: since 3 s"), ("x", "axis x: since 4 s")]);
     }
 
     #[test]

@@ -332,9 +332,9 @@ impl ChamberProcedure {
         self.offset_s + self.second as f64
     }
 
-    /// Numbers of samples, lost samples and impossible readings of the first axis, including the earlier runs.
+    /// Numbers of samples, lost samples and impossible readings of the worst axis, including the earlier runs.
     fn counts(&self) -> [u64; 3] {
-        let impossible = self.axes.first().map_or(0, |axis| axis.health.fault_counts().faulty());
+        let impossible = self.axes.iter().map(|axis| axis.health.fault_counts().faulty()).max().unwrap_or(0);
         let Record { samples, lost, impossible: before, .. } = self.record;
         [samples + self.tally.samples, lost + self.tally.lost, before + impossible]
     }

@@ -22,7 +22,7 @@ pub struct Record {
     pub samples: u64,
     /// Rate samples lost.
     pub lost: u64,
-    /// Number of impossible rates and temperatures of the first axis. No mean includes impossible values.
+    /// Number of impossible rates and temperatures of the axis with the most. No mean includes impossible values.
     pub impossible: u64,
 }
 
