@@ -74,8 +74,8 @@ pub struct Analysis {
     pub missing: u64,
     /// The results, τ ascending.
     pub points: Vec<Point>,
-    /// The averaging times without a result, τ ascending; repeated lengths come last. A record that is too short for a
-    /// single term has its shortest length here.
+    /// The averaging times without a result, by ascending length; repeated lengths come last. Unless times were
+    /// requested, a record that is too short for any term has the averaging time of one sample here.
     pub unavailable: Vec<Unavailable>,
 }
 

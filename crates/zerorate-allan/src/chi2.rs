@@ -51,7 +51,8 @@ fn cornish_fisher(z: f64, degrees: f64) -> f64 {
         + z * (9.0 * z2 * z2 + 256.0 * z2 - 433.0) / (4860.0 * degrees * root)
 }
 
-/// Newton's method between shrinking bounds. A step beyond the bounds is replaced by their midpoint.
+/// Newton's method between shrinking bounds. A step beyond the bounds is replaced by their midpoint, or by twice the
+/// value while there is no upper bound.
 fn solve(p: f64, degrees: f64) -> f64 {
     let shape = degrees / 2.0;
     let (mut low, mut high) = (0.0, f64::INFINITY);

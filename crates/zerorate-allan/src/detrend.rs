@@ -1,7 +1,7 @@
 //! Detects and removes the dependence of a rate on temperature.
 //!
-//! The drift of a warming sensor looks like a rate random walk. Detection and removal use means over [`BLOCKS`] equal
-//! parts of the record, which keep all slow changes.
+//! The drift of a warming sensor looks like a rate random walk. Detection and removal use means over at most
+//! [`BLOCKS`] equal parts of the record, which keep all slow changes.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -64,7 +64,7 @@ pub enum DetrendError {
     Order(usize),
     /// Fewer than 128 samples, a part of the record without a rate, or a first part without a temperature.
     Short,
-    /// The temperature is the same all the time.
+    /// The temperature is the same all the time, or has too few different values for the order.
     Constant,
 }
 
@@ -82,8 +82,8 @@ impl fmt::Display for DetrendError {
 impl core::error::Error for DetrendError {}
 
 /// Detects whether a rate follows the temperature that was read with it. NaN marks a missing value. A part of the
-/// record without any temperature takes the mean of the part before. `None` if the rate does not follow, or for too
-/// few data.
+/// record without any temperature takes the mean of the part before. `None` if the rate does not follow the
+/// temperature, if the temperature is constant, or for too few data.
 ///
 /// The likelihoods of two models are compared, with and without a line over temperature, each with its best mixture of
 /// white noise and random walk. So a random walk is not mistaken for a dependence on temperature.
@@ -400,7 +400,7 @@ mod tests {
         assert!((coefficients[0] - (0.04 + 0.002 * (mean_c - 30.0))).abs() < 1e-4, "{coefficients:?}");
     }
 
-    /// After a line over time is removed, 6/15 of the variance of a random walk is left.
+    /// After a line over time is removed, 6/15 of the variance of a random walk about its mean is left.
     #[test]
     fn a_line_leaves_six_fifteenths_of_a_walk() {
         let temps: Vec<f64> = (0..4000).map(f64::from).collect();

@@ -16,7 +16,7 @@ const LONGEST_FILTER: f64 = 1e6;
 /// length, for white (b, c = 1.5, 0), flicker (1.17, 0.22) and random walk (0.93, 0.36) frequency noise (NIST SP 1065
 /// section 5.4.2 table 6). For phase noise (α > 0) TOTDEV is treated as OADEV, whose terms it repeats. Exponents for
 /// which the statistic does not converge count as the nearest one for which it does: −2…2, for HDEV and OHDEV −4…2.
-/// The result is at least 1, or 0 if the record has no term.
+/// The result is at least 1, or 0 if the record has no term (for TOTDEV with α ≤ 0: fewer than 3 points).
 #[must_use]
 pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let row = stat.row();
@@ -259,7 +259,8 @@ mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    /// Parts per sample. The paper averages the phase over each sample; a sum over these parts approximates it.
+    /// Parts per sample. The paper averages the phase over each sample; a sum over these parts approximates the
+    /// average.
     const FINE: usize = 16;
 
     /// The definition: edf = 2 E²/Var of the mean of M squares, for Gaussian noise of an even exponent. Each term is a

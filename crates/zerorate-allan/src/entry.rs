@@ -31,7 +31,7 @@ pub const PART_KEYS: [&str; 14] = [
 /// Largest number of characters of a line that an error quotes.
 const SHOWN: usize = 80;
 
-/// A TOML file: its text and its tables. Errors name each table of the list `axis` by its `name`.
+/// A TOML file: its text and its tables. An error in a table of the list `axis` names that axis.
 pub struct Document<'t> {
     text: &'t str,
     root: Spanned<DeValue<'t>>,
@@ -53,7 +53,7 @@ pub struct Entry<'d> {
 pub struct EntryError {
     /// The line; `None` if the error concerns the whole file.
     pub line: Option<usize>,
-    /// Name of the axis that holds the line, or the number of the axis if it has no name.
+    /// Name of the axis that holds the line, or the number of the axis if it has no name. `None` outside the axes.
     pub axis: Option<String>,
     /// The key; `None` unless the error concerns the value of one key.
     pub key: Option<&'static str>,

@@ -7,9 +7,10 @@ use alloc::vec::Vec;
 pub struct Envelope {
     /// Length of the record, s.
     pub span_s: f64,
-    /// Mean of the samples that are present.
+    /// Mean of the samples that are present; 0 if there are none.
     pub mean: f64,
-    /// Smallest and largest sample of each stretch. Stretches have equal lengths; `None` if all samples are missing.
+    /// Smallest and largest sample of each stretch. Stretches have equal lengths, to one sample. `None` if a stretch
+    /// has no samples.
     pub stretches: Vec<Option<(f64, f64)>>,
 }
 

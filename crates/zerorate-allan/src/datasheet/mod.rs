@@ -31,7 +31,7 @@ pub struct Line {
     pub is_maximum: bool,
     /// The value, in `unit`.
     pub value: f64,
-    /// Half a unit of the last printed digit: the largest rounding error, in `unit`.
+    /// Half a unit of the last printed digit, at most half of `value`: the largest rounding error, in `unit`.
     pub half_digit: f64,
     /// The unit as written.
     pub unit: String,
@@ -59,7 +59,8 @@ pub enum Figure {
 /// The comparison of a measured value with a line of a data sheet, in the line's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// Value and 95 % interval. `None` if the model is missing or rejected; the curve minimum needs no model.
+    /// Value and 95 % interval. `None` if the model is missing or rejected. The curve minimum needs no model, but a
+    /// point with enough degrees of freedom.
     pub measured: Option<Estimate>,
     /// The verdict on the sensor. [`Verdict::Open`] if nothing was measured.
     pub verdict: Verdict,
@@ -122,7 +123,8 @@ impl Line {
     }
 }
 
-/// The lowest deviation with its 95 % interval. If the curve still falls at its end, only the upper limit is known.
+/// The lowest deviation with its 95 % interval. Unless the curve clearly rises again, only the upper limit is known,
+/// and the lower one is 0.
 fn minimum(analysis: &Analysis) -> Option<Estimate> {
     let points = || analysis.points.iter().filter(|point| point.edf >= FEWEST_EDF);
     let least = points().min_by(|a, b| a.dev.total_cmp(&b.dev))?;

@@ -60,7 +60,7 @@ impl Unit {
     }
 }
 
-/// Twice the exponent of the second that a denominator adds, and the size of the denominator in that power of s.
+/// Twice the exponent of the second that a denominator adds, and the value of the denominator with times in s.
 fn denominator(text: &str) -> Option<(i32, f64)> {
     Some(match text {
         "s" => (-2, 1.0),

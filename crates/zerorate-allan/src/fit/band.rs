@@ -103,7 +103,8 @@ fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Opti
     Some(FitUpTo { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
 }
 
-/// The longest chain of fair ends, Hz, each of which agrees with all lower ones. Of equal chains, the lowest one.
+/// The longest chain of fair ends, Hz, each of which agrees with all lower ones of the chain. Of equal chains, the
+/// lowest one.
 fn agreeing(looks: &[FitUpTo]) -> Vec<f64> {
     let from = |first: usize| {
         let mut chain: Vec<&FitUpTo> = Vec::new();
@@ -131,7 +132,7 @@ fn has_followed(found: &Optimum) -> bool {
     found.form.cosines < MOST_CHOSEN
 }
 
-/// Whether bins constrain the shape in at least half of its last octave. Across masked bins the shape is free.
+/// Whether bins constrain the shape in more than half of its last octave. Across masked bins the shape is free.
 fn is_held(problem: &Problem) -> bool {
     let top_hz = problem.table.top_hz;
     let held_hz: f64 = problem.table.rows.iter().map(|row| row.width_above(top_hz / 2.0)).sum();
@@ -143,8 +144,8 @@ fn sees_plateau(problem: &Problem, found: &Optimum) -> bool {
     white(&problem.local(found), found, at) > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
 }
 
-/// The model with the lowest price from any of `starts`, which have no cosines. Cosines are added, up to `most`, while
-/// they lower the price. A second-order low-pass replaces them if its price is lower.
+/// The model with the lowest price from any of `starts`, which have no cosines. Cosines are added, up to `most`, until
+/// two in a row do not lower the price. A second-order low-pass replaces some of them if this lowers the price.
 fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> Option<PricedModel> {
     let from = |slow: &Vec<f64>| {
         let cosines = fewest_cosines(problem);
@@ -167,6 +168,7 @@ fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> 
 }
 
 /// Whether a Gauss–Markov term lowers −2 ln L by more than its price, in fits of the spectrum up to `look.top_hz`.
+/// False if the model without the term needs too many cosines, or if the term or the low-pass is at a bound.
 fn has_memory(table: &Table, look: &FitUpTo) -> bool {
     let problem = Problem::new(table.below(look.top_hz), look.error);
     let one = best(&problem, core::slice::from_ref(&look.slow), 1, MOST_CHOSEN);

@@ -1,4 +1,4 @@
-//! Converts parameters to coefficients with their intervals.
+//! Converts the parameters of a fit to coefficients and terms with their intervals.
 
 use super::density::Drift;
 use super::lines::Line;
@@ -41,9 +41,9 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N, and a second explanation of the spectrum if one fits as well. The interval is widened by `unsteady`, the
-    /// standard deviation of ln N between parts of the record, and by `tail`, the density at frequency 0 that a
-    /// resonance may add, unit²/Hz.
+    /// N, and a second explanation of the spectrum if one fits as well. The interval of ln N is at least
+    /// ±1.96·`unsteady`, the standard deviation of ln N that the parts of the record show. It is widened by `tail`,
+    /// the density at frequency 0 that a resonance may add, unit²/Hz.
     pub(super) fn n(&self, unsteady: f64, tail: f64) -> (Coefficient, Option<Other>) {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;

@@ -20,8 +20,8 @@ const STEPS: u32 = 60;
 pub enum Usage {
     /// A filter that runs for long: N may grow to twice the fitted N, and the default horizon is at most 1000 s.
     Filter,
-    /// A batch estimator over a minute or two: N is the fitted N, K is raised from the fitted K until nine tenths of
-    /// the variance are covered, and the default horizon is at most 100 s.
+    /// A batch estimator over a minute or two: N is the fitted N, K is raised from the fitted K (from 0 if that is not
+    /// identified) until nine tenths of the variance are covered, and the default horizon is at most 100 s.
     Batch,
 }
 
@@ -65,10 +65,11 @@ pub struct Covering {
 }
 
 impl Fit {
-    /// The N and K with which N²/τ + K²τ/3 covers the Allan variance of the noise from 1 s to `horizon_s`, with the
-    /// least mean excess in logarithm. The variance is the model's without lines, drift and warm-up, or the measured
-    /// one if that is outside the 95 % band of the model. The default horizon is a third of the record, and at most
-    /// the horizon of the usage. `None` if no averaging time lies in the range.
+    /// The N and K with which N²/τ + K²τ/3 covers the Allan variance of the noise (for [`Usage::Batch`] nine tenths of
+    /// the variance) from 1 s to `horizon_s`, with the least mean excess in logarithm. The variance is the model's
+    /// without lines, drift and warm-up, or the measured one if that is outside the 95 % band of the model. The
+    /// default horizon is a third of the record, and at most the horizon of the usage. `None` if no averaging time
+    /// lies in the range.
     ///
     /// docs/imu.md compares the errors of estimators with the errors that these estimators expect, once with the
     /// raised N and K and once with the fitted ones.
@@ -93,8 +94,9 @@ impl Fit {
         best.filter(|_| !inside.is_empty())
     }
 
-    /// The Allan variance of the sensor's noise at the averaging time of a measured point. If lines and drift make up
-    /// most of the point, this is the model's variance.
+    /// The Allan variance of the sensor's noise at the averaging time of a measured point. This is the model's
+    /// variance if the point is in its 95 % band, or if lines and drift make up most of the point. Otherwise it is the
+    /// measured variance without the share of lines and drift.
     fn noise_variance(&self, found: &Deviation) -> f64 {
         let (whole, noise) = (self.model.allan_variance(found.m), self.model.noise_variance(found.m));
         let (lo, hi) = self.model.band(found.m, found.n, self.model.samples() as u64);

@@ -1,4 +1,4 @@
-//! The density of each noise term in a bin.
+//! The densities of the noise terms, and the coefficients of a drift.
 
 use super::bins::Bin;
 use super::{Corner, Fit, Term};
@@ -9,8 +9,9 @@ use core::f64::consts::PI;
 pub(super) const MOST_COSINES: usize = 6;
 /// Largest number of coefficients to which a drift is fitted, with their signs.
 pub(super) const LOW: usize = 64;
-/// Expected c_k² of 1/f noise divided by its density at f_k, for k = 1, 2 … (1 for larger k): ∫|Φ_k|²/f df, where Φ_k
-/// is the Fourier transform of the k-th cosine.
+/// Expected square of the k-th coefficient c_k of the DCT-II for 1/f noise, divided by the density at f_k =
+/// k/(2·record length), for k = 1, 2 … (1 for larger k). It is f_k·∫|Φ_k(f)|²/|f| df over all f, where Φ_k is the
+/// Fourier transform of the k-th orthonormal cosine.
 const FLICKER: [f64; 20] = [
     0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747, 0.9774, 0.9798, 0.9815, 0.9831, 0.9844, 0.9855,
     0.9865, 0.9873, 0.9881, 0.9887, 0.9893, 0.9899,
@@ -105,8 +106,8 @@ pub(super) fn is_below(to_hz: f64, top_hz: f64) -> bool {
     to_hz <= 1.0001 * top_hz
 }
 
-/// The angle of the shape's cosines θ, with sin²(θ/2) = sin²(πf·dt)/sin²(π`top_hz`·dt): 2πf·dt where the shape ends at
-/// half the rate, and π from `top_hz` on.
+/// The angle θ of the shape's cosines, with sin²(θ/2) = sin²(πf·dt)/sin²(π`top_hz`·dt), and π from `top_hz` on. If the
+/// shape ends at half the rate, θ is 2πf·dt.
 pub(super) fn shape_angle(f_hz: f64, rate_hz: f64, top_hz: f64) -> f64 {
     let ratio = libm::sin(PI * f_hz / rate_hz) / libm::sin(PI * top_hz / rate_hz);
     2.0 * libm::asin(if f_hz < top_hz { ratio.min(1.0) } else { 1.0 })

@@ -25,7 +25,8 @@ const ITERATIONS: usize = 20;
 /// `FEWEST_IN_CLASS` windows gets the scale of uncorrelated samples.
 const CLASSES: usize = 3;
 const FEWEST_IN_CLASS: usize = 100;
-/// Largest variance of a window of uncorrelated samples, divided by the variance of a sample.
+/// Variance of the difference in a window of uncorrelated samples at width 1, divided by the variance of a sample. It
+/// is less at larger widths.
 const NOT_CORRELATED: f64 = 1.5;
 /// Number of windows that set the scale. In a longer record, they are spread over it.
 const SCALED_BY: usize = 1 << 18;
@@ -115,7 +116,7 @@ fn present(rate: &[f64]) -> Vec<usize> {
 /// Sliding windows of three times `width` over a record.
 struct Windows<'a> {
     values: &'a [f64],
-    /// Indices of the values in a record with gaps, otherwise empty.
+    /// Index of each value in a record with gaps; empty for a record without gaps.
     there: &'a [usize],
     width: usize,
 }
@@ -199,8 +200,9 @@ impl Windows<'_> {
     }
 }
 
-/// The size, as a multiple of the limit, above which windows are glitches: 1 if the tail of the noise ends below the
-/// limit, otherwise the lowest gap in the sizes that is not due to chance. `sizes` are above [`TAIL`].
+/// The size, as a multiple of the limit, above which windows are glitches: 1 if few windows are beyond the limit, or
+/// if the tail of the noise ends below it. Otherwise the lowest gap in the sizes that is not due to chance; infinity
+/// without such a gap. `sizes` are above [`TAIL`].
 fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     sizes.sort_unstable_by(f64::total_cmp);
     let beyond = sizes.len() - sizes.partition_point(|size| *size <= 1.0);
@@ -210,7 +212,7 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
     let by_chance = || 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
     let are_rare = (beyond as f64) < OFTEN * windows;
-    // noise has more windows below the limit than beyond it, even Student's t with 2.4 degrees of freedom
+    // noise has more windows between `TAIL` and the limit than beyond it, even Student's t with 2.4 degrees of freedom
     if are_rare || below < beyond || by_chance() > HEAVY_BY_CHANCE {
         return 1.0;
     }

@@ -13,7 +13,7 @@ use core::ops::Range;
 pub struct Line {
     /// Frequency, Hz. A disturbance above half the rate appears at its alias.
     pub frequency_hz: f64,
-    /// Width, Hz: for a broad line, of the band that holds the middle half of its power.
+    /// Width, Hz. For a broad line, the width of the band that holds the middle half of its power.
     pub width_hz: f64,
     /// Root mean square, in the unit of the rate.
     pub rms: f64,
@@ -145,7 +145,8 @@ fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
     mask
 }
 
-/// The base line at every coefficient. Within a broad line it is raised to the level of the line.
+/// The base line at every coefficient. In bins of a broad line with at least 32 degrees of freedom, it is raised to
+/// the level of the line.
 fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool], freedom: f64) -> Vec<f64> {
     let mut at = at_coefficients(bins.iter().map(Bin::middle), base, power.len());
     let usual = chi2_quantile(0.5, freedom) / freedom;

@@ -29,9 +29,9 @@ const LEAST_REACH: f64 = 1.0;
 /// A line stands out within a quarter of its period if its power is above this factor times frequency times N².
 const SEEN: f64 = 8.0;
 
-/// The coefficients of each line, as the first and one past the last. The result is empty unless one line stands out
-/// of the noise within a quarter of its period. Such a line looks like steps where it begins and ends. Other lines
-/// may be its tails, so all are returned.
+/// The coefficients of each line that is still in the samples, as the first and one past the last. Narrow lines are
+/// widened by half to either side. The result is empty unless one line stands out of the noise within a quarter of its
+/// period. Such a line looks like steps where it begins and ends. Other lines may be its tails, so all are returned.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
     let narrow = spectrum.narrow.iter().filter(|narrow| !narrow.is_gone).map(|narrow| {
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
@@ -131,7 +131,8 @@ const MOST_SLOW_LEAKAGE: f64 = 0.1;
 
 /// The strongest line that may leak into the rows of the fit, and the share of the rows' power that may be leakage.
 /// The share is the mean over all rows. B and K rest on the rows up to half the line's frequency. If their mean is
-/// larger and above [`MOST_SLOW_LEAKAGE`], it counts instead. `None` for a share of at most [`MOST_LEAKAGE`].
+/// larger and above [`MOST_SLOW_LEAKAGE`], it counts instead. `None` without such a line, or for a share of at most
+/// [`MOST_LEAKAGE`].
 pub(super) fn leakage(lines: &[WholeLine], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
     let strongest = lines.iter().filter(|whole| whole.leaks);
     let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
@@ -189,7 +190,8 @@ fn variance_of(run: &[(f64, Bin)]) -> f64 {
     run.iter().map(|(variance, _)| variance.max(0.0)).sum()
 }
 
-/// Density of a resonance at frequency 0: P·w/(π(f² + w²)), with half width w and power P.
+/// Density of a resonance at frequency 0: P·w/(π(f² + w²)), with half width w and power P. Returns 0 for a line more
+/// than [`NEAR_THE_END`] octaves below half the rate.
 ///
 /// `line.rms` includes only the power within `reach_hz`. With x = reach/w, this is the share (2/π)·atan x of P. Half
 /// of this power lies within w′ = reach/(1 + √(1 + x²)).

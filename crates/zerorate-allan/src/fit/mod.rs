@@ -72,8 +72,8 @@ pub use steps::Step;
 pub struct FitOptions {
     /// The size of one input step in the unit of the result, as in [`Options`](super::Options).
     pub scale: f64,
-    /// Replace single samples that cannot be noise. Otherwise one sample of 250 °/s among two million of a quiet
-    /// gyroscope doubles N.
+    /// Replace single samples, or a few in a row, that cannot be noise. Otherwise one sample of 250 °/s among two
+    /// million of a quiet gyroscope doubles N.
     pub cut_glitches: bool,
     /// Remove jumps of the level. Otherwise one jump of 0.05 °/s in an hour multiplies the random walk by five.
     pub remove_steps: bool,
@@ -92,7 +92,7 @@ impl Default for FitOptions {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Estimate {
-    /// The most likely value.
+    /// Best value.
     pub value: f64,
     /// Lower end of the 95 % interval.
     pub lo: f64,
@@ -127,7 +127,7 @@ pub enum Term {
     },
     /// A disturbance or resonance, which was left out of the fit.
     Line(Line),
-    /// A warm-up: the level changes as `size`·e^(−t/`tau_s`) from the start.
+    /// A warm-up: the level changes as `size`·e^(−t/`tau_s`) with t from the start of the record.
     WarmUp {
         /// Size, in the unit of the rate.
         size: Estimate,
@@ -136,7 +136,7 @@ pub enum Term {
     },
 }
 
-/// A low-pass of the second order: 1/(1 + cx + x²) with x = (sin πf·dt/sin πf_c·dt)².
+/// A low-pass of the second order, which multiplies the density by 1/(1 + cx + x²) with x = (sin πf·dt/sin πf_c·dt)².
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Corner {
@@ -181,7 +181,8 @@ pub struct Fit {
     /// The Allan variance that the terms predict.
     pub model: Model,
     /// Model error ε: the spectrum scatters about the model as if the model were wrong by this share. 0 if chance
-    /// explains the scatter. The error of the curve beyond chance counts instead if it is larger.
+    /// explains the scatter. The largest error of the curve up to 1/[`PREDICTS`] of the record counts instead if it is
+    /// beyond chance and larger.
     pub model_error: f64,
     /// The standard deviation of loud windows of ten seconds over that of quiet ones, if the sensor moves.
     pub motion_ratio: Option<f64>,
@@ -295,7 +296,7 @@ pub enum FitError {
     },
     /// All samples are the same, or so many of them that parts of the spectrum are empty.
     Constant,
-    /// Samples are beyond the range of f64, or no model has a finite likelihood.
+    /// The squares of samples or of differences are out of the range of f64, or no model has a finite likelihood.
     NotFinite,
 }
 

@@ -55,7 +55,7 @@ pub(super) struct MeasuredSpectrum {
 }
 
 impl MeasuredSpectrum {
-    /// The density above the upper end, linear between the bins.
+    /// The density above the upper end, linear between the bins; `None` up to the upper end.
     fn density(&self, f_hz: f64) -> Option<f64> {
         let next = self.above.partition_point(|(middle_hz, _)| *middle_hz < f_hz);
         let (_, level) = *self.above.get(next).or(self.above.last()).filter(|_| f_hz > self.top_hz)?;
@@ -179,7 +179,7 @@ impl Model {
             + self.markovs.iter().map(markov).sum::<f64>()
     }
 
-    /// The Allan variance of white noise, quantisation and lines.
+    /// The Allan variance of the short noise (see [`LAGS`]) and of lines.
     fn short_variance(&self, m: u64) -> f64 {
         let samples = m as f64;
         let sine = |&(variance, hz): &(f64, f64)| {
@@ -190,7 +190,7 @@ impl Model {
         self.white_variance(m) + self.sines.iter().map(sine).sum::<f64>()
     }
 
-    /// The Allan variance of white noise and quantisation: 2 (V(m) − V(2m)), where V is the variance of a mean.
+    /// The Allan variance of the short noise (see [`LAGS`]): 2 (V(m) − V(2m)), where V is the variance of a mean.
     fn white_variance(&self, m: u64) -> f64 {
         let of_mean = |m: f64| {
             let lags = self.short.iter().enumerate().skip(1).take_while(|(k, _)| (*k as f64) < m);
@@ -240,8 +240,8 @@ impl Model {
         (4.0 * variance * variance * terms as f64 / sum).max(1.0)
     }
 
-    /// Covariance of two differences of averages `lag` samples apart, without the short noise: the fourth difference
-    /// of the phase's generalised autocovariance. `white` is the Allan variance of short noise, taken as white.
+    /// Covariance of two differences of averages `lag` samples apart: the fourth difference of the phase's generalised
+    /// autocovariance. The short noise enters as white noise of the Allan variance `white`; with 0 it is left out.
     fn slow_covariance(&self, lag: u64, m: u64, white: f64) -> f64 {
         let tau_s = m as f64 / self.rate_hz;
         let phase = |t: f64| {
@@ -257,7 +257,7 @@ impl Model {
         fourth.iter().map(|(weight, k)| weight * phase(lag_s + k * tau_s)).sum::<f64>() / (tau_s * tau_s)
     }
 
-    /// Covariances of two differences of averages for the short noise, at every `step`-th lag.
+    /// Covariances of two differences of averages for the short noise and lines, at every `step`-th lag.
     fn short_covariances(&self, m: usize, last: usize, step: u64) -> Vec<f64> {
         let len = last + 4 * m + 2;
         let mut covariance = vec![0.0; len];

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 /// A motion that several axes show at the same moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
-    /// The time, s from the start: the mean of the axes.
+    /// The time, s from the start of the record: the mean over the jumps or glitches.
     pub at_s: f64,
     /// Indices of the axes, ascending.
     pub axes: Vec<usize>,

@@ -81,12 +81,13 @@ pub enum Differs {
     Moves,
     /// The white noise of the record differs.
     White {
-        /// N of the record divided by the median N of all records.
+        /// N of the record divided by the median N of the records with accepted models.
         ratio: f64,
     },
     /// The slower noise of the record differs: flicker, random walk, Gauss–Markov terms.
     Slow {
-        /// The gain in −2 ln L from the record's own slow terms, compared with the median of all records.
+        /// The gain in −2 ln L from the record's own slow terms, compared with the median of the records that were
+        /// still in the pool.
         gain: f64,
     },
 }
@@ -153,7 +154,7 @@ const SLOW_LIMIT: f64 = 18.5;
 /// The fit leaves out records whose own model is rejected, and records whose N is off the median by more than
 /// [`MOST_ERROR`]. While three or more are left and the common model does not explain the slow noise of each, the fit
 /// also leaves out the record that is farthest from the median. The drift in a record's own model is removed from the
-/// record, and so are its lines and glitches.
+/// record, and so are its lines, glitches and steps.
 ///
 /// # Errors
 /// Returns [`PoolError`] if fewer than two records are alike, or if their rates differ.

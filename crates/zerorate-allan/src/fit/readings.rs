@@ -72,7 +72,7 @@ fn joining(problem: &Problem, corner_hz: f64, low_pass: &[f64]) -> Vec<f64> {
     at
 }
 
-/// The best of several starts: a short trial from each, and a full descent from the best.
+/// The best of several starts: a short trial from each, and a full descent from the best trials.
 fn best(problem: &Problem, form: ModelForm, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Optimum> {
     let mut looks: Vec<Optimum> = starts.into_iter().map(|at| problem.descend(form, &at, None, LOOK)).collect();
     looks.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));

@@ -30,7 +30,8 @@ pub(super) fn rates<'a>(input: &Input<'a>, rate_hz: f64, scale: f64) -> Cow<'a, 
     }
 }
 
-/// Checks that enough samples are present. To bound the memory, this comes before gaps are written out as samples.
+/// Checks that enough samples are present. To bound the memory, this check comes before gaps are written out as
+/// samples.
 pub(super) fn enough(present: u64, samples: u64) -> Result<(), FitError> {
     if present < FEWEST_SAMPLES {
         return Err(FitError::TooShort { samples: present });
@@ -53,7 +54,8 @@ pub(super) fn check(rate: &[f64]) -> Result<(), FitError> {
     if square.is_finite() && least.is_normal() { Ok(()) } else { Err(FitError::NotFinite) }
 }
 
-/// Replaces the glitches by straight lines, and returns the first sample of each.
+/// Replaces the glitches by straight lines, and returns the first sample of each. If there are too many, replaces none
+/// and returns an empty list. Both cases add a warning.
 pub(super) fn cut_glitches(rate: &mut Cow<'_, [f64]>, warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
     let power = |rate: &[f64]| {
         let pairs = rate.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan());

@@ -102,7 +102,7 @@ const CORNERS: (f64, f64) = (-25.0, 0.0);
 const DAMPINGS: (f64, f64) = (-1.0, 3.0);
 /// Least white noise, as a share of the median power. It keeps N above zero.
 const LEAST_WHITE: f64 = 1e-6;
-/// The largest step of a cosine and of a ln T.
+/// The largest step of a parameter of the shape and of a ln T.
 const STRIDE: f64 = 1.0;
 /// Largest number of halvings of a step that would raise the deviance.
 const HALVINGS: usize = 12;
@@ -289,7 +289,7 @@ impl Problem {
         (singles().map(rest).collect(), drift)
     }
 
-    /// The bounded minimum of the quadratic that has the gradient and the expected curvature.
+    /// The step to the bounded minimum of the quadratic that has the gradient and the expected curvature of D.
     fn step(&self, form: &ModelForm, at: &[f64], state: &State, held: Option<usize>) -> Vec<f64> {
         let (curvature, gradient) = self.normal(form, state);
         let room: Vec<(f64, f64)> = (0..form.len())
@@ -358,7 +358,7 @@ impl Problem {
         self.state(&found.form, &found.at, template.as_deref())
     }
 
-    /// Whether a parameter can move.
+    /// Whether a parameter is inside its bounds.
     pub(super) fn is_free(&self, found: &Optimum, place: usize) -> bool {
         let (lower, upper) = self.bounds(&found.form, place);
         found.at[place] > lower && found.at[place] < upper
@@ -456,14 +456,14 @@ fn two_poles(u: f64, c: f64, cosine: f64) -> (f64, [f64; 2]) {
     (1.0 / under, [(c * x + 2.0 * x * x) / under, -x / under])
 }
 
-/// Density of a low-pass with the pole `a` relative to frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of its
-/// logarithm by `a`. `cosine` is cos − 1.
+/// Density of a low-pass with the pole `a` relative to frequency 0, (1 − a)²/(1 + a² − 2a cos θ), and the slope of its
+/// logarithm by `a`. `cosine` is cos θ − 1.
 fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
     let (square, under) = ((1.0 - a) * (1.0 - a), (1.0 - a) * (1.0 - a) - 2.0 * a * cosine);
     (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))
 }
 
-/// The longest time constant of the low-pass of a shape, in samples.
+/// The longest time constant of the low-pass of a shape, in samples; 0 without a low-pass.
 pub(super) fn low_pass_memory(form: &ModelForm, at: &[f64], rate_hz: f64, top_hz: f64) -> f64 {
     match at[SHAPE + form.cosines..][..form.poles] {
         [pole] => 1.0 / (1.0 - pole),

@@ -33,8 +33,8 @@ const LAST_START: f64 = 1.0 / 6.0;
 pub(super) const SURVIVORS: usize = 3;
 /// Time constants of a warm-up to try, as shares of the record. A shorter warm-up ends before slow noise shows.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
-/// Steps in which the time constant of a warm-up is refined, to a factor of 2^(1/2^STEPS). A time constant that is a
-/// few percent off would leave a part of the warm-up that looks like random walk.
+/// Steps in which the time constant of a warm-up is refined, to a factor of 2^(1/2^`WARM_UP_STEPS`). A time constant
+/// that is a few percent off would leave a part of the warm-up that looks like random walk.
 const WARM_UP_STEPS: u32 = 8;
 /// Steps of a short trial and of a full descent, with the gain below which they end.
 pub(super) const LOOK: (usize, f64) = (8, 1e-2);
@@ -95,8 +95,9 @@ impl Other {
 }
 
 impl Selection {
-    /// Whether the model explains the whole spectrum. It does if it has no cosines, which could follow any filter over
-    /// a part of the spectrum. It also does if it adds the slow noise after the filter and has a small error.
+    /// Whether the model explains the whole spectrum. It does if it has no error and neither cosines nor a
+    /// second-order low-pass, which could follow any filter over a part of the spectrum. It also does if it adds the
+    /// slow noise after the filter and has a small error.
     pub(super) fn has_plain_form(&self) -> bool {
         let form = &self.found.form;
         match form.reading {
@@ -169,7 +170,8 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, other })
 }
 
-/// Other explanations of a whole spectrum that bends by more than a few cosines can follow.
+/// Other explanations of a whole spectrum if the best model has a Gauss–Markov term, a large shape, a model error or
+/// hardly any white noise; otherwise none.
 fn other_readings(problem: &Problem, families: &[PricedModel]) -> Vec<Optimum> {
     let is_bent = |found: &Optimum| {
         found.form.markovs > 0
@@ -283,7 +285,7 @@ pub(super) fn with_cosine(problem: &Problem, before: &Optimum) -> Optimum {
     problem.descend(ModelForm { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
 }
 
-/// Adds a Gauss–Markov term: a short trial from every start, and a full descent from the best.
+/// Adds a Gauss–Markov term: a short trial from every start, and a full descent from the best trials.
 pub(super) fn with_markov(problem: &Problem, fewer: &Optimum) -> Vec<Optimum> {
     let table = &problem.table;
     let (first, last) = (FIRST_START / table.rate_hz, LAST_START * table.span_s);
@@ -341,7 +343,7 @@ fn with_refined_warm_up(problem: &Problem, coarse: Optimum, tau_s: f64) -> Optim
     best.0
 }
 
-/// A pole or another explanation of the spectrum is tried only in place of more cosines than this.
+/// Largest number of cosines for which they alone are no reason to try a pole or another explanation of the spectrum.
 const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Optimum) -> Vec<Optimum> {

@@ -62,7 +62,7 @@ impl Sine {
     }
 }
 
-/// Cosine and sine of a frequency, in turns per sample, from sample `start` on.
+/// Cosine and sine of the phase at each sample from `start` on, for a frequency in turns per sample.
 fn phases(turns: f64, start: usize) -> impl Iterator<Item = (f64, f64)> {
     let phase = |turns: f64| Complex64::cis(2.0 * PI * (turns - libm::floor(turns)));
     let step = phase(turns);

@@ -20,7 +20,7 @@ const OUTSIDE: f64 = 0.1;
 const MOVES: f64 = 10.0;
 
 /// The ratio of the largest to the smallest standard deviation in windows of ten seconds, without the loudest and the
-/// quietest tenth of the windows. `None` if the sensor may be at rest.
+/// quietest tenth of the windows. `None` if the sensor may be at rest, or for too few windows.
 pub(super) fn motion(rate: &[f64], rate_hz: f64) -> Option<f64> {
     let size = ((WINDOW_S * rate_hz) as usize).max(FEWEST_IN_WINDOW);
     let mut sizes: Vec<f64> = rate.chunks_exact(size).filter_map(about_line).filter(|size| *size > 0.0).collect();
@@ -33,7 +33,7 @@ pub(super) fn motion(rate: &[f64], rate_hz: f64) -> Option<f64> {
     Some(sizes[sizes.len() - 1 - outside] / quiet).filter(|ratio| *ratio > MOVES)
 }
 
-/// The standard deviation of a window about its straight line; `None` if half of the window is missing.
+/// The standard deviation of a window about its straight line; `None` if half of the window or more is missing.
 fn about_line(window: &[f64]) -> Option<f64> {
     let there = || window.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(i, value)| (i as f64, *value));
     let count = there().count() as f64;

@@ -35,7 +35,7 @@ pub(super) struct Candidate {
 /// Number of values at each end in which no step is searched.
 const MARGIN: usize = 10;
 
-/// Largest share of missing averages, and the least number of averages in which steps are searched.
+/// Averages are lengthened until at most this share of them is missing, but not to fewer than `FEWEST_SLOTS` averages.
 const MOST_MISSING: f64 = 0.02;
 const FEWEST_SLOTS: usize = 64;
 

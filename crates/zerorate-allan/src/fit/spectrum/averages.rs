@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Largest number of samples in an average, and the least number of averages.
+/// Largest number of samples in an average, and the least number of averages of more than 4 samples.
 const SLOT: usize = 64;
 const FEWEST_SLOTS: usize = 1024;
-/// An average of fewer samples, as a share of the typical number, is dropped: its noise would dominate all.
+/// An average of less than this share of the typical number of samples is dropped: its noise would dominate.
 const FEWEST_IN_A_SLOT: f64 = 0.5;
 
 /// Number of samples in an average, a power of two.
@@ -37,7 +37,7 @@ pub(in crate::fit) fn averages(rate: &[f64], slot: usize) -> (Vec<f64>, Vec<usiz
     (means, counts)
 }
 
-/// Factor by which gaps raise the white noise of averages: the mean of slot/count over all averages.
+/// Factor by which gaps raise the white noise of averages: the mean of slot/count over all averages, 0 for empty ones.
 pub(in crate::fit) fn white_in(counts: &[usize], slot: usize) -> f64 {
     let there = counts.iter().filter(|count| **count > 0);
     there.map(|&count| slot as f64 / count as f64).sum::<f64>() / counts.len().max(1) as f64

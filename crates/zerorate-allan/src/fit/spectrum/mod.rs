@@ -3,7 +3,7 @@
 //! A complete record is one cosine transform. A longer record, or one with gaps, goes through levels: its samples, and
 //! means over more and more samples. Segments of a level give the upper part of its band, and the next level gives the
 //! rest. The last level is one cosine transform, which is exact for white noise and a random walk. Sines are removed
-//! from the samples before (`search.rs`).
+//! from the samples before that (`search.rs`).
 
 pub(super) mod averages;
 mod levels;
@@ -39,16 +39,17 @@ pub(super) struct Spectrum {
 
 /// Largest number of values in one transform.
 const LONGEST: usize = 1 << 20;
-/// The last level has this share of its values present, or fewer than `FEW` values.
+/// The last level has at most `LONGEST` values, of which more than this share is present, or fewer than `FEW` values.
 const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
-/// Segments give coefficients from length/`USED_FROM` and `FIRST` on. Jumps at their ends disturb lower coefficients.
+/// Segments give coefficients from the larger of length/`USED_FROM` and `FIRST` on. Jumps at their ends disturb lower
+/// coefficients.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
 /// Rounds of the search for sines: a strong one hides weak ones.
 const ROUNDS: usize = 3;
-/// The removal of a sine takes `OF_A_SINE` degrees of freedom of its bin, of which more than the share `LEAST_LEFT`
-/// must remain. The line of a sine has `BESIDE` coefficients on either side.
+/// The removal of a sine takes `OF_A_SINE` degrees of freedom from its bin. The bin is dropped unless more than the
+/// share `LEAST_LEFT` of them remains. The line of a sine has `BESIDE` coefficients on either side.
 const OF_A_SINE: f64 = 3.0;
 const LEAST_LEFT: f64 = 0.5;
 const BESIDE: usize = 4;
@@ -204,8 +205,8 @@ impl Level<'_> {
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Number of values in a mean of the next level. The band of such means reaches well above the first frequency
-    /// here.
+    /// Number of values in a mean of the next level. The band of such means reaches well above the lowest frequency
+    /// that the segments of this level give.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }
