@@ -3,9 +3,9 @@
 /// The 16-bit shift register over every written bit: the value of the CHECKSUM register (F-34, not verified on
 /// silicon).
 ///
-/// It covers the COM byte of every command and the data bytes of writes. The zeros clocked out during a read are not
-/// written bits. The bits enter most significant first. Each bit changes the register s as follows: `fb = s >> 15`,
-/// `s <<= 1`, `if fb { s ^= 2Dh }`, `s ^= bit`.
+/// The checksum covers the COM byte of every command and the data bytes of writes. The zeros clocked out during a read
+/// are not written bits. The bits enter most significant first. Each bit changes the register s as follows: `fb = s >>
+/// 15`, `s <<= 1`, `if fb { s ^= 2Dh }`, `s ^= bit`.
 ///
 /// ```
 /// use adis16130::registers::Checksum;

@@ -13,9 +13,9 @@ use crate::registers::{Address, ChannelStatus, Mode, RateStatus, Register, TempS
 pub struct Mismatch {
     /// The register.
     pub register: Address,
-    /// The value that it must have.
+    /// The value that the register must have.
     pub expected: u8,
-    /// The value that it has.
+    /// The value that was read from the register.
     pub got: u8,
 }
 

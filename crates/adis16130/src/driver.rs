@@ -26,7 +26,7 @@ use crate::self_test::{Active, Level, SelfTest, SelfTestPlan};
 
 /// The part on an SPI bus, with its RDY line.
 ///
-/// No method waits or retries unless its name says so. Each does a bounded number of transfers.
+/// No method waits or retries unless its documentation says so. Each does a bounded number of transfers.
 ///
 /// A failed transfer, or an async call that is dropped during one, leaves the part in the middle of a command. The
 /// part's next bytes would then be read shifted. So every later command sends nothing and returns
@@ -71,7 +71,7 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
         self.config = config;
     }
 
-    /// MODE as last written with success, or its reset value if it has not been written.
+    /// MODE as last written with success, or its reset value if it has not been written since the reset.
     pub const fn mode(&self) -> Mode {
         self.written.mode()
     }
@@ -124,7 +124,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(WriteCheck { expected, got })
     }
 
-    /// Reads back every configuration register written since the reset. Returns an error if a register differs.
+    /// Reads back every configuration register written since the reset. Returns an error if a register differs, or if
+    /// MODE has not been written.
     pub async fn verify(&mut self) -> Result<(), VerifyError<SPI::Error>> {
         if !self.written.is_complete() {
             return Err(VerifyError::NotInitialised);
@@ -359,7 +360,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Whether a doubtful answer of a data register is a reading. Returns an error for a code at the end of the scale.
+    /// Whether a doubtful answer of a data register is a reading. Returns an error for a fault, and for a code at the
+    /// end of the scale.
     #[cold]
     async fn is_measured(&mut self, channel: Channel, answer: u32) -> Result<bool, SampleError<SPI::Error>> {
         self.require_healthy().await?;
@@ -422,10 +424,10 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
 impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
     /// Measures by how much the self-test shifts the rate. It does not judge the shift (F-11).
     ///
-    /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns, also with
-    /// an error, and when an async call is dropped. The part must be initialised, and at rest, since motion counts as
-    /// shift. The call takes two settling times and `2 · samples` rates. Each rate takes at most four times the bound
-    /// of the plan.
+    /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when the method returns, also
+    /// with an error other than [`SelfTestError::Pin`], and when an async call is dropped. The part must be
+    /// initialised, and at rest, since motion counts as shift. The call takes two settling times and `2 · samples`
+    /// rates. Each rate takes at most four times the bound of the plan.
     #[allow(clippy::type_complexity, reason = "one type for each of the three wires that can fail")]
     pub async fn self_test<P: OutputPin>(
         &mut self,

@@ -120,7 +120,7 @@ pub enum WaitError<P> {
 pub enum SelfTestError<E, R, P> {
     /// A reading failed.
     Read(ReadError<E>),
-    /// No data came within the bound.
+    /// The RDY pin could not be read, or no data came within the bound.
     Wait(WaitError<R>),
     /// The self-test pin could not be set or released. If it is still active, the rate is offset.
     Pin(P),

@@ -12,7 +12,7 @@ const CONFIGURED: [Address; 6] =
 /// The values written with success to the configuration registers since the reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct WriteLog {
-    /// The values in the order of [`CONFIGURED`], 0 until written. Only for MODE is that 0 the reset value.
+    /// The values in the order of [`CONFIGURED`], 0 until written. For MODE, 0 is also the value after a reset.
     values: [u8; CONFIGURED.len()],
     /// Bit n is set when register n of [`CONFIGURED`] (from 0) has been written.
     known: u8,

@@ -17,7 +17,7 @@ pub enum Input<'a> {
 /// A place in a record at which one or more adjacent samples were lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gap {
-    /// Index of the first sample after the gap.
+    /// Index of the first sample after the gap, among the samples that were taken.
     pub at: usize,
     /// Number of lost samples.
     pub missing: u64,

@@ -7,7 +7,7 @@ use super::chi2::chi2_quantile;
 ///
 /// `lo = dev √(edf / χ²(½ + c/2))` and `hi = dev √(edf / χ²(½ − c/2))`, since edf·σ̂²/σ² follows χ² with edf degrees
 /// of freedom (NIST SP 1065 section 5.3.2, equations 45 and 46). The limits have the unit of `dev`. For a deviation of
-/// 0 both are 0. If `edf` is not positive, the limits are 0 and infinity.
+/// 0 both are 0. If `edf` is NaN or not positive, the limits are 0 and infinity.
 ///
 /// ```
 /// // NIST SP 1065 table 32: σ = 9.159953e-2, edf 146.177, 95 %; its χ² is an approximation

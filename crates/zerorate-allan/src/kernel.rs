@@ -68,7 +68,7 @@ impl Kernel {
         }
     }
 
-    /// Index of the first point of each term.
+    /// Index of the first point of each term (for a reflected term, of the point before its middle).
     pub fn starts(self, points: usize, m: usize) -> impl Iterator<Item = usize> {
         let stride = match self {
             Self::Plain(plain) => plain.stride(m),
@@ -142,7 +142,8 @@ pub enum Reason {
         /// Samples (for phase: points) that would be enough.
         needs: u64,
     },
-    /// Too many samples are missing: no term is left, or less than 1/16 of the record is present.
+    /// Too many samples are missing: no term is left, the correction for the losses exceeds the squares, or less than
+    /// 1/16 of the record is present.
     Gaps,
     /// The time rounds to the same number of samples as another averaging time, which has the result.
     SameLength {

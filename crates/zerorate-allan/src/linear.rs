@@ -1,4 +1,4 @@
-//! Cholesky factors of small positive definite matrices (at most some hundred rows).
+//! Small square matrices (at most some hundred rows) and the Cholesky factors of positive definite ones.
 
 use alloc::vec::Vec;
 

@@ -23,7 +23,7 @@ pub enum Cause {
     Motion,
     /// The power is steady, and above the model in a narrow band.
     Resonance,
-    /// The power is steady, and above the model up to the end of the spectrum, where a steep filter left little.
+    /// The power is steady, and above the model up to the end of the spectrum, where a steep filter left little power.
     Filter,
     /// Most samples repeat the one before.
     CoarseCodes,

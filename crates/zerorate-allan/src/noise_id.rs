@@ -27,12 +27,14 @@ const WHITE: i32 = 0;
 
 /// The exponent α of the power law S_y(f) ∝ f^α that dominates at each averaging length in `m`. 2 is white phase, 1
 /// flicker phase, 0 white (angle random walk), −1 flicker (bias instability), −2 random walk of the rate. For HDEV and
-/// OHDEV it goes down to −4. There is an answer for every length, in the order of `m`, which must be ascending.
+/// OHDEV, the exponent goes down to −4. There is an answer for every length, in the order of `m`, which must be
+/// ascending.
 ///
 /// * At least 30 averages: lag-1 autocorrelation r1 of the phase at every m-th point, δ = r1/(1 + r1). The phase is
-///   differenced d times until δ < 0.25, then `α = 2 − 2d − round(2δ)`. (Riley & Greenhall, "Power law noise
-///   identification using the lag 1 autocorrelation", EFTF 2004, and NIST SP 1065 section 5.5.3, its r1 with n − 1 in
-///   the variance.) Above 65 536 averages of up to 64 samples, only evenly spaced blocks of the record are used.
+///   differenced d times until δ < 0.25 or d is the order of the statistic's differences, then `α = 2 − 2d −
+///   round(2δ)`. (Riley & Greenhall, "Power law noise identification using the lag 1 autocorrelation", EFTF 2004, and
+///   NIST SP 1065 section 5.5.3. In r1, the sum of products is divided by n, and the variance has n − 1.) Above 65 536
+///   averages of up to 64 samples, only evenly spaced blocks of the record are used.
 /// * Fewer, at least 8 (for ADEV and HDEV 10): B1, the ratio of the variance of the averages to their Allan variance.
 ///   B1 is compared with the geometric means of its expected values for two neighbouring α (section 5.5.4). If the
 ///   answer is phase noise, R(n), the ratio of modified to plain Allan variance, tells white from flicker (5.5.5).
@@ -40,7 +42,8 @@ const WHITE: i32 = 0;
 ///   none. TOTDEV then counts phase noise as white, because it has published degrees of freedom for frequency noise
 ///   only. A constant record counts as white.
 ///
-/// A rate has its mean removed first, and nothing else. Missing samples count as the mean rate.
+/// A rate has its mean removed first, and nothing else. Missing samples count as the mean rate, and a missing phase is
+/// interpolated.
 #[must_use]
 pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
     identify(input, stat, m).into_iter().map(|found| found.alpha).collect()
@@ -52,7 +55,8 @@ pub(crate) struct NoiseType {
     pub alpha: i32,
     /// The exponent for the degrees of freedom. With few averages, white noise is too often mistaken for phase noise
     /// (by B1 with 10: in 28 % of the records), and phase noise has as many degrees of freedom as samples. So this
-    /// exponent is at most the last answer from 128 averages or more, because the dominant exponent falls with τ.
+    /// exponent is at most the last answer from 128 averages or more, because the dominant exponent falls with τ. In a
+    /// shorter record it is at most the first answer from 30 averages or more, or 0 without one.
     pub cautious: i32,
 }
 
@@ -201,7 +205,7 @@ fn by_b1(phase: &[f64]) -> Option<i32> {
     })
 }
 
-/// The variance of the averages over τ, in units of τ⁻².
+/// The variance of the averages over τ, times τ².
 fn variance_of_averages(phase: &[f64]) -> f64 {
     let n = phase.len() as f64 - 1.0;
     let mean = (phase[phase.len() - 1] - phase[0]) / n;
@@ -368,7 +372,7 @@ mod tests {
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[]), vec![0; 0]);
     }
 
-    /// With 41 averages, white noise is taken for phase noise in one of ten records. At most 4 of 200 records get the
+    /// With 40 averages, white noise is taken for phase noise in one of ten records. At most 4 of 200 records get the
     /// degrees of freedom of phase noise.
     #[test]
     fn few_averages_do_not_make_degrees_of_freedom() {

@@ -10,14 +10,14 @@ const LANES: usize = 8;
 /// A run of phase points.
 pub(crate) enum Run<'a> {
     Points(&'a [f64]),
-    /// `count` points of the same value: the samples between them are missing.
+    /// `count` points of the same value: the samples that lead to them are missing.
     Level {
         value: f64,
         count: u64,
     },
 }
 
-/// Number of phase points of `input`, missing ones included: one more than rate samples.
+/// Number of phase points of `input`, missing ones included. A rate has one more phase point than samples.
 pub(crate) fn phase_points(input: &Input<'_>) -> u64 {
     match input {
         Input::Codes { codes, gaps } => {
@@ -39,7 +39,7 @@ pub(crate) fn ramp(input: &Input<'_>) -> f64 {
 }
 
 /// Passes the phase to `visit` in order. A missing sample of rate counts as the mean; a missing phase is interpolated.
-/// Only noise identification uses this. The deviations leave gaps out.
+/// Only noise identification uses this function. The deviations leave gaps out.
 pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
     match input {
         Input::Codes { codes, gaps } => {

@@ -11,8 +11,8 @@ pub(super) struct StatRow {
     pub title: &'static str,
     /// The differences that are squared: their order, their spacing, and the record length that one of them needs.
     pub kernel: Kernel,
-    /// Divisor of the mean square of the differences of averages. It makes the statistic of white noise equal to the
-    /// standard deviation of the averages.
+    /// Divisor of the mean square of the differences of averages. With it, the deviation of white noise at m = 1,
+    /// before `factor`, is the standard deviation of the samples.
     pub divisor: f64,
     /// Factor on the deviation, which determines its unit.
     pub factor: Factor,

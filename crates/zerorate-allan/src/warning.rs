@@ -47,7 +47,7 @@ pub enum AllanWarning {
     ShortRecord { samples: u64, needed: u64 },
     /// A line is so strong that its leakage may be taken for noise: up to `share` of the fitted noise.
     Leakage { frequency_hz: f64, share: f64 },
-    /// The measured deviations differ from the model by more than 10 % and chance, in this many octaves.
+    /// The measured deviations differ from the model by more than 10 %, beyond chance, at `octaves` averaging times.
     OffCurve { tau_s: f64, ratio: f64, octaves: usize },
     /// The model is rejected: it is wrong by the share `error`, and the limit is `most`.
     Rejected { error: f64, most: f64, misfit: crate::Misfit },

@@ -26,7 +26,7 @@ const FIRST: usize = 2;
 
 /// Welch's estimate (1967) of the spectral density of a rate. NaN marks a missing sample. Hann-windowed segments
 /// overlap by half, each without its mean. Missing samples count as the mean, and segments that lack more than half of
-/// their samples are left out. The result is empty for fewer than 256 samples.
+/// their samples are left out. The result is empty for fewer than 256 samples, and if all segments are left out.
 ///
 /// # Errors
 /// Returns an error if the Fourier transform fails. The buffers have matching lengths, so this is not expected.

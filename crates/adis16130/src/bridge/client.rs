@@ -82,7 +82,7 @@ impl<'a> Pending<'a> {
 
 impl Client {
     /// Looks for the answer in the received bytes, and returns the next step. `take` converts the answer, or returns
-    /// `None` to ignore an answer to another command. Samples before the answer are dropped.
+    /// `None` to ignore an answer to another command. Samples and [`Message::Ended`] before the answer are dropped.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,

@@ -1,6 +1,6 @@
-//! The protocol between a host and a bridge, which is a microcontroller with the part on its pins. It has messages,
-//! frames, the firmware's end without its pins ([`Station`]), and the host's end without its port and clock
-//! ([`Client`]).
+//! The protocol between a host and a bridge, which is a microcontroller with the part on its pins. This module has the
+//! messages, their frames, the firmware's end without its pins ([`Station`]), and the host's end without its port and
+//! clock ([`Client`]).
 //!
 //! The bytes are specified in `docs/formats/bridge.md` of the project. The host sends requests, and the bridge
 //! answers. While the bridge samples, it sends every sample without a request. No sample is sent twice. A lost sample

@@ -41,7 +41,7 @@ pub struct Station<S> {
     received: [u8; MAX_TRANSFER],
 }
 
-/// The state of sampling since the start.
+/// The state of sampling since [`Command::Start`].
 #[derive(Debug)]
 struct Sampling {
     sampler: Sampler,
@@ -50,8 +50,8 @@ struct Sampling {
 }
 
 impl<S: Bus> Station<S> {
-    /// Makes a bridge on a bus whose clock is `sclk_hz`. `firmware` is its name and version, at most 24 bytes. Sends
-    /// nothing.
+    /// Makes a bridge on a bus whose clock is `sclk_hz`. `firmware` is the name and version of the firmware, at most
+    /// 24 bytes. Sends nothing.
     pub const fn new(bus: S, sclk_hz: u32, firmware: &'static str) -> Self {
         let part = Adis16130::new(bus, (), Config::new().with_framing(Framing::Command));
         let last = Edge { t_ns: 0, seq: 0 };

@@ -159,7 +159,7 @@ impl ChannelStatus {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Range {
-    /// 00, the value after reset.
+    /// 00, the value after a reset: F-40 and F-41 do not hold.
     Bits00,
     /// 01: F-40 and F-41 do not hold.
     Bits01,
@@ -273,7 +273,7 @@ pub enum Operation {
     Single,
     /// 011: power-down.
     PowerDown,
-    /// 1xx: not described for this part.
+    /// The bits 1xx: not described for this part.
     Other(u8),
 }
 

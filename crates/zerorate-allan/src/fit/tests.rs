@@ -161,8 +161,8 @@ fn quantisation_gives_q_and_a_low_pass_gives_a_shape() {
     let fit = of(&filtered);
     assert!(matches!(fit.terms[..], [Term::BandShape { .. }]) && fit.q.is_none(), "{:?}", fit.terms);
     assert!(near(fit.n.value, 0.01, 0.01), "{:?}", fit.n);
-    // White noise behind a low-pass of 3 samples, beside flicker. With cosines alone, without a pole, N was 4 % too
-    // small and B 20 % too large.
+    // White noise behind a low-pass of 3 samples, beside flicker and a random walk. With cosines alone, without a
+    // pole, N was 4 % too small and B 20 % too large.
     let (white, flicker) = (Truth { n: HOUR.n, ..Truth::default() }, Truth { n: 0.0, ..HOUR });
     let keep = (-1.0f64 / 3.0).exp();
     let mut before = 0.0;
@@ -286,7 +286,8 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
         }
     }
     assert!(near(ratios / freedom, 1.0, 0.05), "{}", ratios / freedom);
-    // bins of tapered segments once counted up to 1.7 times, which made the interval of B too narrow
+    // bins of tapered segments once had up to 1.7 degrees of freedom per coefficient, so the interval of B was too
+    // narrow
     assert!(freedom <= coefficients, "{freedom} degrees of freedom in {coefficients} coefficients");
 }
 
@@ -321,7 +322,7 @@ fn glitches_at_the_ends_are_cut() {
     }
 }
 
-/// Glitches in one of a thousand samples, some of them adjacent. Each removes only its own sample.
+/// Glitches in one of a thousand samples, some of them adjacent. At most 19 other samples are removed.
 #[test]
 fn glitches_do_not_hide_each_other() {
     let mut rate = HOUR.noise(200_000, 43);

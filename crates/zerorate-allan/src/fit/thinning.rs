@@ -65,8 +65,8 @@ fn factor(is_there: &[bool], m: usize, covariance: &[f64]) -> f64 {
     if count > 0.0 && whole > 0.0 { (sum / count / whole).max(1.0) } else { 1.0 }
 }
 
-/// The expected square of a difference of two averages, corrected as in the deviations. `None` if most values are
-/// lost.
+/// The expected square of a difference of two averages, corrected as in the deviations. `None` if an average lacks
+/// more than half of its values, or has only one of several.
 fn square(is_there: &[bool], covariance: &[f64]) -> Option<f64> {
     let m = is_there.len() / 2;
     let halves = [&is_there[..m], &is_there[m..]];

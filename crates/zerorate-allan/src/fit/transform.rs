@@ -1,4 +1,4 @@
-//! Cosine and sine transforms by a real Fourier transform of the same length or twice it.
+//! A cosine transform, a cosine and sine series, and the autocovariance of a density, by real Fourier transforms.
 
 use alloc::vec::Vec;
 use core::f64::consts::PI;

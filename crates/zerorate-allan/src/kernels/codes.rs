@@ -8,9 +8,10 @@ use alloc::vec::Vec;
 /// Samples that one thread takes at a time.
 const PIECE: usize = 1 << 17;
 
-/// Exact sums of squares: no running sum, no difference and no square rounds or overflows.
+/// Exact sums of squares, rounded only at the end.
 ///
-/// A small difference may be formed from running sums modulo a power of two. Narrower sums take less memory to read.
+/// A small difference may be formed from running sums that wrap modulo a power of two. Narrower sums take less memory
+/// to read.
 pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let bounds = Bounds::of(codes);
     let width = |&m: &usize| bounds.width(kernel, m);
@@ -73,8 +74,9 @@ impl Bounds {
         Self { offset, codes: high.abs_diff(low).into(), sums, before }
     }
 
-    /// The width of a difference. A difference of two sums over m is below m times the range of the codes, and below
-    /// twice the range of the running sum (four times, if it is reflected or a third difference).
+    /// The width of a difference. A second difference is at most m times the range of the codes, and at most twice the
+    /// range of the running sum (four times if reflected). The bounds of a third difference are twice those of a
+    /// second one. A modified difference is a sum of m second differences.
     fn width(&self, kernel: Kernel, m: usize) -> Width {
         let long = m as u128;
         let (largest, narrowest) = match kernel {

@@ -71,7 +71,7 @@ fn modified(record: &impl Record, m: usize, starts: impl Iterator<Item = usize>,
     }
 }
 
-/// Sum of the terms that are present.
+/// Sum of the squares of the terms that are present, and their number.
 #[derive(Default)]
 struct Valid {
     sum: f64,

@@ -1,4 +1,5 @@
-//! Sums of squared differences over short runs, compiled to the best vector instructions of the machine.
+//! Sums over short runs, such as those of squared differences, compiled to the best vector instructions of the
+//! machine.
 
 #![allow(clippy::needless_range_loop)]
 
@@ -148,7 +149,7 @@ pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// Number of codes in one partial sum.
+/// Number of codes in one partial sum, and of points in one step of [`run_steps`].
 pub(super) const SHORT: usize = 64;
 
 /// The range and the sums of some codes.

@@ -26,7 +26,7 @@ fn by_definition(rate: &[f64], stat: Stat, m: usize) -> f64 {
     }
 }
 
-/// A reflected phase is a rate that runs backwards.
+/// Where the phase is reflected, the rate runs backwards.
 fn total_by_definition(rate: &[f64], m: usize) -> f64 {
     let backwards = || rate.iter().rev().copied();
     let whole: Vec<f64> = backwards().chain(rate.iter().copied()).chain(backwards()).collect();

@@ -124,7 +124,7 @@ fn an_impractical_length_is_not_advised() {
     assert!(endless.contains("in any practical record") && !endless.contains("602803200"), "{endless}");
 }
 
-/// 300 samples do not show the filter of a sensor. N is then 10 % off, although its interval is only ±5 %.
+/// 300 samples do not show the filter of a sensor, so N may be off by more than its interval.
 #[test]
 fn a_short_record_has_a_warning() {
     let white = Truth { n: 0.01, ..Truth::default() };
