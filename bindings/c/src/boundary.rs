@@ -30,7 +30,7 @@ pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), S
     Ok(())
 }
 
-/// Returns the state of an object, or ZERORATE_E_STATE if its mark is wrong.
+/// Returns the state of an object. Returns ZERORATE_E_NULL for a null pointer, ZERORATE_E_STATE if the mark is wrong.
 ///
 /// # Safety
 /// `object` is null or points to readable and writable memory of its type, initialised with any bytes, that nothing

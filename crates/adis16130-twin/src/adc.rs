@@ -138,7 +138,8 @@ impl Adc {
         self.converting
     }
 
-    /// Ends the running conversion, whose code before clamping is `unlimited`, and begins the next one.
+    /// Ends the running conversion, whose code before clamping is `unlimited`. Begins the next one, unless this was
+    /// the last one of single mode.
     #[inline]
     pub(crate) fn update(&mut self, unlimited: i64) -> Update {
         let channel = self.converting;

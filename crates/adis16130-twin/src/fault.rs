@@ -16,7 +16,7 @@ pub enum Fault {
     SdoHigh,
     /// The data registers keep their codes. RDY goes on as if the registers were updated.
     Frozen,
-    /// The RDY line is cut and stays high. The data registers are still updated.
+    /// The RDY line is cut and announces no data. The data registers are still updated.
     RdyLost,
     /// One to five edges of RDY in a row are missing, about once in 100 edges. The data registers are still updated.
     RdyStutter,
@@ -24,7 +24,8 @@ pub enum Fault {
     BitErrors,
     /// The supply dips once: all registers take their reset values (MODE 00h), so the conversions stop.
     Brownout,
-    /// The cable is unplugged until [`Twin::replug`](crate::Twin::replug): no supply, SDO reads all ones, RDY is high.
+    /// The cable is unplugged until [`Twin::replug`](crate::Twin::replug): no supply, SDO reads all ones, and RDY
+    /// announces no data.
     Unplug,
 }
 

@@ -4,7 +4,7 @@ use crate::facts;
 use crate::fault::Fault;
 use crate::normal::{Normal, Process};
 
-/// Ambient temperature over time.
+/// Ambient temperature over time, without the wander.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Profile {
     /// The temperature is [`Spec::ambient_c`] all the time.

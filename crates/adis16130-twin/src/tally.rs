@@ -1,6 +1,6 @@
 //! Counts of conversions and losses per channel, and the last reads by the host.
 
-/// Samples that the host never saw, per channel, since the start.
+/// Samples that the host never saw, per channel, since the twin was made.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct LostUnread {
     /// Losses of the rate channel.
@@ -42,7 +42,7 @@ pub struct Reading {
 /// A conversion of one channel.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Conversion {
-    /// Number of the conversion among all conversions of the channel since the start, from 1 on. A conversion
+    /// Number of the conversion among all conversions of the channel since the twin was made, from 1 on. A conversion
     /// whose result the register did not store counts as well.
     pub number: u64,
     /// Simulated time of the end of the conversion, in ns from the start.

@@ -401,8 +401,8 @@ impl Sampler {
     }
 
     /// Returns the time of the last edge if the part has been silent since. `None` until `now_ns` (of the clock of
-    /// [`Edge::t_ns`]) is more than [`silence_ns`](Self::silence_ns) after it. A silent part has lost its supply or
-    /// its configuration, or RDY is cut.
+    /// [`Edge::t_ns`]) is more than [`silence_ns`](Self::silence_ns) after that edge. A silent part has lost its
+    /// supply or its configuration, or RDY is cut.
     ///
     /// Before the first edge, and after [`restarted`](Self::restarted), the time counts from the first call on. The
     /// clock may wrap, and `now_ns` may be older than the last edge. Pass all edges that are still queued to
@@ -430,8 +430,8 @@ impl Sampler {
         }
     }
 
-    /// Whether to read the temperature now. It waits while the sampler must find out which edges announce rate
-    /// updates.
+    /// Whether to read the temperature now. The temperature waits while the sampler must find out which edges announce
+    /// rate updates.
     fn temp_is_due(&mut self, is_rate: bool) -> bool {
         if self.rules.steady {
             self.seeks_rate |= self.timeline.is_ambiguous();

@@ -132,8 +132,8 @@ fn sqrt(x: f32) -> f32 {
 pub(crate) struct Active<'a, P: OutputPin>(Option<&'a mut P>);
 
 impl<'a, P: OutputPin> Active<'a, P> {
-    /// Sets the pin high. The guard holds the pin already during the attempt, so that a failed one sets the pin low
-    /// again.
+    /// Sets the pin high. The guard holds the pin already during the attempt, so that a failed attempt sets the pin
+    /// low again.
     pub(crate) fn activate(pin: &'a mut P) -> Result<Self, P::Error> {
         let mut active = Self(Some(pin));
         active.0.as_mut().map_or(Ok(()), |pin| pin.set_high())?;

@@ -9,7 +9,7 @@ use core::num::NonZeroU32;
 pub struct PollInterval(NonZeroU32);
 
 impl PollInterval {
-    /// 5 µs: a fifth of the time for which RDY is high between two updates (F-32).
+    /// 5 µs: less than a fifth of the time for which RDY is high between two updates (F-32).
     pub const DEFAULT: Self = Self(NonZeroU32::MIN.saturating_add(4));
 
     /// An interval in µs.
@@ -45,7 +45,7 @@ impl WaitBound {
     }
 
     /// Sets the interval at which the blocking driver reads the pin. The async driver is woken by the pin and does not
-    /// use it.
+    /// use the interval.
     pub const fn with_poll(mut self, poll: PollInterval) -> Self {
         self.poll = poll;
         self

@@ -79,7 +79,7 @@ fn conversion_times_are_f31() {
         [edges[1] - edges[0], edges[2] - edges[1]].map(|ns| (ns as f64 * 6e-3).round() as u64)
     };
     let (on, off) = (0x0A, 0x02);
-    // The second edge ends the temperature's conversion, the third the rate's.
+    // With both channels, the second edge ends a conversion of the temperature, and the third one of the rate.
     assert_eq!(cycles([on, on], [5, 5]), [527, 527]);
     assert_eq!(cycles([on, on], [5, 17]), [17 * 64 + 207, 527]);
     assert_eq!(cycles([on, on], [0x85, 0x91]), [17 * 128 + 249, 5 * 128 + 249]);

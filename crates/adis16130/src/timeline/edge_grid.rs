@@ -89,8 +89,8 @@ impl EdgeGrid {
         (period >> FRACTION_BITS) * self.temp_fraction
     }
 
-    /// Number of periods in which this many edges come while nothing is read. The first edge comes after two
-    /// conversions, each later one after one conversion.
+    /// Number of periods in which this many edges come while nothing is read. With both channels, the first edge comes
+    /// after two conversions, and each later one after one. With one channel, each edge takes a period.
     pub(super) fn periods_of_edges(&self, edges: u32) -> u32 {
         if self.temp_fraction > 0 { edges.div_ceil(2) } else { edges }
     }
@@ -141,8 +141,9 @@ impl EdgeGrid {
 /// The kind of update that the edges announce: rate or temperature.
 ///
 /// As long as the edges announce one kind, a deviation of up to half a period is jitter. The kind changes when the
-/// host is late (F-33). Then all edges that follow deviate from the grid points of the old kind. A change is accepted
-/// at once if the jitter is small, otherwise after [`DOUBTS`] edges.
+/// host is late (F-33). Then all edges that follow deviate from the grid points of the old kind. With
+/// [`Pattern::Steady`], a change is accepted at once if the jitter is small, otherwise after [`DOUBTS`] edges. With
+/// the other patterns, a change is always accepted at once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeKind {
     pub(super) is_rate: bool,

@@ -128,8 +128,8 @@ impl Timeline {
         }
     }
 
-    /// Takes the next edge, and returns the ticks up to it since [`count_from`](Self::count_from). `None` if it is
-    /// the previous edge again.
+    /// Takes the next edge, and returns the ticks up to it since [`count_from`](Self::count_from). `None` if the edge
+    /// is the previous one again.
     ///
     /// As long as it is unknown whether the first edge announced a rate or a temperature update, the returned number
     /// is the lower of two possible ones.
@@ -196,8 +196,8 @@ impl Timeline {
         is_ambiguous
     }
 
-    /// States that the edge just taken brought no new rate, and counts as the first one. It has no effect if edges
-    /// may announce a temperature alone.
+    /// States that the edge just taken brought no new rate, and counts as the first one. The call has no effect if
+    /// edges may announce a temperature alone.
     pub(crate) fn begin(&mut self) {
         if self.grid.announces_temps() {
             return;

@@ -79,7 +79,7 @@ fn assert_near(measured: f64, claimed: f64, tolerance: f64, what: &str) {
     assert!((ratio - 1.0).abs() < tolerance, "{what}: {measured:e} instead of {claimed:e}");
 }
 
-/// Amplitude of the loop's error per amplitude of a sinusoidal wander of the edges, of `omega` rad per edge. It comes
+/// Amplitude of the loop's error per amplitude of a sinusoidal wander of the edges, of `omega` rad per edge. Computed
 /// from the correlation with the wander over whole turns.
 fn error_of_wander(gear: u32, omega: f64) -> f64 {
     const WANDER_NS: f64 = 30_000.0;

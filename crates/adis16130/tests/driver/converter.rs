@@ -1,4 +1,5 @@
-//! Tests the sampler with a simulated converter and a late host. It must report exactly the losses that happened.
+//! Tests the sampler with a simulated converter and a late host. Unless timestamps are late, it must report exactly
+//! the losses that happened.
 
 use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 

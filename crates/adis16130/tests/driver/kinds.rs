@@ -99,7 +99,8 @@ fn samples_before_the_first_one_do_not_count_as_lost() {
 
 #[test]
 fn an_edge_of_the_longer_conversion_is_not_believed() {
-    // After a read of both channels, the next edge comes a period later. This edge came before that read, a late one.
+    // After a read of both channels, the next edge comes a period later. The second edge comes earlier, so it belongs
+    // to data that the first read, a late one, has taken.
     let config = Config::new().with_temp_conversion(ConversionTime::new(0xBB));
     let mut bench = Bench::new(SamplerConfig::new().with_read_status(false), config, 7_801, 0.0);
     assert_eq!(bench.lost(1.0, 0), 0);

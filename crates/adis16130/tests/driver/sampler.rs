@@ -167,7 +167,7 @@ fn jitter_of_the_timestamps_neither_adds_nor_hides_losses() {
 
 #[test]
 fn follows_a_clock_that_drifts() {
-    // The temperature moves MCLK by 100 ppm and back within 18 s, five times.
+    // The temperature moves MCLK by ±100 ppm, in five cycles of 18 s each.
     let mut sampler = sampler(SamplerConfig::new());
     let phase = |k: f64| k + 1e-4 * 1e5 / std::f64::consts::TAU * (k / 1e5 * std::f64::consts::TAU).sin();
     let lost: u32 = losses(&mut sampler, ramp(500_000).map(phase)).iter().sum();

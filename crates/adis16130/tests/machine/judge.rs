@@ -113,7 +113,7 @@ impl Judge {
         }
     }
 
-    /// Notes that a new driver has the bus, which does not know what was written to the part.
+    /// Notes that a new driver has the bus. This driver does not know what was written to the part.
     pub fn released(&mut self) {
         self.interrupted = false;
         self.spoil();

@@ -203,7 +203,7 @@ fn step() -> impl Strategy<Value = Step> {
     prop_oneof![60 => samples, 12 => time, 14 => calls, 1 => strange, 4 => faults, 4 => Just(Step::Recover)]
 }
 
-/// Draws the delay of the host: none, about a conversion at most, up to several periods, or up to 50 ms.
+/// Draws the delay of the host: none, up to 90 µs (about a conversion), up to 2 ms, or up to 50 ms.
 fn late_ns() -> impl Strategy<Value = u32> {
     prop_oneof![10 => Just(0), 4 => 0..90_000_u32, 4 => 0..2_000_000_u32, 1 => 0..50_000_000_u32]
 }
