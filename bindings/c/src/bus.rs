@@ -36,7 +36,8 @@ pub struct SelfTestPin {
     pub set: Option<unsafe extern "C" fn(context: *mut c_void, level: i32) -> i32>,
 }
 
-/// The error if the caller's function is null or returned an error.
+/// The error if the caller's function is null or returned an error, or if the driver would never make such a
+/// transaction.
 #[derive(Clone, Copy, Debug)]
 pub struct CallbackError;
 

@@ -13,7 +13,7 @@ pub struct Correction {
     pub pbc_dps: f64,
     /// BTC, the linear term, deg/s per deg C.
     pub btc_dps_per_c: f64,
-    /// T3, the temperature at which PBC was measured by the part's own sensor, deg C.
+    /// T3, the temperature that the part reported when PBC was measured, deg C.
     pub t3_c: f64,
     /// BTC2, the quadratic term, deg/s per (deg C)^2. Zero for a line.
     pub btc2_dps_per_c2: f64,

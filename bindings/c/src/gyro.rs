@@ -51,7 +51,8 @@ pub struct Settings {
     pub per_byte_framing: u8,
     /// The edge of RDY that announces new data: 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
-    /// 1 = read the status of the rate channel with every sample, 0 = only if an edge may not announce new data.
+    /// 1 = read the status of the rate channel with every sample. 0 = only if an edge may not announce new data, which
+    /// with `divided` above 1 is every edge.
     pub read_status: u8,
     /// Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 or 1 = no counter.
     pub divided: u16,
@@ -238,8 +239,9 @@ pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u
     status::of(unsafe { boundary::state(gyro) }.and_then(wait))
 }
 
-/// Handles an edge of RDY: reads the registers that are due, and counts the lost samples. Sends 1 to 3 commands, and
-/// at most 10 at the first sample after an initialisation or if an answer could come from a dead line.
+/// Handles an edge of RDY: reads the registers that are due, and counts the lost samples. Sends 1 to 3 commands if
+/// something is due, and at most 10 at the first sample after an initialisation or if an answer could come from a dead
+/// line.
 ///
 /// `t_ns` is the time of the edge by a clock that runs evenly. `seq` is the running number of the edge, which also
 /// counts the edges that were not handled and may wrap. Returns ZERORATE_NOTHING and writes nothing if nothing was
@@ -262,9 +264,9 @@ pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u
 }
 
 /// Checks that edges of RDY still come. Sends nothing. Returns ZERORATE_E_TIMEOUT if zerorate_gyro_sample has got no
-/// edge for 64 periods of the rate (11.2 ms with F-30), otherwise ZERORATE_OK. After a timeout, the part has lost its
-/// supply or its configuration, or RDY is cut. zerorate_gyro_diagnose finds the cause, and zerorate_gyro_initialise
-/// starts the part again.
+/// edge for 64 periods of the rate (11.2 ms with F-30) or 64 intervals of divided edges, otherwise ZERORATE_OK. After
+/// a timeout, the part has lost its supply or its configuration, or RDY is cut. zerorate_gyro_diagnose finds the
+/// cause, and zerorate_gyro_initialise starts the part again.
 ///
 /// `now_ns` is the present time of the clock of the edges. Before the first edge, and after an initialisation, the
 /// time counts from the first call of this function. So call it regularly, and at least once before a sleep.

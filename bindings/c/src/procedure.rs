@@ -338,7 +338,8 @@ pub unsafe extern "C" fn zerorate_procedure_progress(
     }))
 }
 
-/// Writes the result, once zerorate_procedure_next returns ZERORATE_DONE. Returns ZERORATE_E_STATE before that.
+/// Writes the result, once zerorate_procedure_next returns ZERORATE_DONE. Returns ZERORATE_E_STATE before that, or the
+/// status of the refusal that ended the calibration.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.

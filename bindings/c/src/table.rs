@@ -63,8 +63,9 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
 /// Writes the row nearest to the temperature of a 24-bit code, in millionths of a deg/s: corrected rate = rate + PBC +
 /// row.
 ///
-/// Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table, but writes the first or the last row. That
-/// row is wrong by BTC times its distance from the temperature. Returns ZERORATE_E_ARGUMENT if there is no table.
+/// Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table, but writes the first or the last row. For
+/// a line, that row is wrong by BTC times its distance from the temperature. Returns ZERORATE_E_ARGUMENT if there is
+/// no table.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type. The rows of `table` are still in place.

@@ -1,4 +1,5 @@
-/* A board whose functions do nothing. The examples link with it for cores that the tests do not emulate. */
+/* A board that does nothing but call the interrupt handler once. The examples link with it for cores that the tests
+ * do not emulate. */
 #include "board.h"
 
 int32_t board_spi_transfer(void *context, uint8_t *bytes, size_t length)

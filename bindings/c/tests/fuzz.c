@@ -271,7 +271,7 @@ static zerorate_status self_test(void)
     return zerorate_gyro_self_test(A(zerorate_gyro), below(20) ? &pin : NULL, one, A(zerorate_self_test));
 }
 
-/* Returns the time of a clock that never goes back, as the procedure requires. */
+/* Returns the time of a clock that goes forward, mostly by 10 ms, but sometimes so far that it wraps. */
 static uint64_t later_ns(void)
 {
     static uint64_t now_ns;

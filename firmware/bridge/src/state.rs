@@ -3,7 +3,7 @@
 /// The state of the bridge. Each state has its own pattern of the LED.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// No host has sent a request. The LED flashes once a second.
+    /// No host has sent a request since the last one left. The LED flashes once a second.
     Idle,
     /// A host has sent a request, and the bridge does not sample. The LED is on.
     Ready,

@@ -84,8 +84,8 @@ pub fn corrected_dps(single: &CorrectionF32, rate: RateCode, temp: TempCode) -> 
     single.apply(rate.to_dps(), temp.to_celsius())
 }
 
-/// Reads the unit of a seed, and returns the corrections of the unit. Calls `take` with every reading. Returns `None`
-/// if the part did not answer.
+/// Reads the twin with this seed and returns its corrections. `take` gets every reading. Returns `None` if the part
+/// does not answer, or if a form of the correction cannot be made.
 pub fn run(seed: u64, mut take: impl FnMut(Reading)) -> Option<Corrections> {
     let twin = Twin::new(Spec::from_seed(seed));
     let config = Config::new().with_framing(Framing::Command);

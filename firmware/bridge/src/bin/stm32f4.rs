@@ -96,8 +96,9 @@ async fn shine(mut led: Output<'static>) {
     lamp::run(|lit| led.set_level((!lit).into()), &LINK).await
 }
 
-/// Sets the core clock to 72 MHz from the crystal of 25 MHz, and the USB clock to 48 MHz. SPI1 can then have 9, 4.5,
-/// 2.25 or 1.125 MHz. With faster core clocks that allow for USB, its fastest clock below 10 MHz is 6 or 5.25 MHz.
+/// Sets the core clock to 72 MHz from the crystal of 25 MHz, and the USB clock to 48 MHz. SPI1 can then have 9 MHz, or
+/// 9 MHz halved up to five times. With faster core clocks that allow for USB, its fastest clock below 10 MHz is 6 or
+/// 5.25 MHz.
 fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse { freq: Hertz(25_000_000), mode: HseMode::Oscillator });

@@ -151,8 +151,8 @@ impl Bench<'_> {
         self.over(|counter, reading| counter.ticks(work, &mut (correction, Operand::new(reading))))
     }
 
-    /// Counts a read with the settings of F-30 and command framing, with status, rate and temperature at each edge.
-    /// The first reading, which takes more commands, is not counted.
+    /// Counts a read with the settings of F-30 and command framing. A sample has status, rate and temperature. The
+    /// first reading, which takes more commands, is not counted.
     fn reads(&mut self, work: fn(&mut Reader<'_>) -> bool) -> Option<Ticks> {
         let answers = Answers::new();
         READY.iter().for_each(|(register, value)| answers.set(*register, [*value, 0, 0]));
