@@ -36,8 +36,7 @@ pub struct SelfTestPin {
     pub set: Option<unsafe extern "C" fn(context: *mut c_void, level: i32) -> i32>,
 }
 
-/// The error if the caller's function is null or returned an error, or if the driver would never make such a
-/// transaction.
+/// The error for a function that is null or returned an error, or for a transaction that the driver never makes.
 #[derive(Clone, Copy, Debug)]
 pub struct CallbackError;
 

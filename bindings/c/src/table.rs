@@ -60,8 +60,7 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
     status::of(done)
 }
 
-/// Writes the row nearest to the temperature of a 24-bit code, in millionths of a deg/s: corrected rate = rate + PBC +
-/// row.
+/// Writes the row nearest to the temperature of a 24-bit code, in 1e-6 deg/s: corrected rate = rate + PBC + row.
 ///
 /// Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table, but writes the first or the last row. For
 /// a line, that row is wrong by BTC times its distance from the temperature. Returns ZERORATE_E_ARGUMENT if there is

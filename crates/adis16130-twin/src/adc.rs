@@ -205,8 +205,7 @@ impl Adc {
         }
     }
 
-    /// Begins the read of a data register after the COM byte. Returns the 24-bit code, which counts as read from now
-    /// on.
+    /// Begins the read of a data register after the COM byte. Returns the 24-bit code, which now counts as read.
     #[inline]
     pub(crate) fn begin_read(&mut self, channel: Channel) -> u32 {
         self.reading = Some(channel);

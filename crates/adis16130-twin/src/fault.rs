@@ -24,8 +24,7 @@ pub enum Fault {
     BitErrors,
     /// The supply dips once: all registers take their reset values (MODE 00h), so the conversions stop.
     Brownout,
-    /// The cable is unplugged until [`Twin::replug`](crate::Twin::replug): no supply, SDO reads all ones, and RDY
-    /// announces no data.
+    /// The cable is unplugged until [`Twin::replug`](crate::Twin::replug): no supply, SDO all ones, no data announced.
     Unplug,
 }
 

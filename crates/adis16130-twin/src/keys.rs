@@ -1,5 +1,4 @@
-//! The text form of a specification, such as `seed=7,bias_dps=0.8`. The parser and the help use the same table of
-//! keys.
+//! The text form of a specification, such as `seed=7,bias_dps=0.8`. The parser and the help share a table of keys.
 
 use crate::fault::Fault;
 use crate::spec::{Motion, Profile, RdyOutput, Roa, Spec};

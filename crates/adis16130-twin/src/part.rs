@@ -319,8 +319,7 @@ impl Part {
         }
     }
 
-    /// Updates the state that depends on registers, faults or supply, after one of these has changed. Counts an edge
-    /// if RDY has fallen.
+    /// Updates the state after a change of a register, a fault or the supply. Counts an edge if RDY has fallen.
     fn changed(&mut self, rdy_was_high: bool) {
         self.note_plain();
         self.gyro.set_period_ps(self.chip.adc.period_ps());

@@ -34,7 +34,7 @@ pin!(
     TwinRdy
 );
 pin!(
-    /// The SYNC pin (18). With IOP.SYNC = 1 a low level holds the conversions, and the rising edge restarts the
+    /// The SYNC pin (18). With IOP.SYNC = 1 a low level holds the conversions, and a rising edge restarts the
     /// sequence.
     SyncPin
 );

@@ -150,8 +150,7 @@ impl Registers {
         true
     }
 
-    /// Value of an 8-bit register of this structure or of REVISION, or 00h for any other register. `p1` is the level
-    /// of pin 18.
+    /// Value of an 8-bit register of this structure or of REVISION, 00h for others. `p1` is the level of pin 18.
     pub(crate) fn read(&self, register: Register, p1: bool) -> u8 {
         match register {
             Register::Iop => self.iop_levels(p1),

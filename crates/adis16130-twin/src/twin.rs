@@ -106,8 +106,8 @@ impl Twin {
         self.part.borrow_mut().truth()
     }
 
-    /// Switches the supply off. SDO then reads all ones, RDY announces no data, and the part cools. The slow processes
-    /// go on.
+    /// Switches the supply off. SDO reads all ones, RDY announces no data, and the part cools. The slow processes go
+    /// on.
     pub fn power_off(&self) {
         self.part.borrow_mut().switch(false);
     }

@@ -79,8 +79,7 @@ enum First<L, R> {
     Right(R),
 }
 
-/// Returns the output of the future that ends first, or of the left one if both are ready at once. The other future is
-/// dropped.
+/// Returns the output of the future that ends first (of the left one, if both are ready). Drops the other future.
 async fn first<L: Future, R: Future>(left: L, right: R) -> First<L::Output, R::Output> {
     let (mut left, mut right) = (pin!(left), pin!(right));
     poll_fn(|context| {

@@ -1,7 +1,6 @@
 //! The checksum over the bits written to the part (F-34).
 
-/// The 16-bit shift register over every written bit: the value of the CHECKSUM register (F-34, not verified on
-/// silicon).
+/// The 16-bit shift register over every written bit, as in the CHECKSUM register (F-34, not verified on silicon).
 ///
 /// The checksum covers the COM byte of every command and the data bytes of writes. The zeros clocked out during a read
 /// are not written bits. The bits enter most significant first. Each bit changes the register s as follows: `fb = s >>

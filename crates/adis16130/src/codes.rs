@@ -144,8 +144,7 @@ impl TempCode {
         self.0.code24()
     }
 
-    /// Whether the code is the lowest or the highest of its width. These stand for −570 °C and +620 °C, so such a code
-    /// is not a reading.
+    /// Whether the code is the lowest or highest of its width. It stands for −570 °C or +620 °C, not for a reading.
     pub const fn is_at_rail(self) -> bool {
         self.0.is_at_rail()
     }

@@ -133,8 +133,7 @@ const RESET_DATA: u32 = 0x8000;
 /// Whether the answer of a data register must be checked, because a dead line or a register that holds its reset value
 /// would give the same answer.
 ///
-/// After a brown-out the data registers have 16 bits, but the host may read 24. The third byte is then the level of
-/// SDO outside a read.
+/// After a brown-out the data registers have 16 bits. A third byte then has the level of SDO outside a read.
 #[inline]
 pub(crate) const fn is_doubtful_reading(answer: u32, width: Width) -> bool {
     is_at_rail(answer, width) || answer == RESET_DATA || answer >> 8 == RESET_DATA

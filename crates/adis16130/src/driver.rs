@@ -65,8 +65,7 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
         &self.config
     }
 
-    /// Sets the configuration that the next [`init`](Self::init) writes. Its framing and its RDY edge take effect at
-    /// once.
+    /// Sets the configuration that the next [`init`](Self::init) writes. Its framing and RDY edge take effect at once.
     pub const fn set_config(&mut self, config: Config) {
         self.config = config;
     }

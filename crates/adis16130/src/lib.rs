@@ -61,6 +61,6 @@ pub const SPI_MODE: embedded_hal::spi::Mode = embedded_hal::spi::MODE_3;
 /// The fastest SPI clock in Hz (F-21).
 pub const MAX_SCLK_HZ: u32 = 10_000_000;
 
-/// The slowest SPI clock in Hz at which both channels can be read at the full rate if the software takes no time
+/// The slowest SPI clock, Hz, at which both channels can be read at the full rate if the software takes no time
 /// (F-33).
 pub const MIN_SCLK_HZ: u32 = 1_100_000;

@@ -67,8 +67,7 @@ impl Differences {
         self.slots.into_iter().flatten()
     }
 
-    /// Compares the value of a register with the written value. The pin levels of IOP are left out (docs/facts.md
-    /// section 3).
+    /// Compares the value of a register with the written one, without the pin levels of IOP (docs/facts.md section 3).
     pub(crate) fn compare(&mut self, register: Address, expected: u8, got: u8) {
         let mask = if register == Address::Iop { !Iop::PIN_LEVELS } else { 0xFF };
         let place = usize::from(self.read);

@@ -72,8 +72,7 @@ const fn undivided() -> u16 {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Due {
-    /// Whether to read the status of the rate channel first. If the status shows no unread data, the edge was stale:
-    /// read no further.
+    /// Whether to read the status of the rate channel first. Without unread data, the edge was stale: read no further.
     pub status: bool,
     /// Whether to read the temperature last.
     pub temp: bool,
@@ -287,8 +286,7 @@ impl Rules {
         (rules, grid)
     }
 
-    /// Returns the number of readings lost if `ticks` have passed since the previous sample, and the advance of
-    /// the count.
+    /// Returns the readings lost if `ticks` have passed since the previous sample, and the advance of the count.
     ///
     /// Without a divider, the count advances by one even if `ticks` is 0 or negative: the late timestamp of an earlier
     /// edge has counted one tick too many. The count is at most [`MAX_AHEAD`] ticks ahead, so that no loss stays
@@ -430,8 +428,8 @@ impl Sampler {
         }
     }
 
-    /// Whether to read the temperature now. The temperature waits while the sampler must find out which edges announce
-    /// rate updates.
+    /// Whether to read the temperature now. It waits while the sampler must find out which edges announce rate
+    /// updates.
     fn temp_is_due(&mut self, is_rate: bool) -> bool {
         if self.rules.steady {
             self.seeks_rate |= self.timeline.is_ambiguous();

@@ -62,8 +62,7 @@ impl SelfTestPlan {
     }
 }
 
-/// The measured effect of the self-test. The size that it should have is not known, so the driver does not judge it
-/// (F-11).
+/// The measured effect of the self-test. Its nominal size is not known, so the driver does not judge it (F-11).
 #[derive(Copy, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -127,13 +126,12 @@ fn sqrt(x: f32) -> f32 {
     ((x * 65_536.0) as u64).isqrt() as f32 / 256.0
 }
 
-/// Holds the self-test pin active and releases it at the latest when dropped: after an error, or when a future is
-/// cancelled.
+/// Holds the self-test pin active, and releases it at the latest when dropped: on an error, or with a cancelled
+/// future.
 pub(crate) struct Active<'a, P: OutputPin>(Option<&'a mut P>);
 
 impl<'a, P: OutputPin> Active<'a, P> {
-    /// Sets the pin high. The guard holds the pin already during the attempt, so that a failed attempt sets the pin
-    /// low again.
+    /// Sets the pin high. The guard exists before the attempt, so that a failed attempt sets the pin low again.
     pub(crate) fn activate(pin: &'a mut P) -> Result<Self, P::Error> {
         let mut active = Self(Some(pin));
         active.0.as_mut().map_or(Ok(()), |pin| pin.set_high())?;

@@ -44,8 +44,8 @@ impl WaitBound {
         Self { timeout_us, poll: PollInterval::DEFAULT }
     }
 
-    /// Sets the interval at which the blocking driver reads the pin. The async driver is woken by the pin and does not
-    /// use the interval.
+    /// Sets the interval at which the blocking driver reads the pin. The pin wakes the async driver, without an
+    /// interval.
     pub const fn with_poll(mut self, poll: PollInterval) -> Self {
         self.poll = poll;
         self

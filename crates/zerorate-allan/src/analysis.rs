@@ -43,8 +43,8 @@ pub struct Point {
     /// Upper confidence limit, in the unit of `dev`.
     pub hi: f64,
     /// Equivalent degrees of freedom behind the limits, 1 or more. Gaps reduce them in proportion to the terms that
-    /// are lost. The noise exponent assumed for them is at most the last one identified from 128 averages (in shorter
-    /// records, from 30).
+    /// are lost. The noise exponent assumed for them is at most the last one identified from 128 averages (short
+    /// records: 30).
     pub edf: f64,
     /// Exponent α of the noise S_y(f) ∝ f^α at this τ, see [`noise_types`](super::noise_types).
     pub alpha: i32,

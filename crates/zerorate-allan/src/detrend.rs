@@ -103,8 +103,7 @@ pub fn follows_temperature(rates: &[f64], temps: &[f64]) -> Option<Follows> {
 /// temperature is interpolated between these means, so that its noise does not enter the rate.
 ///
 /// # Errors
-/// Returns [`DetrendError`] for an order out of range, series of different lengths or too few samples, or a constant
-/// temperature.
+/// Returns [`DetrendError`] for an order out of range, unequal lengths, too few samples, or a constant temperature.
 pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<DetrendedRate, DetrendError> {
     if !(1..=MOST_ORDER).contains(&order) {
         return Err(DetrendError::Order(order));

@@ -5,8 +5,7 @@ use super::{Difference, Stat};
 
 /// Largest number of terms that are summed before tables take over (J_max in Greenhall & Riley 2003).
 const MOST_TERMS: f64 = 100.0;
-/// Largest filter factor in the sum for flicker phase noise. Larger ones would make the differences cancel
-/// numerically.
+/// Largest filter factor in the sum for flicker phase noise. With larger ones the differences lose their digits.
 const LONGEST_FILTER: f64 = 1e6;
 
 /// Equivalent degrees of freedom of the statistic `stat` at the averaging length `m`, for power-law noise S_y(f) ∝
@@ -259,7 +258,7 @@ mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    /// Parts per sample. The paper averages the phase over each sample; a sum over these parts approximates the
+    /// Parts per sample. The paper averages the phase over each sample. A sum over these parts approximates the
     /// average.
     const FINE: usize = 16;
 

@@ -9,8 +9,7 @@ pub struct Envelope {
     pub span_s: f64,
     /// Mean of the samples that are present; 0 if there are none.
     pub mean: f64,
-    /// Smallest and largest sample of each stretch. Stretches have equal lengths, to one sample. `None` if a stretch
-    /// has no samples.
+    /// Smallest and largest sample of each stretch, `None` if it has no samples. Lengths differ by at most one sample.
     pub stretches: Vec<Option<(f64, f64)>>,
 }
 

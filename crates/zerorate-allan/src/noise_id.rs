@@ -27,8 +27,7 @@ const WHITE: i32 = 0;
 
 /// The exponent α of the power law S_y(f) ∝ f^α that dominates at each averaging length in `m`. 2 is white phase, 1
 /// flicker phase, 0 white (angle random walk), −1 flicker (bias instability), −2 random walk of the rate. For HDEV and
-/// OHDEV, the exponent goes down to −4. There is an answer for every length, in the order of `m`, which must be
-/// ascending.
+/// OHDEV, the exponent goes down to −4. Returns one exponent per length. `m` must ascend.
 ///
 /// * At least 30 averages: lag-1 autocorrelation r1 of the phase at every m-th point, δ = r1/(1 + r1). The phase is
 ///   differenced d times until δ < 0.25 or d is the order of the statistic's differences, then `α = 2 − 2d −
@@ -42,8 +41,7 @@ const WHITE: i32 = 0;
 ///   none. TOTDEV then counts phase noise as white, because it has published degrees of freedom for frequency noise
 ///   only. A constant record counts as white.
 ///
-/// A rate has its mean removed first, and nothing else. Missing samples count as the mean rate, and a missing phase is
-/// interpolated.
+/// Of a rate, only the mean is removed. Missing samples count as the mean rate, and a missing phase is interpolated.
 #[must_use]
 pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
     identify(input, stat, m).into_iter().map(|found| found.alpha).collect()
@@ -260,8 +258,7 @@ fn resolve_phase_noise(input: &Input<'_>, all: &[DecimatedPhase], found: &[Optio
 }
 
 impl Short {
-    /// A rough R(n) from modified terms that do not overlap, without another pass over the record. Usually it
-    /// suffices.
+    /// A rough R(n) from modified terms that do not overlap, without another pass over the record. It often suffices.
     fn r_at_a_glance(&self, m: f64) -> f64 {
         let averages: Vec<f64> = self.area.windows(2).map(|area| (area[1] - area[0]) / m).collect();
         allan_variance(&averages) / allan_variance(&self.phase)

@@ -80,8 +80,8 @@ statistics! {
         kernel: Kernel::Modified, divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
-    /// Time deviation: τ/√3 times the modified Allan deviation, in the unit of the input times s (NIST SP 1065
-    /// equation 15).
+    /// Time deviation: τ/√3 times the modified Allan deviation, in the input's unit times s (NIST SP 1065 equation
+    /// 15).
     Tdev {
         name: "tdev", title: "time deviation",
         kernel: Kernel::Modified, divisor: 2.0, factor: Factor::TauPerSqrt3, freedom: Freedom::Differences,
@@ -139,8 +139,7 @@ impl Stat {
         }
     }
 
-    /// Whether the expected square is the Allan variance, so that the curve can be compared with a
-    /// [`Fit`](super::Fit).
+    /// Whether the expected square is the Allan variance, so that the curve is comparable with a [`Fit`](super::Fit).
     pub const fn is_allan(self) -> bool {
         self.row().is_allan
     }

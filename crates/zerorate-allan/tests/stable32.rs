@@ -110,8 +110,7 @@ fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> 
         }
         _ => (point.lo, point.hi),
     };
-    // Stable32 solves χ² to only about 2e-4 in the probability, which shows at its smallest number of degrees of
-    // freedom.
+    // Stable32 solves χ² to only about 2e-4 in the probability, which shows at the smallest degrees of freedom.
     let tolerance = if point.edf < 3.0 { 6e-4 } else { LIMITS };
     assert!((lo / row.lo - 1.0).abs() < tolerance, "{at}: lower limit {lo} instead of {}", row.lo);
     assert!((hi / row.hi - 1.0).abs() < tolerance, "{at}: upper limit {hi} instead of {}", row.hi);

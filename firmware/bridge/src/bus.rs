@@ -1,5 +1,4 @@
-//! The part's bus: an SPI controller whose clock can be set, CS, the self-test pin, and the choice of the edge of RDY
-//! that announces new data.
+//! The part's bus: SPI with a clock that can be set, CS, the self-test pin, and the edge of RDY that announces data.
 
 use core::convert::Infallible;
 

@@ -83,8 +83,7 @@ impl Link {
         }
     }
 
-    /// Tells the sampling side that the host is gone. Empties the queue to the host, so that no message waits for
-    /// space.
+    /// Tells the sampling side that the host is gone. Empties the queue to the host, so that no message waits.
     pub(crate) fn hang_up(&self) {
         self.gone.signal(());
         self.to_host.clear();

@@ -12,12 +12,10 @@ use crate::Link;
 use crate::link::SIGN_OF_LIFE;
 use crate::state::State;
 
-/// The SPI clock until a host sets another one, Hz. It is half of the part's maximum (F-21), as a margin for long
-/// wires and level shifters.
+/// The SPI clock until a host sets it, Hz: half of the part's maximum (F-21), for long wires and level shifters.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
 
-/// The watchdog resets the chip if nothing feeds it for this time, because a transfer never ends or the executor has
-/// stopped.
+/// The watchdog resets the chip if nothing feeds it for this time: a transfer never ends, or the executor has stopped.
 pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
 /// Numbers every edge of RDY that announces new data, and notes the time of the edge, also while the part is being

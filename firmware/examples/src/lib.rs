@@ -7,8 +7,7 @@ pub mod polled;
 /// The correction of a unit, written by `zerorate export unit.toml --format rust`.
 pub mod unit;
 
-/// Pauses between attempts to restart the part: 10 ms, doubled up to 1.28 s. So a dead part does not keep the bus
-/// busy.
+/// Pauses between attempts to restart the part: 10 ms, doubled up to 1.28 s, so that a dead part leaves the bus free.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BackOff {
     doublings: u32,

@@ -1,5 +1,4 @@
-//! The fast noise of the rate channel (white through two poles, the resonance) and the slow one (flicker, random
-//! walk).
+//! The rate channel's fast noise (white through two poles, the resonance) and its slow one (flicker, random walk).
 
 use crate::facts;
 use crate::normal::{Layers, Normal, Process};
@@ -171,8 +170,7 @@ pub(crate) struct OrnsteinUhlenbeck {
 }
 
 impl OrnsteinUhlenbeck {
-    /// Makes a process of standard deviation `sd` whose tick lasts `ticks` time constants. It starts from the
-    /// stationary distribution.
+    /// Makes a process of standard deviation `sd` whose tick lasts `ticks` time constants, from a stationary start.
     pub(crate) fn stationary(sd: f64, ticks: f64, normal: &mut Normal) -> Self {
         Self {
             value: sd * normal.sample(),

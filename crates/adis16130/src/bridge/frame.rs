@@ -63,8 +63,7 @@ impl Decoder {
         Self { bytes: [0; MAX_FRAME], len: 0 }
     }
 
-    /// Takes a byte, and returns the message that ends with it. Two zeros in a row give neither a message nor an
-    /// error.
+    /// Takes a byte, and returns the message that ends with it. Two zeros in a row give no message and no error.
     pub fn push<'a, M: Deserialize<'a>>(&'a mut self, byte: u8) -> Option<Result<M, DamagedFrame>> {
         if byte != 0 {
             if let Some(place) = self.bytes.get_mut(self.len) {

@@ -11,8 +11,7 @@ use embedded_hal_async::spi::SpiDevice;
 
 /// The part's bus, whose clock can be set.
 pub trait Bus: SpiDevice {
-    /// Sets the fastest clock that the bus has up to `hz`, or its slowest clock if all are faster. Returns the clock
-    /// that was set, in Hz.
+    /// Sets the fastest clock up to `hz` that the bus has, or else its slowest one. Returns the clock in Hz.
     fn set_sclk_hz(&mut self, hz: u32) -> u32;
 
     /// Sets the kind of edges that mean "new data" from now on (F-32). Returns whether the bridge can detect them.

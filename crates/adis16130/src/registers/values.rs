@@ -97,8 +97,8 @@ byte_value! {
 }
 
 impl Iop {
-    /// The bits that show pin levels when read, not the bits written. Mask them when reading back (docs/facts.md
-    /// section 3).
+    /// The bits that show pin levels when read, not the written bits. Mask them at a read-back (docs/facts.md section
+    /// 3).
     pub const PIN_LEVELS: u8 = 0xC0;
 }
 
@@ -135,8 +135,8 @@ byte_value! {
             /// SIGN (b1): the input was negative. OVR and SIGN show on which side the reading left the range (F-35).
             negative;
         0x01 "OVR" Alarm(["in range", "the input is beyond the range"]),
-            /// OVR (b0): the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0)
-            /// (F-35).
+            /// OVR (b0): the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0,
+            /// F-35).
             out_of_range;
     }
 }
@@ -153,8 +153,7 @@ impl ChannelStatus {
     }
 }
 
-/// The input range of a channel (b1–0 of RATECS and TEMPCS). F-40 and F-41 hold for [`Range::Bits10`] only, which F-30
-/// writes.
+/// The input range of a channel (b1–0 of RATECS, TEMPCS). F-40 and F-41 hold only for [`Range::Bits10`] (F-30).
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -12,8 +12,7 @@ pub(crate) enum Pattern {
     Mixed,
     /// Each update has its own edge, and the first edge announces a rate.
     Each,
-    /// The edges come from a counter that divides RDY. They are so far apart that no phase is followed, and each edge
-    /// is a tick.
+    /// The edges come from a counter that divides RDY, too far apart for a phase to be followed. Each edge is a tick.
     Divided,
 }
 

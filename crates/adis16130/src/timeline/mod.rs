@@ -83,8 +83,7 @@ enum Phase {
 
 /// Learns phase and period of the rate updates from the edges, and numbers them.
 ///
-/// Every real edge lies on a point of the [`EdgeGrid`], because RDY only falls when a data register has been
-/// updated (F-32).
+/// Every real edge lies on a point of the [`EdgeGrid`]: RDY only falls when a data register has been updated (F-32).
 #[derive(Clone, Debug)]
 pub(crate) struct Timeline {
     grid: EdgeGrid,
@@ -287,7 +286,7 @@ impl Timeline {
         self.gaps = Gaps::default();
     }
 
-    /// Counts the whole periods in `position`. An edge that is early by up to the margin belongs to the update that it
+    /// Counts the whole periods in `position`. An edge early by up to the margin belongs to the update that it
     /// announces.
     fn periods_in(&self, position: i64) -> u64 {
         let position = position + self.grid.margin;

@@ -93,8 +93,7 @@ impl Converter {
     }
 }
 
-/// The delays of the host, ns: a fixed time per read, a random time before the read, and a random pause at one edge in
-/// `pause_one_in`.
+/// The host's delays, ns: fixed per read, random before it, and a random pause at one edge in `pause_one_in`.
 #[derive(Copy, Clone)]
 struct Host {
     reads_ns: f64,

@@ -1,5 +1,4 @@
-//! Drops async calls on the twin at each wait and anywhere in a transfer. The next reading must be correct or an
-//! error.
+//! Drops async calls on the twin at each wait and within transfers. The next reading must be correct or an error.
 
 use std::cell::Cell;
 use std::convert::Infallible;

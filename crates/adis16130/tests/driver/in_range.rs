@@ -1,5 +1,4 @@
-//! A rate beyond the scale wraps with CLAMP = 0 (F-35). The calls that read the status report such a rate, with any
-//! SPI clock.
+//! A rate beyond the scale wraps with CLAMP = 0 (F-35). Calls that read the status report it, with any SPI clock.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;

@@ -1,5 +1,4 @@
-//! A mock of the part: its registers behind an SPI bus. It is written from docs/facts.md sections 2 and 3, not from
-//! the driver.
+//! A mock of the part: registers behind an SPI bus, written from docs/facts.md sections 2 and 3, not from the driver.
 
 use std::cell::RefCell;
 use std::collections::{HashMap, VecDeque};

@@ -240,8 +240,8 @@ fn a_temperature_that_was_not_taken_stays_due() {
 
 #[test]
 fn the_phase_is_found_from_a_sample_without_temperature() {
-    // The host starts late, so that its first edge announces a rate. The sampler must find that out from the second
-    // sample on.
+    // The host starts late, so its first edge announces a rate. The sampler must find that out from the second sample
+    // on.
     let mut sampler = sampler(SamplerConfig::new().with_every_temp(4));
     assert_eq!(losses(&mut sampler, ramp(40)).iter().sum::<u32>(), 0);
     // A rate is now read late and the next edge announces a temperature: nothing is lost.

@@ -4,8 +4,8 @@
 //! that was never measured. `lost` is right to within the bounds that `ledger.rs` states. After a call that was cut
 //! short nothing is sent until a reset. The part starts again once its faults are removed.
 //!
-//! The environment variables `DRIVER_STEPS` and `DRIVER_SEED` set the least number of steps and the seed from which
-//! they are drawn.
+//! `DRIVER_STEPS` and `DRIVER_SEED` in the environment set the least number of steps and the seed from which they are
+//! drawn.
 
 mod bench;
 mod bus;

@@ -1,5 +1,5 @@
-//! The steps of a run, and how they are drawn. If a run fails, proptest removes steps and reduces numbers as long as
-//! the run still fails.
+//! The steps of a run, drawn at random. If a run fails, proptest removes steps and reduces numbers while it still
+//! fails.
 
 use std::fmt;
 

@@ -103,8 +103,7 @@ fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Opti
     Some(FitUpTo { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
 }
 
-/// The longest chain of fair ends, Hz, each of which agrees with all lower ones of the chain. Of equal chains, the
-/// lowest one.
+/// The longest chain of fair ends, Hz, that each agree with all lower ones of the chain. Of equal chains, the lowest.
 fn agreeing(looks: &[FitUpTo]) -> Vec<f64> {
     let from = |first: usize| {
         let mut chain: Vec<&FitUpTo> = Vec::new();
@@ -126,8 +125,7 @@ impl FitUpTo {
     }
 }
 
-/// Whether the shape needs fewer cosines than the limit. A shape at the limit leaves a misfit, which a Gauss–Markov
-/// term would absorb.
+/// Whether the shape needs fewer cosines than the limit. Otherwise a Gauss–Markov term would absorb its misfit.
 fn has_followed(found: &Optimum) -> bool {
     found.form.cosines < MOST_CHOSEN
 }

@@ -16,8 +16,7 @@ const ALARM: f64 = 0.01;
 const LOOKS: usize = 8;
 /// If more than this share of the samples is flagged, they belong to the noise itself.
 pub(super) const MOST: f64 = 0.01;
-/// Values beyond `CLIP` standard deviations do not enter the standard deviation, which lowers it by the factor
-/// `CLIPPED`.
+/// Leaving values beyond `CLIP` standard deviations out of the standard deviation lowers it by the factor `CLIPPED`.
 const CLIP: f64 = 4.0;
 const CLIPPED: f64 = 0.99946;
 const ITERATIONS: usize = 20;
@@ -36,7 +35,7 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Windows beyond this share of the limit show whether the tail of the noise extends to the limit.
 const TAIL: f64 = 0.75;
-/// If less than this share of all windows is beyond the limit, these windows are cut as glitches. Cutting more would
+/// Windows beyond the limit are cut as glitches if they are less than this share of all windows. Cutting more would
 /// change N.
 const OFTEN: f64 = 1e-4;
 /// Share of the records of normal noise whose tail seems, by chance, to extend to the limit.

@@ -157,8 +157,8 @@ pub struct Cleaning {
     pub steps: Vec<Step>,
     /// The first jumps found, if there were too many to remove any of them.
     pub put_back: Vec<Step>,
-    /// The record without glitches and steps, in the unit of the result; NaN is a missing sample. `None` if nothing
-    /// was removed.
+    /// The record without glitches and steps, in the result's unit, NaN for missing samples. `None` if nothing was
+    /// removed.
     pub rate: Option<Vec<f64>>,
 }
 
@@ -192,8 +192,7 @@ pub struct Fit {
     pub is_rejected: bool,
     /// The frequency band and the likely cause of the misfit, if the model is rejected.
     pub misfit: Option<Misfit>,
-    /// The measured overlapping Allan deviations of averages of 1, 2, 4 … samples, without glitches and steps. Empty
-    /// for a pool.
+    /// The measured overlapping Allan deviations at 1, 2, 4 … samples, without glitches and steps. Empty for a pool.
     pub curve: Vec<Deviation>,
     /// The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and the Allan
     /// variance is computed from the measured spectrum.

@@ -211,8 +211,7 @@ impl Model {
         (self.freedom(m, samples) * n as f64 / terms as f64 * share * share).max(1.0)
     }
 
-    /// The limits within which the model expects 95 % of the overlapping Allan deviations of `n` terms of a record of
-    /// `samples` samples.
+    /// The limits of 95 % of the overlapping Allan deviations of `n` terms of `samples` samples under the model.
     pub(super) fn band(&self, m: u64, n: u64, samples: u64) -> (f64, f64) {
         let variance = self.measured_variance(m);
         let edf = self.measured_freedom(m, n, samples);

@@ -30,8 +30,7 @@ pub(super) fn rates<'a>(input: &Input<'a>, rate_hz: f64, scale: f64) -> Cow<'a, 
     }
 }
 
-/// Checks that enough samples are present. To bound the memory, this check comes before gaps are written out as
-/// samples.
+/// Checks that enough samples are present, before gaps are written out as samples. This bounds the memory.
 pub(super) fn enough(present: u64, samples: u64) -> Result<(), FitError> {
     if present < FEWEST_SAMPLES {
         return Err(FitError::TooShort { samples: present });

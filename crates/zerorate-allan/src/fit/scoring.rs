@@ -15,8 +15,7 @@ use core::f64::consts::PI;
 pub(super) struct ModelForm {
     /// Number of cosines of the band shape.
     pub(super) cosines: usize,
-    /// Order of a low-pass in the band shape, which cosines follow only slowly: 0, 1 (a pole) or 2 (corner and
-    /// damping).
+    /// Order of a low-pass in the band shape: 0, 1 (a pole) or 2 (corner and damping). Cosines follow it only slowly.
     pub(super) poles: usize,
     pub(super) reading: Explanation,
     /// Number of Gauss–Markov terms.
@@ -40,8 +39,7 @@ pub(super) enum Explanation {
     Short,
 }
 
-/// Indices of the parameters: the squared coefficients, then the shape, then variance and ln T of each Gauss–Markov
-/// term.
+/// Indices of the parameters: squared coefficients, then the shape, then variance and ln T of each Gauss–Markov term.
 pub(super) const N2: usize = 0;
 pub(super) const B2: usize = 1;
 pub(super) const K2: usize = 2;

@@ -53,8 +53,7 @@ fn step(rate: &[f64]) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// The variance of ln σ²(τ) between eighths of the record. The likelihood does not include it: it assumes steady
-/// noise.
+/// The variance of ln σ²(τ) between eighths of the record. The likelihood assumes steady noise and leaves it out.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scatter {
     /// One entry per octave, up to a sixteenth of an eighth of the record.

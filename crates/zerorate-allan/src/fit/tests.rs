@@ -286,8 +286,7 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
         }
     }
     assert!(near(ratios / freedom, 1.0, 0.05), "{}", ratios / freedom);
-    // bins of tapered segments once had up to 1.7 degrees of freedom per coefficient, so the interval of B was too
-    // narrow
+    // bins of tapered segments once had 1.7 degrees of freedom per coefficient, so the interval of B was too narrow
     assert!(freedom <= coefficients, "{freedom} degrees of freedom in {coefficients} coefficients");
 }
 
@@ -399,8 +398,7 @@ fn a_sine_and_a_resonance_are_left_out() {
     assert!(fit.n.lo < HOUR.n && HOUR.n < fit.n.hi && near(fit.n.value, HOUR.n, 0.015), "{:?}", fit.n);
 }
 
-/// A warm-up with a time constant of ten minutes is reported, and not taken for a random walk. A ramp is reported as
-/// R.
+/// A warm-up with a time constant of 10 min is reported, and not taken for a random walk. A ramp is reported as R.
 #[test]
 fn a_warm_up_and_a_ramp_are_reported() {
     let still = Truth { k: 0.0, ..HOUR }.noise(360_000, 12);
@@ -482,8 +480,7 @@ fn advice_is_read_off_the_model() {
     assert!(advice.an1042.iter().all(Option::is_some));
 }
 
-/// For a record with a warm-up, the advised average is shorter than 100 s, and its deviation is within 10 % of the
-/// lowest measured one.
+/// After a warm-up, the advised average is shorter than 100 s, with a deviation within 10 % of the lowest measured.
 #[test]
 fn a_warm_up_does_not_lengthen_the_average_for_the_bias() {
     let settling = |i: usize| -0.2 * (-(i as f64) / RATE_HZ / 216.0).exp();

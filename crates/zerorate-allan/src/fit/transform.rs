@@ -51,8 +51,7 @@ pub(super) fn series(pairs: &[(f64, f64)]) -> Result<Vec<f64>, FftError> {
     Ok(sums)
 }
 
-/// Autocovariance at lags 0 … N/2 of a process sampled `rate_hz` times per second, from its density at the frequencies
-/// 0, rate/N … rate/2.
+/// Autocovariance at lags 0 … N/2 of a process sampled at `rate_hz`, from its density at 0, rate/N … rate/2.
 pub(super) fn autocovariance(density: &[f64], rate_hz: f64) -> Result<Vec<f64>, FftError> {
     let len = 2 * (density.len() - 1);
     let fft = RealFftPlanner::<f64>::new().plan_fft_inverse(len);

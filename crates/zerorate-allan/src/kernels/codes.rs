@@ -10,8 +10,7 @@ const PIECE: usize = 1 << 17;
 
 /// Exact sums of squares, rounded only at the end.
 ///
-/// A small difference may be formed from running sums that wrap modulo a power of two. Narrower sums take less memory
-/// to read.
+/// Running sums may wrap modulo a power of two if their differences are small. Narrower sums take less memory to read.
 pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let bounds = Bounds::of(codes);
     let width = |&m: &usize| bounds.width(kernel, m);

@@ -94,8 +94,7 @@ fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
     sums
 }
 
-/// The bounds of the inner sums: the range of x less the straight line between its ends, and the range of its first
-/// differences.
+/// The bounds of the inner sums: the ranges of x less the line between its ends, and of its first differences.
 struct Bounds {
     line: Line,
     x: f64,

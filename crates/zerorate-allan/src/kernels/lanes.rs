@@ -1,5 +1,4 @@
-//! Sums over short runs, such as those of squared differences, compiled to the best vector instructions of the
-//! machine.
+//! Sums over short runs, such as of squared differences, compiled to the best vector instructions of the machine.
 
 #![allow(clippy::needless_range_loop)]
 
@@ -293,8 +292,7 @@ pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     sums.iter().sum()
 }
 
-/// Converts like `as f64`, in two halves that are placed in the bits of an f64. Many vector instruction sets have no
-/// conversion from i64.
+/// Converts like `as f64`, by two halves put into the bits of an f64: many machines cannot convert i64 vectors.
 #[inline(always)]
 fn to_f64(number: i64) -> f64 {
     /// 2^52 and 2^84, in whose mantissas 32 bits stand for 0 … 2^32 − 1 and for multiples of 2^32.

@@ -1,7 +1,6 @@
 //! Computes the deviations.
 //!
-//! Codes, rates in f64 and records with gaps have their own functions. Each returns one [`Squares`] for each averaging
-//! time.
+//! Codes, rates in f64 and records with gaps have their own functions, which return a [`Squares`] per averaging time.
 
 mod array;
 mod codes;
@@ -100,8 +99,7 @@ pub(crate) fn deviations_and_missing(
     (checked.into_iter().map(|m| m.and_then(&mut finish)).collect(), missing)
 }
 
-/// Sums the squared differences for each length in `m`, all of which must fit into the record. `None` if samples are
-/// missing, or `m` is empty.
+/// Sums the squared differences for each length in `m`. All must fit. `None` if samples are missing or `m` is empty.
 fn whole_squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Option<Vec<Result<Squares, Reason>>> {
     if m.is_empty() {
         return None;

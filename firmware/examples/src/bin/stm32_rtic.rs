@@ -1,5 +1,5 @@
-//! RTIC on an STM32F411, with the wiring of `docs/wiring.md`. The interrupt of RDY reads samples, and a tick checks
-//! that edges still come.
+//! RTIC on an STM32F411, wired as in `docs/wiring.md`. The interrupt of RDY reads samples, and a tick checks that
+//! edges still come.
 
 #![no_std]
 #![no_main]

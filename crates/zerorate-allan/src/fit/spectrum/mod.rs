@@ -42,8 +42,7 @@ const LONGEST: usize = 1 << 20;
 /// The last level has at most `LONGEST` values, of which more than this share is present, or fewer than `FEW` values.
 const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
-/// Segments give coefficients from the larger of length/`USED_FROM` and `FIRST` on. Jumps at their ends disturb lower
-/// coefficients.
+/// Segments give coefficients from max(length/`USED_FROM`, `FIRST`) on. Jumps at their ends disturb lower ones.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
 /// Rounds of the search for sines: a strong one hides weak ones.

@@ -252,8 +252,7 @@ fn other_n(fit: &Fit) -> Option<f64> {
     })
 }
 
-/// White noise behind a low-pass, with slow noise added after it. A filter of all noise does not explain these
-/// records.
+/// White noise behind a low-pass, and slow noise added after it. A filter of all noise does not explain the records.
 #[test]
 fn slow_noise_that_joins_behind_a_low_pass_leaves_n() {
     let slow = Truth { n: 0.0, ..HOUR };

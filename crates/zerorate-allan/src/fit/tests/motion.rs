@@ -16,8 +16,7 @@ fn axes_that_jump_together_are_motion() {
     assert_eq!(found.kind, MotionKind::Jump);
 }
 
-/// Two axes have a knock in common and a bit error each. Many bit errors on both axes coincide by chance, which is not
-/// motion.
+/// Two axes share a knock and have a bit error each. Many bit errors on both axes coincide by chance, without motion.
 #[test]
 fn glitches_that_fall_together_are_a_knock() {
     let with_glitches = |at: &[usize], seed| {

@@ -17,8 +17,7 @@ fn white_noise_of_any_length_is_not_rejected() {
     }
 }
 
-/// Student's t with 3 degrees of freedom has samples of any size, and none is a glitch. Cutting them made N 11 % too
-/// small.
+/// Student's t with 3 degrees of freedom has large samples that are not glitches. Cutting them made N 11 % too small.
 #[test]
 fn a_heavy_tail_is_noise_and_what_stands_alone_is_a_glitch() {
     let mut draw = normal(4100);

@@ -1,5 +1,5 @@
-//! Counts instructions by SysTick. SysTick runs on virtual time, and the emulator gives every instruction the same
-//! share of that time.
+//! Counts instructions by SysTick, which runs on virtual time. The emulator gives every instruction the same share of
+//! that time.
 
 use crate::bus::{Answers, Bus, NoPin};
 use adis16130::blocking::Adis16130;
