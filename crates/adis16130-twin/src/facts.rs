@@ -30,19 +30,19 @@ pub const RESONANCE_HZ: f64 = 14_300.0;
 /// Rms of the resonance at the output before sampling, in °/s (M-08).
 pub const RESONANCE_DPS_RMS: f64 = 0.02;
 
-/// Standard deviation over the units of the initial bias at 25 °C, in °/s (M-01).
+/// Standard deviation between parts of the initial bias at 25 °C, in °/s (M-01).
 pub const BIAS_SD_DPS: f64 = 1.0;
-/// Mean over the units of the temperature coefficient of the bias, in °/s/°C (F-05, M-02).
+/// Mean of the bias's temperature coefficient over all parts, in °/s/°C (F-05, M-02).
 pub const TEMPCO_DPS_PER_C: f64 = 0.04;
-/// Standard deviation over the units of the temperature coefficient, in °/s/°C (M-02).
+/// Standard deviation between parts of the temperature coefficient, in °/s/°C (M-02).
 pub const TEMPCO_SD_DPS_PER_C: f64 = 0.01;
-/// Standard deviation over the units of the curvature of the bias over temperature, in °/s/°C² (M-02).
+/// Standard deviation between parts of the curvature of the bias over temperature, in °/s/°C² (M-02).
 pub const CURVATURE_SD_DPS_PER_C2: f64 = 0.0005;
 /// Half width of the hysteresis loop of the bias over temperature, in °/s (M-02).
 pub const HYSTERESIS_DPS: f64 = 0.002;
-/// Mean over the units of the self-heating in thermal balance, in °C (M-03).
+/// Mean of the self-heating in thermal balance over all parts, in °C (M-03).
 pub const WARMUP_C: f64 = 8.0;
-/// Standard deviation over the units of the self-heating, in °C (M-03).
+/// Standard deviation between parts of the self-heating, in °C (M-03).
 pub const WARMUP_SD_C: f64 = 1.0;
 /// Share of the self-heating with the fast time constant, 0 to 1 (M-03).
 pub const WARMUP_FAST_SHARE: f64 = 0.4;
@@ -68,9 +68,9 @@ pub const WANDER_C: f64 = 0.05;
 pub const WANDER_S: f64 = 600.0;
 /// Nominal master clock, in Hz (M-06).
 pub const MCLK_HZ: f64 = 6.0e6;
-/// Largest relative deviation of the master clock. The deviation is uniform over the units (M-06).
+/// Largest relative deviation of the master clock. A part's deviation is uniform between minus and plus this (M-06).
 pub const MCLK_TOLERANCE: f64 = 0.01;
-/// Standard deviation over the units of the relative sensitivity error (M-07, F-06).
+/// Standard deviation between parts of the relative sensitivity error (M-07, F-06).
 pub const SENSITIVITY_SD: f64 = 0.03;
 
 /// The chamber profile of F-57 as points (minutes from the start, °C): linear between the points, constant outside.

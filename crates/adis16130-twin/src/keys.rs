@@ -194,7 +194,7 @@ pub enum SpecError {
     },
     /// The value is not valid for the key.
     BadValue {
-        /// The key.
+        /// The key that has the value.
         key: &'static str,
         /// The value as written.
         value: String,
@@ -203,7 +203,7 @@ pub enum SpecError {
     },
     /// A key was given twice.
     Repeated {
-        /// The key.
+        /// The key that was given twice.
         key: &'static str,
     },
 }

@@ -11,7 +11,7 @@ use crate::registers::{Address, ChannelStatus, Mode, RateStatus, Register, TempS
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mismatch {
-    /// The register.
+    /// The register that was read.
     pub register: Address,
     /// The value that the register must have.
     pub expected: u8,

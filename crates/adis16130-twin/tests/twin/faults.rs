@@ -1,4 +1,4 @@
-//! Faults that begin at the specified time or by a call. Other crates test how a host detects them.
+//! Tests faults that begin at the specified time or by a call. Other crates test how a host detects them.
 
 use crate::bus::{Host, INIT, dps, quiet};
 use adis16130_twin::{Fault, Motion, Spec};
@@ -8,7 +8,7 @@ fn with(fault: Fault) -> Spec {
     Spec { fault, fault_at_s: Some(0.01), rotation_dps: 10.0, ..quiet() }
 }
 
-/// A host whose twin gave a correct rate at first. Then the fault has set in, at 10 ms.
+/// A host whose twin gave a correct rate before `fault` set in at 10 ms.
 fn broken(fault: Fault) -> Host {
     let mut host = Host::started(with(fault));
     assert_eq!(host.pair().1, 8_623_488, "well before the fault");

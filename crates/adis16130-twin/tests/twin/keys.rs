@@ -1,4 +1,4 @@
-//! The text form of a specification.
+//! Tests the text form of a specification.
 
 use adis16130_twin::{Fault, KEYS, Motion, Profile, RdyOutput, Roa, Spec, SpecError};
 

@@ -1,4 +1,4 @@
-//! The noise of the twin: densities, bandwidth, resonance, flicker, random walk.
+//! Tests the noise of the twin: densities, bandwidth, resonance, flicker, random walk.
 
 use crate::bus::{Host, celsius, deviation, quiet};
 use adis16130_twin::{Roa, Spec, Twin};

@@ -1,4 +1,4 @@
-//! RDY by its blocking and async traits, the async SPI port, and the delay.
+//! Tests RDY by its blocking and async traits, the async SPI port, and the delay.
 
 use crate::bus::{Host, quiet};
 use adis16130_twin::{RdyOutput, RdyTimeout, Spec};

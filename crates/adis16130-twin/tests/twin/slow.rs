@@ -1,4 +1,4 @@
-//! Temperatures, the bias over temperature, and the truth about both.
+//! Tests temperatures, the bias over temperature, and the truth about both.
 
 use crate::bus::{Host, celsius, dps, mean, quiet};
 use adis16130_twin::{Profile, Spec, Truth, Twin};

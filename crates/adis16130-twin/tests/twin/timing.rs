@@ -1,4 +1,4 @@
-//! The times at which conversions end (F-31) and RDY changes (F-32), and lost samples (F-33).
+//! Tests the times at which conversions end (F-31) and RDY changes (F-32), and lost samples (F-33).
 
 use crate::bus::{Host, INIT, dps, quiet};
 use adis16130_twin::{Motion, Spec};

@@ -87,7 +87,7 @@ enum Phase {
 #[derive(Clone, Debug)]
 pub(crate) struct Timeline {
     grid: EdgeGrid,
-    /// T̂: time from one tick to the next, as learned.
+    /// T̂: the learned time from one tick to the next, in 2⁻¹⁶ ns.
     period: i64,
     /// Time from a tick to the next temperature update, computed by [`settle`](Self::settle). 0 if there is none.
     temp: i64,

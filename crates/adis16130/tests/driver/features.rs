@@ -1,4 +1,4 @@
-//! The features `serde` and `defmt` of the data types.
+//! Tests the data types with the features `serde` and `defmt`.
 
 #[cfg(feature = "serde")]
 mod stored {

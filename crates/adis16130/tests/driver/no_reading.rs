@@ -11,8 +11,8 @@ use std::{cell::RefCell, rc::Rc};
 
 type Gyro = Adis16130<Wire, Pin>;
 
-/// All framings and widths. SDO has several levels outside a read, which the host sees as the third byte if it reads
-/// 24 bits from a part with 16-bit registers.
+/// Parts and drivers with all framings, widths and several levels of SDO outside a read. A host that reads 24 bits
+/// from a 16-bit register gets this level as the third byte.
 fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     let framings = [Framing::PerByte, Framing::Command];
     let widths = [Width::Bits24, Width::Bits16];

@@ -1,4 +1,4 @@
-//! Addresses, sizes, values after reset and bits, against the table of docs/facts.md section 3.
+//! Compares addresses, sizes, values after reset and bits with the table of docs/facts.md section 3.
 
 use adis16130::registers::{
     Access, AdcStatus, Address, ChannelSetup, ChannelStatus, Checksum, ConversionTime, Iop, Mode, Operation, Range,

@@ -1,4 +1,4 @@
-//! `Adis16130::sample`: the order of reads, stale edges, faults, and the count of losses.
+//! Tests `Adis16130::sample`: the order of reads, stale edges, faults, and the count of losses.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;

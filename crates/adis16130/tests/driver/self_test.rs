@@ -1,4 +1,4 @@
-//! The self-test (F-11): the shift, the uncertainty of the shift, and the pin, which is always released.
+//! Tests the self-test (F-11): the shift, the uncertainty of the shift, and the pin, which is always released.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, SelfTestError, SelfTestPlan, WaitBound};

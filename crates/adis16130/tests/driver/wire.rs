@@ -1,4 +1,4 @@
-//! The bytes on the wire (F-22, F-23, F-30), and the constants of F-20, F-21 and F-31 to F-33.
+//! Tests the bytes on the wire (F-22, F-23, F-30), and the constants of F-20, F-21 and F-31 to F-33.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::{Checksum, ConversionTime, Mode, Range};

@@ -45,7 +45,7 @@ pub struct Pool {
 /// The spread of a coefficient between records.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// The coefficient.
+    /// The coefficient whose values are compared.
     pub noise: Noise,
     /// Number of records that identify the coefficient.
     pub records: usize,

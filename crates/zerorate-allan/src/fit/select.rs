@@ -49,7 +49,7 @@ const ERROR_LIMIT: f64 = 3.0;
 const SKEW: f64 = 2.0;
 /// Share of the records in which a correct model would be rejected by the means over one number of bins in [`RUNS`].
 const REJECTED_BY_CHANCE: f64 = 1e-4;
-/// Two choices of terms that differ by less in price cannot be told apart.
+/// Two choices of terms whose prices differ by less, in −2 ln L, cannot be told apart.
 pub(super) const CLOSE: f64 = 6.0;
 /// A second explanation is reported only if the N² of the two explanations differ by this factor or more.
 const OTHER_N: f64 = 1.5;
@@ -77,7 +77,8 @@ pub(super) struct Other {
 }
 
 impl Other {
-    /// The candidate as another explanation. `None` if the two N² differ by a factor below [`OTHER_N`].
+    /// The candidate as another explanation. `None` if the two N² differ by a factor below [`OTHER_N`], or if neither
+    /// has a time constant.
     fn of(problem: &Problem, chosen: &Optimum, candidate: &Optimum) -> Option<Self> {
         let (own, n2) = (chosen.at[N2], candidate.at[N2]);
         if own.max(n2) < OTHER_N * own.min(n2) {

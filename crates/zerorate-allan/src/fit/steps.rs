@@ -28,7 +28,7 @@ pub(super) struct Candidate {
     /// Index of the first sample after the step.
     pub(super) index: usize,
     pub(super) size: f64,
-    /// The step in standard deviations.
+    /// Size of the step divided by the standard deviation of its estimate.
     pub(super) score: f64,
 }
 

@@ -43,7 +43,7 @@ async fn main(spawner: Spawner) {
     let mut back_off = BackOff::new();
     spawner.spawn(watch(Input::new(p.PIN_20, Pull::Up)).expect("spawned once"));
     loop {
-        // at the start, after a brown-out, and while a wire is broken
+        // restarts the part at the start, after a brown-out, and while a wire is broken
         if gyro.restart().await.is_ok() {
             sampler.restarted();
             until_it_fails(&mut gyro, &mut sampler, &mut back_off).await;

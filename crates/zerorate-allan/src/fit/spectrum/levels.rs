@@ -53,7 +53,7 @@ pub(super) struct Level<'a> {
     gaps: Option<Gaps>,
 }
 
-/// The responses of means with gaps, at equal steps from 0 to half the rate.
+/// The frequency responses of averages with gaps, at equal steps from 0 Hz to half the sample rate.
 struct Gaps {
     /// The gain of the mean response.
     gain: Vec<f64>,
