@@ -212,7 +212,7 @@ pub enum Refusal {
     Part,
     /// A transfer of more than [`MAX_TRANSFER`] bytes.
     TooLong,
-    /// The bridge has no such wire: no self-test pin, or no way to detect the other edge of RDY.
+    /// The bridge has no such wire: no self-test pin, or no way to detect the requested edge of RDY.
     NoSuchWire,
 }
 

@@ -12,7 +12,7 @@ use realfft::FftError;
 
 /// A line at frequency f is examined if its power exceeds `LOUD` · f · S(f), where S is the noise density.
 const LOUD: f64 = 2.0;
-/// A line is a sine if one sine has this share of its power.
+/// A line is a sine if one sine has this share of the line's power.
 const MOST_OF_IT: f64 = 0.9;
 /// Largest number of sines that are removed in one round.
 const MOST_SINES: usize = 16;
