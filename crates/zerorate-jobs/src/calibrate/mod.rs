@@ -159,9 +159,8 @@ impl Job {
         let delivery = match measured.log_failed {
             Some(error) => Err(error),
             None => {
-                let filled = files.fill(&calibration);
-                report.file = filled.is_ok().then(|| files.options.output.clone()).flatten();
-                filled
+                let output = files.options.output.clone();
+                files.fill(&calibration).inspect(|()| report.file = output)
             }
         };
         let delivery = delivery.map_err(|why| DeliveryFailure::rescue(why, &wanted, &calibration));

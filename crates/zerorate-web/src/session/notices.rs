@@ -33,10 +33,12 @@ pub struct NoticeText {
 }
 
 impl NoticeText {
+    /// A text with a code, of no particular axis.
     pub fn new(code: &'static str, text: impl fmt::Display) -> Self {
         Self { code, axis: String::new(), text: text.to_string() }
     }
 
+    /// A text without a code.
     pub fn plain(text: impl fmt::Display) -> Self {
         Self::new("", text)
     }
