@@ -1,6 +1,6 @@
 //! The HTML page of a temperature calibration.
 
-use super::{AxisCurve, FACTOR, Points, pictures};
+use super::{AxisCurve, FACTOR, Points, pictures, warnings_of_axes};
 use crate::interval::PlusMinus;
 use crate::plot::{minus, number};
 use crate::printable;
@@ -53,11 +53,11 @@ pub fn tempcal_page(page: TempcalPage<'_>) -> Result<String> {
 }
 
 fn sensor(axes: &[(&AxisCurve, &Points)]) -> Sensor {
-    let warnings = axes.iter().flat_map(|(axis, _)| axis.warnings.iter().map(|line| format!("{}: {line}", axis.name)));
+    let curves: Vec<&AxisCurve> = axes.iter().map(|(axis, _)| *axis).collect();
     Sensor {
-        name: axes.first().map_or_else(String::new, |(axis, _)| axis.sensor.clone()),
-        warnings: warnings.collect(),
-        tables: vec![results(axes), cubics(axes)],
+        name: curves.first().map_or_else(String::new, |axis| axis.sensor.clone()),
+        warnings: warnings_of_axes(curves.iter().copied()),
+        tables: vec![results(&curves), cubics(&curves)],
         pictures: vec![
             pictures::over_temperature(axes),
             pictures::left_over_temperature(axes),
@@ -66,30 +66,33 @@ fn sensor(axes: &[(&AxisCurve, &Points)]) -> Sensor {
     }
 }
 
-fn results(axes: &[(&AxisCurve, &Points)]) -> Table {
+/// The text of a cell without a value.
+const NONE: &str = "–";
+
+/// The table of results. A column without a value of any axis is left out.
+fn results(axes: &[&AxisCurve]) -> Table {
+    let Some(first) = axes.first() else { return Table::default() };
+    let (unit, reference_c) = (first.unit, first.reference_c);
+    let stated = |value: f64, u: f64| minus(&PlusMinus { value, half: FACTOR * u }.to_string());
+    let half = |half: f64| format!("±{}", number(half));
     // an accelerometer's bias cannot be told from gravity
-    let has_bias = axes.iter().any(|(axis, _)| axis.kind == Kind::Gyroscope);
-    let head = ["axis", "unit", "bias", "slope per °C", "span before", "span after", "lag, s", "hysteresis"];
-    let shown = |index: &usize| *index != BIAS || has_bias;
-    let row = |(axis, _): &(&AxisCurve, &Points)| {
-        let stated = |value: f64, u: f64| minus(&PlusMinus { value, half: FACTOR * u }.to_string());
-        let cells = [
-            axis.name.clone(),
-            axis.unit.to_owned(),
-            stated(axis.bias, axis.u_bias),
-            stated(axis.slope_per_c, axis.u_slope_per_c),
-            number(axis.before),
-            number(axis.after),
-            format!("{:.0}", axis.lag_s),
-            axis.hysteresis.map_or_else(|| "not seen".to_owned(), |half| format!("±{}", number(half))),
-        ];
-        only(cells, shown)
-    };
-    let (reference_c, of) =
-        (axes.first().map_or(0.0, |(axis, _)| axis.reference_c), if has_bias { "Bias" } else { "Slope" });
+    let bias = |axis: &AxisCurve| (axis.kind == Kind::Gyroscope).then(|| stated(axis.bias, axis.u_bias));
+    let columns: [(String, &dyn Fn(&AxisCurve) -> Option<String>); 9] = [
+        ("axis".to_owned(), &|axis| Some(axis.name.clone())),
+        (format!("bias, {unit}"), &bias),
+        (format!("slope, {unit}/°C"), &|axis| Some(stated(axis.slope_per_c, axis.u_slope_per_c))),
+        (format!("span before, {unit}"), &|axis| Some(number(axis.before))),
+        (format!("span after, {unit}"), &|axis| Some(number(axis.after))),
+        ("lag, s".to_owned(), &|axis| Some(minus(&format!("{:.0}", axis.lag_s)))),
+        (format!("hysteresis, {unit}"), &|axis| axis.hysteresis.map(half)),
+        (format!("bias if it was on before, {unit}"), &|axis| axis.u_if_on_before.map(|u| half(FACTOR * u))),
+        (format!("from start to start, {unit}"), &|axis| axis.spread_of_starts.map(|u| half(FACTOR * u))),
+    ];
+    let shown: Vec<_> = columns.iter().filter(|(_, of)| axes.iter().any(|axis| of(axis).is_some())).collect();
+    let row = |axis: &&AxisCurve| shown.iter().map(|(_, of)| of(axis).unwrap_or_else(|| NONE.to_owned())).collect();
     Table {
-        title: format!("{of} at {reference_c:.0} °C"),
-        head: only(head.map(str::to_owned), shown),
+        title: format!("{} at {reference_c:.0} °C", if bias(first).is_some() { "Bias" } else { "Slope" }),
+        head: shown.iter().map(|(head, _)| head.clone()).collect(),
         rows: axes.iter().map(row).collect(),
         note: "± is half of a 95 % interval. The span after is that of what remains where the curve comes from the \
                other parts of the record."
@@ -97,24 +100,16 @@ fn results(axes: &[(&AxisCurve, &Points)]) -> Table {
     }
 }
 
-/// The index of the bias column.
-const BIAS: usize = 2;
-
-fn only(cells: [String; 8], shown: impl Fn(&usize) -> bool) -> Vec<String> {
-    cells.into_iter().enumerate().filter(|(index, _)| shown(index)).map(|(_, cell)| cell).collect()
-}
-
-fn cubics(axes: &[(&AxisCurve, &Points)]) -> Table {
-    let head = ["axis", "unit", "X0", "X1", "X2", "X3", "leaves up to"];
-    let row = |(axis, _): &(&AxisCurve, &Points)| {
+fn cubics(axes: &[&AxisCurve]) -> Table {
+    let (unit, about_c) = axes.first().map_or(("", 0.0), |axis| (axis.unit, axis.cubic.about_c));
+    let head = ["axis", "X0, @", "X1, @/°C", "X2, @/°C²", "X3, @/°C³", "leaves up to, @"];
+    let row = |axis: &&AxisCurve| {
         let terms = axis.cubic.terms.iter().map(|term| minus(&format!("{term:.4e}")));
-        let ends = [axis.name.clone(), axis.unit.to_owned()];
-        ends.into_iter().chain(terms).chain([number(axis.cubic.left)]).collect()
+        std::iter::once(axis.name.clone()).chain(terms).chain([number(axis.cubic.left)]).collect()
     };
-    let about_c = axes.first().map_or(0.0, |(axis, _)| axis.cubic.about_c);
     Table {
         title: "Polynomial of order 3".to_owned(),
-        head: head.map(str::to_owned).to_vec(),
+        head: head.map(|text| text.replace('@', unit)).to_vec(),
         rows: axes.iter().map(row).collect(),
         note: format!("bias = X0 + X1 d + X2 d² + X3 d³ with d = T − {about_c:.0} °C"),
     }

@@ -40,9 +40,10 @@ pub fn table(axes: &[AxisCurve]) -> String {
 
 /// The warnings of all axes. Each text occurs once, with the names of the axes that have it.
 #[must_use]
-pub fn warnings_of_axes(axes: &[AxisCurve]) -> Vec<String> {
+pub fn warnings_of_axes<'a>(axes: impl IntoIterator<Item = &'a AxisCurve>) -> Vec<String> {
+    let axes: Vec<&AxisCurve> = axes.into_iter().collect();
     let mut lines: Vec<(&str, Vec<&str>)> = Vec::new();
-    for (axis, line) in axes.iter().flat_map(|axis| axis.warnings.iter().map(move |line| (axis, line))) {
+    for (axis, line) in axes.iter().flat_map(|axis| axis.warnings.iter().map(move |line| (*axis, line))) {
         match lines.iter_mut().find(|(known, _)| known == line) {
             Some((_, names)) => names.push(&axis.name),
             None => lines.push((line, vec![&axis.name])),
