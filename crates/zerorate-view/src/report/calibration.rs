@@ -22,6 +22,8 @@ const POINTS: u32 = 80;
 struct Page<'a> {
     title: String,
     software: &'a str,
+    /// What the comparison of several calibrations shows.
+    comparison: String,
     units: Vec<Unit<'a>>,
 }
 
@@ -50,6 +52,8 @@ struct AxisPart<'a> {
     warnings: Vec<&'a String>,
     coverage: String,
     quantities: Vec<Quantity>,
+    /// The correction at the temperature of the comparison, with its interval.
+    compared: (String, String),
     budget: Vec<BudgetRow>,
     pbc: String,
     btc: String,
@@ -92,7 +96,8 @@ struct Section {
 /// # Errors
 /// Returns an error if the template cannot be filled. That is not expected, since the compiler checks the template.
 pub fn calibration_page(calibrations: &[(Calibration, String)], course: Option<&Course>) -> Result<String> {
-    let mut units: Vec<Unit<'_>> = calibrations.iter().map(|(one, file)| unit(one, file)).collect();
+    let at_c = common_c(calibrations);
+    let mut units: Vec<Unit<'_>> = calibrations.iter().map(|(one, file)| unit(one, file, at_c)).collect();
     if let (Some(course), Some((calibration, _)), Some(unit)) = (course, calibrations.first(), units.first_mut()) {
         for (part, axis) in unit.axes.iter_mut().zip(&calibration.axes) {
             part.over_time = course::picture(course, calibration, axis);
@@ -102,10 +107,22 @@ pub fn calibration_page(calibrations: &[(Calibration, String)], course: Option<&
         [only] => only.title.clone(),
         several => format!("{} calibrations", several.len()),
     };
-    Ok(printable::page(&Page { title, software: zerorate::SOFTWARE, units }.render()?))
+    let comparison = format!("correction at {at_c:.2}\u{a0}°C, °/s");
+    Ok(printable::page(&Page { title, software: zerorate::SOFTWARE, comparison, units }.render()?))
 }
 
-fn unit<'a>(calibration: &'a Calibration, file: &'a str) -> Unit<'a> {
+/// The temperature at which calibrations are compared, °C: the mean of all T3, or the nearest to it that all of them
+/// measured, if there is one.
+fn common_c(calibrations: &[(Calibration, String)]) -> f64 {
+    let t3_c = || calibrations.iter().flat_map(|(one, _)| &one.axes).map(|axis| axis.correction.t3_c);
+    let mean_c = t3_c().sum::<f64>() / t3_c().count().max(1) as f64;
+    let spans = || calibrations.iter().filter_map(|(one, _)| one.validity);
+    let low_c = spans().map(|span| span.temp_min_c).fold(f64::NEG_INFINITY, f64::max);
+    let high_c = spans().map(|span| span.temp_max_c).fold(f64::INFINITY, f64::min);
+    if low_c <= high_c { mean_c.clamp(low_c, high_c) } else { mean_c }
+}
+
+fn unit<'a>(calibration: &'a Calibration, file: &'a str, at_c: f64) -> Unit<'a> {
     let serial = calibration.serial.as_deref().map_or(String::new(), |serial| format!(", serial {serial}"));
     let created = match calibration.created.as_deref() {
         _ if calibration.is_simulated() => SIMULATED.to_owned(),
@@ -127,12 +144,12 @@ fn unit<'a>(calibration: &'a Calibration, file: &'a str) -> Unit<'a> {
         span: span(calibration),
         table_span: table_span(calibration),
         level: if several { 3 } else { 2 },
-        axes: calibration.axes.iter().map(|axis| axis_part(calibration, axis)).collect(),
+        axes: calibration.axes.iter().map(|axis| axis_part(calibration, axis, at_c)).collect(),
         sections: sections(calibration),
     }
 }
 
-fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> AxisPart<'a> {
+fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis, at_c: f64) -> AxisPart<'a> {
     let correction = &axis.correction;
     let several = calibration.axes.len() > 1;
     let of_all = calibration.warnings.iter().filter(|_| !several);
@@ -143,11 +160,16 @@ fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> Axis
         warnings: of_all.chain(&axis.warnings).collect(),
         coverage: coverage(axis),
         quantities: quantities(axis),
+        compared: compared(calibration, axis, at_c),
         budget: axis.budget().iter().filter(|part| part.u > 0.0).map(budget_row).collect(),
         pbc: signed_term(correction.pbc_dps),
         btc: format!("{:+.6}", correction.btc_dps_per_c),
         t3: format!("{:.4}", correction.t3_c),
-        symbols: if correction.is_line() { "" } else { " + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3" },
+        symbols: match order(correction) {
+            1 => "",
+            2 => " + (TEMP − T3)² · BTC2",
+            _ => " + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3",
+        },
         terms: terms(correction),
         picture: calibration_picture(calibration, axis),
         has_band: stated(axis).is_some(),
@@ -156,6 +178,18 @@ fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> Axis
         table: look_up(axis, table_c(calibration, axis)),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
     }
+}
+
+/// The correction at a temperature, and its interval; in place of the interval a remark if there is none.
+fn compared(calibration: &Calibration, axis: &CalibratedAxis, at_c: f64) -> (String, String) {
+    let value = axis.correction.apply(0.0, at_c);
+    let half = stated(axis).zip(axis.u_correction_dps(at_c)).map(|(stated, u)| stated.factor * u);
+    let interval = match (half, calibration.validity) {
+        (_, Some(span)) if !(span.temp_min_c..=span.temp_max_c).contains(&at_c) => "not measured there".to_owned(),
+        (Some(half), _) => format!("{:+.5} … {:+.5}", value - half, value + half),
+        (None, _) => "not stated".to_owned(),
+    };
+    (format!("{value:+.5}"), interval)
 }
 
 /// The temperature span of the look-up table, °C: the measured one, or one around T3 if none is stated.
@@ -201,13 +235,22 @@ fn coverage(axis: &CalibratedAxis) -> String {
     format!("{} % interval", (coverage * 1000.0).round() / 10.0)
 }
 
+/// The order of the correction, 1 to 3.
+fn order(correction: &Correction) -> u8 {
+    match correction {
+        line if line.is_line() => 1,
+        curve if curve.btc3_dps_per_c3 == 0.0 => 2,
+        _ => 3,
+    }
+}
+
 fn terms(correction: &Correction) -> String {
     let Correction { t3_c, btc2_dps_per_c2: second, btc3_dps_per_c3: third, .. } = *correction;
-    match correction.is_line() {
-        true => String::new(),
-        false => format!(
-            " + (TEMP − {t3_c:.4} °C)² · ({second:+.4e} °/s/°C²) + (TEMP − {t3_c:.4} °C)³ · ({third:+.4e} °/s/°C³)"
-        ),
+    let square = format!(" + (TEMP − {t3_c:.4} °C)² · ({second:+.4e} °/s/°C²)");
+    match order(correction) {
+        1 => String::new(),
+        2 => square,
+        _ => format!("{square} + (TEMP − {t3_c:.4} °C)³ · ({third:+.4e} °/s/°C³)"),
     }
 }
 
@@ -261,12 +304,11 @@ fn quantities(axis: &CalibratedAxis) -> Vec<Quantity> {
         quantity("BTC, bias temperature correction", correction.btc_dps_per_c, "°/s/°C", btc, "not stated", &fixed(6)),
         quantity("T3, reference temperature", correction.t3_c, "°C", t3_c, exact, &fixed(4)),
     ];
-    if !correction.is_line() {
-        let unknown = if stated.is_some() { "in the band below" } else { "not stated" };
-        let (second, third) = (correction.btc2_dps_per_c2, correction.btc3_dps_per_c3);
-        all.push(quantity("BTC2, quadratic term", second, "°/s/°C²", btc2, unknown, &power));
-        all.push(quantity("BTC3, cubic term", third, "°/s/°C³", btc3, unknown, &power));
-    }
+    let unknown = if stated.is_some() { "in the band below" } else { "not stated" };
+    let (second, third) = (correction.btc2_dps_per_c2, correction.btc3_dps_per_c3);
+    all.push(quantity("BTC2, quadratic term", second, "°/s/°C²", btc2, unknown, &power));
+    all.push(quantity("BTC3, cubic term", third, "°/s/°C³", btc3, unknown, &power));
+    all.truncate(2 + usize::from(order(correction)));
     all
 }
 
@@ -462,9 +504,15 @@ mod tests {
         ] {
             assert!(html.contains(expected), "{expected} in {html}");
         }
-        assert!(!html.contains("not stated"), "{html}");
+        assert!(!html.contains("not stated") && !html.contains("BTC3"), "{html}");
         let compared = calibration_page(&both, None).unwrap();
-        for expected in ["<title>2 calibrations", "unit.toml</th>", "other.toml</th>", "other.toml: calibration"] {
+        for expected in [
+            "<title>2 calibrations",
+            "unit.toml</th>",
+            "other.toml: calibration",
+            "correction at 31.50\u{a0}°C",
+            "PBC at T3",
+        ] {
             assert!(compared.contains(expected), "{expected} in {compared}");
         }
         let plain = CalibratedAxis { curve: None, ..calibration.axes[0].clone() };
