@@ -103,14 +103,15 @@ pub fn draw(facts: &str) -> Result<String> {
     }
     body += &Plot::curve(open, BLUE);
     body += &Plot::curve(|hz| density * fall(hz, slow), "#009e73");
-    body += &text((Plot::x(330.0), Plot::y(0.0125)), "start", BLUE, "no capacitor: 300 Hz");
-    body += &text((Plot::x(45.0), Plot::y(0.0035)), "end", "#007a5a", "0.01 µF: 50 Hz");
+    body += &text((Plot::x(450.0), Plot::y(0.0108)), "start", BLUE, "no capacitor: 300 Hz");
+    body += &text((Plot::x(130.0), Plot::y(0.0053)), "start", "#007a5a", "0.01 µF: 50 Hz");
     let divided_hz = 2.0 * full_hz / 51.0;
     let at = |rate_hz: f64| (fold(resonance, rate_hz), rate_hz);
-    for ((hz, rate_hz), off, anchor) in [(at(full_hz), "", "end"), (at(divided_hz), " ± 50", "start")] {
-        body += &line((Plot::x(hz), 330.0), (Plot::x(hz), 120.0), &format!("stroke=\"{RED}\" stroke-width=\"2\""));
+    // the label of the divided rate goes below both curves
+    for ((hz, rate_hz), off, top) in [(at(full_hz), "", 120.0), (at(divided_hz), " ± 50", 180.0)] {
+        body += &line((Plot::x(hz), 330.0), (Plot::x(hz), top), &format!("stroke=\"{RED}\" stroke-width=\"2\""));
         let label = format!("{hz:.0}{off} Hz at {rate_hz:.0}/s");
-        body += &text((Plot::x(hz) + 4.0, 112.0), anchor, RED, &label);
+        body += &text((Plot::x(hz) - 1.0, top - 8.0), "start", RED, &label);
         let half = rate_hz / 2.0;
         let style = format!("stroke=\"{GREY}\" stroke-dasharray=\"4 4\"");
         body += &line((Plot::x(half), 330.0), (Plot::x(half), 290.0), &style);

@@ -35,8 +35,9 @@ pub struct Panel {
 }
 
 const HEIGHT: f64 = 170.0;
-/// The baseline of the legend, pixels.
+/// The baseline of the legend and the length of its samples, pixels.
 const NAMES: f64 = 49.0;
+const SAMPLE: f64 = 22.0;
 
 /// Draws the plot as SVG, with all panels on one scale.
 #[must_use]
@@ -96,13 +97,14 @@ impl Lines {
         (x, if self.is_log { (low, high) } else { (low - room, high + 4.0 * room) })
     }
 
-    /// The legend: the lines' names in their colours, in a row below the title.
+    /// The legend: samples of the lines with their names, in a row below the title.
     fn legend(&self, left: f64) -> Group {
         let mut at = left;
         let name = |(name, colour): (&String, &'static str)| {
-            let text = canvas::text(name, (at, NAMES), Anchor::Start).set("fill", colour).set("font-weight", 600);
-            at += canvas::width(name, SMALL) + 22.0;
-            text
+            let (from, y) = (at, NAMES - 4.0);
+            at += SAMPLE + canvas::width(name, SMALL) + 28.0;
+            let sample = line((from, y), (from + SAMPLE, y)).set("stroke", colour).set("stroke-width", 3);
+            Group::new().add(sample).add(canvas::text(name, (from + SAMPLE + 6.0, NAMES), Anchor::Start))
         };
         self.names.iter().zip(colours()).map(name).fold(Group::new(), Group::add)
     }

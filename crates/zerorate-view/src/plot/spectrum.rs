@@ -2,10 +2,10 @@
 
 use super::allan::{COLOURS, around};
 use super::axes::{Axis, range};
-use super::canvas::{INK, clipped, label, path, stroke};
+use super::canvas::{Anchor, Area, INK, clipped, label, line, path, stroke};
 use super::label::Labels;
 use super::stack::Stack;
-use svg::node::element::{Circle, Group};
+use svg::node::element::{Circle, Group, Line};
 
 /// The spectrum of an axis. Densities are one-sided amplitude densities, in the unit of the plot.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +36,9 @@ const HEIGHT: f64 = 170.0;
 const NAMED: usize = 4;
 /// A tone is marked at the highest density within this factor of its frequency.
 const NEAR: f64 = 1.04;
+/// Radius of the ring at a tone, and distance to its label from which a line joins them, pixels.
+const RING: f64 = 5.0;
+const NEAR_LABEL: f64 = 12.0;
 
 /// Draws the spectra as SVG, with all panels on one scale.
 #[must_use]
@@ -93,20 +96,32 @@ fn tones(spectrum: &Spectrum, place: impl Fn(&(f64, f64)) -> (f64, f64), mut lab
         };
         spectrum.points.iter().filter(near).max_by(|a, b| a.1.total_cmp(&b.1)).map(&place)
     };
-    let mut group = Group::new();
+    // the names come last, since they have halos
+    let (mut marks, mut names) = (Group::new(), Group::new());
     for (rank, tone) in strongest.into_iter().enumerate() {
         let Some((cx, cy)) = peak(tone) else { continue };
-        let ring = Circle::new().set("cx", cx).set("cy", cy).set("r", 5).set("fill", "none").set("stroke", INK);
-        group = group.add(ring);
-        let candidates = around((cx, cy));
+        let ring = Circle::new().set("cx", cx).set("cy", cy).set("r", RING).set("fill", "none").set("stroke", INK);
+        marks = marks.add(ring);
+        let level = [(11.0, Anchor::Start), (-11.0, Anchor::End)].map(|(off, anchor)| ((cx + off, cy + 4.5), anchor));
+        let candidates = level.into_iter().chain(around((cx, cy)));
         let named = match rank {
             0 => labels.place(&tone.label, candidates),
             1..NAMED => labels.place_clear(&tone.label, candidates),
             _ => None,
         };
         if let Some((at, anchor)) = named {
-            group = group.add(label(&tone.label, at, anchor, INK));
+            let leader = leader((cx, cy), &Area::of_text(&tone.label, at, anchor));
+            marks = leader.into_iter().fold(marks, Group::add);
+            names = names.add(label(&tone.label, at, anchor, INK));
         }
     }
-    group
+    marks.add(names)
+}
+
+/// A thin line from a ring to its label, unless they are close together.
+fn leader((cx, cy): (f64, f64), label: &Area) -> Option<Line> {
+    let (x, y) = (cx.clamp(label.left, label.right), cy.clamp(label.top, label.bottom));
+    let far = (x - cx).hypot(y - cy);
+    let start = (cx + (x - cx) * RING / far, cy + (y - cy) * RING / far);
+    (far > NEAR_LABEL).then(|| line(start, (x, y)).set("stroke", INK).set("stroke-width", 0.8))
 }
