@@ -4,7 +4,7 @@ use super::answer::{self, Answer};
 use super::bucket::Bucket;
 use super::guard::{Guard, Refusal};
 use super::session_thread::RequestSender;
-use super::small_page::small_page;
+use super::small_page::{self, small_page};
 use super::trials::Trials;
 use super::{metrics, page, watch};
 use anyhow::{Context, Result};
@@ -202,6 +202,7 @@ async fn routed(server: &Arc<Server>, connection: Arc<Connection>, request: Requ
         (_, "/ws") => watch::watch(server, connection, request),
         (_, "/metrics") => metrics::metrics(server).await,
         (_, "/") if has_samples => small_page(server).await,
+        (_, "/small_page.js") if !page::is_there() => small_page::script(),
         (_, "/home.json") => home(server, request.headers()),
         (&Method::POST, "/token") => token(server, request.into_body()).await,
         (_, "/token") => answer::text(StatusCode::METHOD_NOT_ALLOWED, "POST alone\n"),
