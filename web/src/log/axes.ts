@@ -37,7 +37,7 @@ export class Axes {
         "section",
         { class: "card", "aria-label": axis.name },
         figure.element,
-        table(axis.name, terms),
+        ...(terms.length === 0 ? [] : [table(axis.name, terms)]),
         ...remarks(axis),
       ),
     );

@@ -215,7 +215,11 @@ fn a_rejected_model_gives_no_result() {
         run.stderr.contains("refused: ") && run.stderr.contains("none of its coefficients is a result"),
         "{run:?}"
     );
-    assert!(run.stdout.contains("model rejected") && !run.stdout.contains("To find the bias"), "{}", run.stdout);
+    assert!(run.stdout.contains("  none: the noise model is off by "), "{}", run.stdout);
+    assert!(!["  N  ", "To find the bias"].iter().any(|said| run.stdout.contains(said)), "{}", run.stdout);
+    bench.zerorate(&format!("{line} --fit --report page.html")).ended_with(3);
+    let page = bench.text("page.html");
+    assert!(page.contains("No noise model fits: the noise model is off by ") && !page.contains("°/√h"), "{page}");
     assert!(!bench.path("imu.yaml").exists());
     let asked = bench.zerorate(&format!("{line} --fit --json")).ended_with(3);
     let report = asked.json();

@@ -33,24 +33,20 @@ pub fn removed(report: &AllanReport) -> Vec<String> {
     skipped.into_iter().chain(detrended).collect()
 }
 
-/// The deviation of the spectrum from the model, as a phrase.
+/// The deviation of the spectrum from a model that is not rejected, as a phrase.
 #[must_use]
 pub fn misfit(fit: &FitReport) -> String {
-    let percent = fit.model_error.unwrap_or_default() * 100.0;
-    match fit.rejected {
-        true if fit.motion_ratio.is_some() => {
-            "rejected, since the sensor moves: no coefficient is a result".to_owned()
-        }
-        true => format!("off by {percent:.1} % of the spectrum, rejected: no coefficient is a result"),
-        false if is_without_misfit(fit) => "no misfit found".to_owned(),
-        false => format!("may be off by {percent:.1} % of the spectrum"),
+    match is_without_misfit(fit) {
+        true => "no misfit found".to_owned(),
+        false => format!("may be off by {:.1} % of the spectrum", fit.model_error.unwrap_or_default() * 100.0),
     }
 }
 
-/// The highest frequency at which the model is valid, Hz; `None` without a model, or if it is half the sample rate.
+/// The highest frequency at which the model is valid, Hz; `None` without a valid model, or if it is half the sample
+/// rate.
 #[must_use]
 pub fn holds_below(report: &AllanReport) -> Option<f64> {
-    report.fit.as_ref()?.f_max_hz.filter(|hz| *hz < 0.499 * report.rate_hz)
+    report.valid_model()?.f_max_hz.filter(|hz| *hz < 0.499 * report.rate_hz)
 }
 
 /// Describes the predicted range of deviations of another record of this sensor. `None` without a valid model or
@@ -83,10 +79,15 @@ pub struct TermRow {
     pub remark: String,
 }
 
-/// All terms of the model, the coefficients first.
+/// All terms of the model, the coefficients first. Of a rejected model these are only the lines, which are no result of
+/// the model, but may explain why none fits.
 #[must_use]
 pub fn term_rows(report: &AllanReport) -> Vec<TermRow> {
     let Some(fit) = report.model() else { return Vec::new() };
+    let lines = lines(&fit.terms).into_iter().map(|line| of_line(fit, line));
+    if fit.rejected {
+        return lines.collect();
+    }
     let values = |of: &CoefficientReport| {
         let units = of.units.iter().enumerate();
         units.filter_map(|(index, in_unit)| Some((interval_of(of.in_unit(index)?), in_unit.unit.clone()))).collect()
@@ -95,17 +96,52 @@ pub fn term_rows(report: &AllanReport) -> Vec<TermRow> {
         name: format!("{letter}  {}", of.name),
         values: values(of),
         is_identified: of.identified,
-        remark: if fit.rejected { "model rejected".to_owned() } else { of.remark.clone() },
+        remark: of.remark.clone(),
     };
-    fit.coefficients().map(coefficient).chain(fit.terms.iter().map(|term| of_term(fit, term))).collect()
+    let terms = fit.terms.iter().filter_map(|term| of_term(fit, term));
+    fit.coefficients().map(coefficient).chain(terms).chain(lines).collect()
 }
 
-fn of_term(fit: &FitReport, term: &Term) -> TermRow {
+/// The lines among the terms. Lines whose frequencies read the same are one, and lines without power are left out.
+fn lines(terms: &[Term]) -> Vec<Line> {
+    let mut all: Vec<Line> = Vec::new();
+    for term in terms {
+        let Term::Line(line) = term else { continue };
+        match all.last_mut() {
+            _ if line.rms <= 0.0 => {}
+            Some(last) if hertz(last.frequency_hz) == hertz(line.frequency_hz) => {
+                last.rms = last.rms.hypot(line.rms);
+                last.width_hz += line.width_hz;
+            }
+            _ => all.push(*line),
+        }
+    }
+    all
+}
+
+fn of_line(fit: &FitReport, Line { frequency_hz, width_hz, rms }: Line) -> TermRow {
+    let unit = fit.rate_units.last().map_or("rms", |unit| &*unit.unit);
+    TermRow {
+        name: "line, left out".to_owned(),
+        values: vec![(interval_of(Estimate { value: rms, lo: rms, hi: rms }), format!("{unit} rms"))],
+        is_identified: true,
+        remark: format!("at {}, {} Hz wide", hertz(frequency_hz), number(width_hz)),
+    }
+}
+
+/// Formats the frequency of a line with six significant digits: a slow log has lines below 0.001 Hz.
+#[must_use]
+pub fn hertz(frequency_hz: f64) -> String {
+    let before = frequency_hz.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
+    format!("{frequency_hz:.*} Hz", (5 - before).clamp(0, 12) as usize)
+}
+
+/// The row of a term; `None` for a line, whose row [`of_line`] makes.
+fn of_term(fit: &FitReport, term: &Term) -> Option<TermRow> {
     let in_rate = |estimate: &Estimate| {
         let (estimate, unit) = in_rate(fit, *estimate);
         (interval_of(estimate), unit)
     };
-    let exact = |value: f64| Estimate { value, lo: value, hi: value };
     let (name, values, remark) = match term {
         Term::GaussMarkov { sigma, tau_s } => {
             ("Gauss–Markov σ, T", vec![in_rate(sigma), (interval_of(*tau_s), "s".to_owned())], String::new())
@@ -121,16 +157,12 @@ fn of_term(fit: &FitReport, term: &Term) -> TermRow {
             };
             ("band shape", Vec::new(), remark)
         }
-        Term::Line(Line { frequency_hz, width_hz, rms }) => {
-            let unit = fit.rate_units.last().map_or("rms", |unit| &*unit.unit);
-            let strength = vec![(interval_of(exact(*rms)), format!("{unit} rms"))];
-            ("line, left out", strength, format!("at {frequency_hz:.4} Hz, {width_hz:.4} Hz wide"))
-        }
+        Term::Line(_) => return None,
         Term::WarmUp { size, tau_s } => {
             ("warm-up", vec![in_rate(size)], format!("with a time constant of {}", span(*tau_s)))
         }
     };
-    TermRow { name: name.to_owned(), values, is_identified: true, remark }
+    Some(TermRow { name: name.to_owned(), values, is_identified: true, remark })
 }
 
 fn interval_of(Estimate { value, lo, hi }: Estimate) -> Interval {
@@ -177,4 +209,22 @@ fn in_rate(fit: &FitReport, Estimate { value, lo, hi }: Estimate) -> (Estimate, 
 #[must_use]
 pub fn interval(confidence: f64) -> String {
     format!("{} % intervals", (confidence * 1e6).round() / 1e4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A log of one sample in ten minutes has all of its lines below 0.001 Hz.
+    #[test]
+    fn lines_have_digits_and_are_named_once() {
+        let line = |frequency_hz, rms| Term::Line(Line { frequency_hz, width_hz: 2e-6, rms });
+        let terms = [line(4.123_451e-4, 3e-7), line(4.123_453e-4, 4e-7), line(5e-4, 0.0), line(150.0, 0.1)];
+        let found = lines(&terms);
+        assert_eq!(
+            found.iter().map(|line| hertz(line.frequency_hz)).collect::<Vec<_>>(),
+            ["0.000412345 Hz", "150.000 Hz"]
+        );
+        assert!((found[0].rms - 5e-7).abs() < 1e-12 && (found[0].width_hz - 4e-6).abs() < 1e-12, "{found:?}");
+    }
 }

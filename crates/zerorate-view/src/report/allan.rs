@@ -83,7 +83,7 @@ impl Single {
             Fact::new("sample rate", format!("{:.6} Hz", report.rate_hz)),
             Fact::new("length", span(report.samples as f64 / report.rate_hz)),
         ];
-        let model = report.model().map(|fit| Fact::new("noise model", misfit(fit)));
+        let model = report.valid_model().map(|fit| Fact::new("noise model", misfit(fit)));
         let removed = removed(&report).into_iter().map(|text| Fact::new("removed before", text));
         let holds = holds_below(&report).map(|hz| Fact::new("it holds below", format!("{} Hz", number(hz))));
         let unavailable = report.unavailable.iter();

@@ -45,7 +45,7 @@ pub fn text(report: &AllanReport) -> Result<String> {
 /// Formats the noise model with its intervals, then advice.
 pub fn coefficients_text(report: &AllanReport) -> Result<String> {
     let mut text = String::from("\nNoise coefficients with their 95 % intervals\n");
-    if let Some(why) = &report.fit_error {
+    if let Some(why) = &report.rejection {
         writeln!(text, "  none: {why}")?;
     }
     for TermRow { name, values, remark, .. } in term_rows(report) {
@@ -58,9 +58,8 @@ pub fn coefficients_text(report: &AllanReport) -> Result<String> {
             writeln!(text, "  {name:22} {remark}")?;
         }
     }
-    if let Some((fit, p_value)) = report.model().and_then(|fit| Some((fit, fit.p_value?))) {
+    if let Some((fit, p_value)) = report.valid_model().and_then(|fit| Some((fit, fit.p_value?))) {
         let chance = match noise::is_without_misfit(fit) {
-            _ if fit.rejected => String::new(),
             true => format!(" (p = {p_value:.2})"),
             false => format!(" (p = {p_value:.2} with that)"),
         };

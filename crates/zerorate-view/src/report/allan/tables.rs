@@ -1,7 +1,7 @@
 //! The tables that compare several axes.
 
 use super::Table;
-use crate::noise::{GaussMarkov, Group, gauss_markov, is_without_misfit, stated};
+use crate::noise::{GaussMarkov, Group, gauss_markov, hertz, is_without_misfit, stated};
 use crate::plot::number;
 use zerorate_allan::{Estimate, Line};
 use zerorate_imu::{CoefficientReport, FitReport, Record};
@@ -15,14 +15,14 @@ pub fn by_axis(group: &Group<'_>) -> Table {
         let Some(some) = of_axes.iter().flatten().next() else { continue };
         for (index, in_unit) in some.units.iter().enumerate() {
             let title = if index == 0 { format!("{letter}, {}", some.name) } else { String::new() };
-            let cell = |(of, fit): (&Option<&CoefficientReport>, &FitReport)| {
-                let value = of.filter(|_| !fit.rejected).and_then(|of| Some((of.in_unit(index)?, of.identified)));
+            let cell = |of: &Option<&CoefficientReport>| {
+                let value = of.and_then(|of| Some((of.in_unit(index)?, of.identified)));
                 value.map_or_else(|| NONE.to_owned(), |(value, identified)| stated(value, identified))
             };
-            rows.push(row(title, &in_unit.unit, of_axes.iter().zip(&fits).map(cell)));
+            rows.push(row(title, &in_unit.unit, of_axes.iter().map(cell)));
         }
     }
-    if rows.is_empty() {
+    if fits.iter().all(|fit| fit.model_error.is_none()) {
         return Table::default();
     }
     rows.extend(gauss_markov_rows(&fits));
@@ -45,8 +45,10 @@ pub fn by_axis(group: &Group<'_>) -> Table {
     }
 }
 
+/// A coefficient, if the model has it and is not rejected.
 fn coefficient(fit: &FitReport, letter: char) -> Option<&CoefficientReport> {
-    fit.coefficients().find(|(of, found)| *of == letter && found.value.is_some()).map(|(_, found)| found)
+    let is_wanted = |(of, found): &(char, &CoefficientReport)| *of == letter && found.value.is_some();
+    fit.coefficients().find(is_wanted).map(|(_, found)| found).filter(|_| !fit.rejected)
 }
 
 /// The text of a cell without a value.
@@ -82,7 +84,7 @@ fn gauss_markov_rows(fits: &[FitReport]) -> Vec<Vec<String>> {
 
 /// The table of spectral lines by frequency. Neighbouring lines share a row, which sums up the lines of each axis.
 pub fn lines(group: &Group<'_>) -> Table {
-    let of_axis = |(axis, record)| Record::lines(record).map(move |line| (axis, line));
+    let of_axis = |(axis, record)| Record::lines(record).filter(|line| line.rms > 0.0).map(move |line| (axis, line));
     let mut found: Vec<(usize, &Line)> = group.records.iter().enumerate().flat_map(of_axis).collect();
     found.sort_by(|(_, a), (_, b)| a.frequency_hz.total_cmp(&b.frequency_hz));
     let is_beside = |(_, a): &(usize, &Line), (_, b): &(usize, &Line)| {
@@ -90,7 +92,7 @@ pub fn lines(group: &Group<'_>) -> Table {
     };
     let stretch = |lines: &[(usize, &Line)]| {
         let strongest = lines.iter().max_by(|(_, a), (_, b)| a.rms.total_cmp(&b.rms));
-        let frequency = strongest.map(|(_, line)| format!("{:.4} Hz", line.frequency_hz)).unwrap_or_default();
+        let frequency = strongest.map(|(_, line)| hertz(line.frequency_hz)).unwrap_or_default();
         let cell = |axis| {
             let of_axis = || lines.iter().filter(move |(of, _)| *of == axis);
             let rms = of_axis().map(|(_, line)| line.rms * line.rms).sum::<f64>().sqrt();
