@@ -134,7 +134,7 @@ fn the_page_shows_a_curve() {
     for expected in [
         "RBC = RATE + PBC + (TEMP − T3) · BTC + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3",
         "(TEMP − 31.5000 °C)² · (+5.0000e-4 °/s/°C²)",
-        "<th>BTC3, cubic term</th><td>°/s/°C³</td><td class=\"number\">-2.0000e-6</td>",
+        "<th>BTC3, cubic term</th><td class=\"text\">°/s/°C³</td><td class=\"number\">-2.0000e-6</td>",
         "All coefficients are added",
         "measured here",
     ] {

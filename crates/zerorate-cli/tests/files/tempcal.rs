@@ -94,7 +94,14 @@ fn every_file_is_written_and_the_calibration_is_exported() {
     let bench = bench();
     let line = "tempcal log.csv --serial SN7 -o unit.toml --plot curve.svg --report page.html";
     bench.zerorate(line).ended_with(0).saying(&["wrote unit.toml"]);
-    assert!(bench.text("curve.svg").contains("Bias over temperature") && bench.text("page.html").contains("gx_dps"));
+    assert!(bench.text("curve.svg").contains("Bias over temperature"));
+    let page = bench.text("page.html");
+    for said in
+        ["gx_dps", "(one-branch): all axes: the logs only warm", "<th>X2, °/s/°C²</th>", "<th>slope, °/s/°C</th>"]
+    {
+        assert!(page.contains(said), "{said} in {page}");
+    }
+    assert!(!page.contains("<th>hysteresis"), "no axis has one: {page}");
     assert!(bench.text("unit.toml").contains("serial = \"SN7\""));
     let exported = bench.zerorate("export unit.toml --format json").json();
     for (axis, terms) in exported["axes"].as_array().unwrap().iter().zip(&GYRO) {

@@ -125,3 +125,19 @@ fn leader((cx, cy): (f64, f64), label: &Area) -> Option<Line> {
     let start = (cx + (x - cx) * RING / far, cy + (y - cy) * RING / far);
     (far > NEAR_LABEL).then(|| line(start, (x, y)).set("stroke", INK).set("stroke-width", 0.8))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_leads_to_a_label_that_is_not_beside_its_ring() {
+        let label = Area { left: 40.0, right: 90.0, top: 30.0, bottom: 47.0 };
+        assert!(leader((30.0, 38.0), &label).is_none());
+        // the corner (40, 30) is 50 pixels from the ring
+        let drawn = leader((0.0, 0.0), &label).unwrap().to_string();
+        for end in ["x1=\"4\"", "y1=\"3\"", "x2=\"40\"", "y2=\"30\""] {
+            assert!(drawn.contains(end), "{end} in {drawn}");
+        }
+    }
+}
