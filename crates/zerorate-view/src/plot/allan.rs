@@ -119,7 +119,7 @@ impl Default for Options {
     }
 }
 
-/// Colours that colour-blind readers can distinguish (Okabe and Ito), with the orange darkened, since it is hard to see
+/// Colours that colour-blind readers can distinguish (Okabe and Ito). The orange is darkened, since it is hard to see
 /// on white. The pale one is last.
 pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#8a6d00", "#56b4e9"];
 /// Dash patterns of the curves. After as many curves as there are colours, the next pattern is used.

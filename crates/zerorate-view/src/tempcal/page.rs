@@ -69,6 +69,9 @@ fn sensor(axes: &[(&AxisCurve, &Points)]) -> Sensor {
 /// The text of a cell without a value.
 const NONE: &str = "–";
 
+/// Formats a value of an axis; `None` if the axis lacks it.
+type Cell<'a> = &'a dyn Fn(&AxisCurve) -> Option<String>;
+
 /// The table of results. A column without a value of any axis is left out.
 fn results(axes: &[&AxisCurve]) -> Table {
     let Some(first) = axes.first() else { return Table::default() };
@@ -77,7 +80,7 @@ fn results(axes: &[&AxisCurve]) -> Table {
     let half = |half: f64| format!("±{}", number(half));
     // an accelerometer's bias cannot be told from gravity
     let bias = |axis: &AxisCurve| (axis.kind == Kind::Gyroscope).then(|| stated(axis.bias, axis.u_bias));
-    let columns: [(String, &dyn Fn(&AxisCurve) -> Option<String>); 9] = [
+    let columns: [(String, Cell<'_>); 9] = [
         ("axis".to_owned(), &|axis| Some(axis.name.clone())),
         (format!("bias, {unit}"), &bias),
         (format!("slope, {unit}/°C"), &|axis| Some(stated(axis.slope_per_c, axis.u_slope_per_c))),
