@@ -4,13 +4,18 @@ use std::fmt;
 use zerorate_allan::Fit;
 
 /// The reason why the coefficients of an axis must not become a result.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Rejection {
     /// The record has no noise model.
+    #[error("{0}")]
     NoModel(String),
     /// The model is rejected. The number is its relative error.
+    #[error("the noise model is off by {:.0} %, so none of its coefficients is a result", .0 * 100.0)]
     Rejected(f64),
     /// The sensor moves.
+    #[error(
+        "the sensor moves: some windows of 10 s are over 10 times as loud as others, so no coefficient is a result"
+    )]
     Moves,
 }
 
@@ -33,24 +38,6 @@ impl Rejection {
         match self {
             Self::NoModel(_) => "no-model",
             Self::Rejected(_) | Self::Moves => "model-rejected",
-        }
-    }
-}
-
-impl std::error::Error for Rejection {}
-
-impl fmt::Display for Rejection {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoModel(why) => f.write_str(why),
-            Self::Rejected(error) => {
-                let percent = error * 100.0;
-                write!(f, "the noise model is off by {percent:.0} %, so none of its coefficients is a result")
-            }
-            Self::Moves => f.write_str(
-                "the sensor moves: some windows of 10 s are over 10 times as loud as others, so no coefficient is a \
-                 result",
-            ),
         }
     }
 }
