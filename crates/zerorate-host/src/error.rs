@@ -49,9 +49,7 @@ impl DeviceError {
     pub fn cause(&self) -> Cause {
         self.cause
     }
-}
 
-impl DeviceError {
     /// A copy of the error, because each reader of the device receives the error.
     pub(crate) fn again(&self) -> Self {
         Self { cause: self.cause, told: anyhow::anyhow!("{:#}", self.told) }
