@@ -1,6 +1,7 @@
 //! Reads ArduPilot logs in DataFlash format (`.bin`). FMT messages name the fields of the other messages.
 //! <https://ardupilot.org/dev/docs/code-overview-adding-a-new-log-message.html> lists the letters of the field types.
 
+use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
 use super::open::{ARDUPILOT, Log};
 use super::series::SeriesBuilder;
@@ -229,30 +230,15 @@ impl Field {
     /// The value of the field; `None` for text, arrays and half-precision numbers. The letters c, C, e and E stand for
     /// hundredths.
     fn number(&self, body: &[u8]) -> Option<f64> {
-        let rest = body.get(self.at..)?;
-        let integer = |bytes: usize, signed: bool| {
-            let mut wide = [0; 8];
-            wide[..bytes].copy_from_slice(rest.get(..bytes)?);
-            let (bits, unused) = (u64::from_le_bytes(wide), 64 - 8 * bytes as u32);
-            Some(if signed { ((bits << unused) as i64 >> unused) as f64 } else { bits as f64 })
+        let coding = match self.kind {
+            b'f' | b'd' => Coding::Float,
+            b'b' | b'h' | b'i' | b'L' | b'q' | b'c' | b'e' => Coding::Signed,
+            b'B' | b'M' | b'H' | b'I' | b'Q' | b'C' | b'E' => Coding::Unsigned,
+            _ => return None,
         };
-        match self.kind {
-            b'f' => Some(f32::from_le_bytes(*rest.first_chunk()?).into()),
-            b'd' => Some(f64::from_le_bytes(*rest.first_chunk()?)),
-            b'b' => integer(1, true),
-            b'B' | b'M' => integer(1, false),
-            b'h' => integer(2, true),
-            b'H' => integer(2, false),
-            b'i' | b'L' => integer(4, true),
-            b'I' => integer(4, false),
-            b'q' => integer(8, true),
-            b'Q' => integer(8, false),
-            b'c' => integer(2, true).map(|hundredths| hundredths / 100.0),
-            b'C' => integer(2, false).map(|hundredths| hundredths / 100.0),
-            b'e' => integer(4, true).map(|hundredths| hundredths / 100.0),
-            b'E' => integer(4, false).map(|hundredths| hundredths / 100.0),
-            _ => None,
-        }
+        let bytes = body.get(self.at..)?.get(..size(self.kind)?)?;
+        let number = BinaryNumber::decode(coding, bytes, false).as_f64();
+        Some(if matches!(self.kind, b'c' | b'C' | b'e' | b'E') { number / 100.0 } else { number })
     }
 }
 

@@ -3,8 +3,8 @@
 //! A data set of numbers is named by its path: `imu/gyro`, or in MATLAB `imu.gyro`. A field of a compound data set, as
 //! PyTables writes tables, is named `table.gz`. Other data sets are ignored.
 
+use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
-use super::number::Number;
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{hdf5_index, lzf};
@@ -130,23 +130,12 @@ fn senseless(path: &Path) -> InputError {
     InputError::damaged(path, "as an HDF5 file", "its content makes no sense")
 }
 
-fn push(values: &mut SeriesBuilder, row: u64, cell: Number) -> Result<(), String> {
-    match cell {
-        Number::Missing => values.push_missing(),
-        Number::Integer(integer) => values.push_integer(integer),
-        Number::Decimal(number) if values.push_number(number) => {}
-        Number::Decimal(_) => return Err(format!("row {row} is infinite, which cannot be averaged")),
-    }
-    Ok(())
+fn push(values: &mut SeriesBuilder, row: u64, cell: BinaryNumber) -> Result<(), String> {
+    cell.add_to(values).then_some(()).ok_or_else(|| format!("row {row} is infinite, which cannot be averaged"))
 }
 
-fn push_time(times: &mut Times, row: u64, cell: Number) -> Result<(), String> {
-    match cell {
-        Number::Integer(integer) => times.push_integer(integer),
-        Number::Decimal(number) => times.push_number(number).map_err(|what| format!("row {row}: {what}"))?,
-        Number::Missing => return Err(format!("row {row} has no time; every row must have one")),
-    }
-    Ok(())
+fn push_time(times: &mut Times, row: u64, cell: BinaryNumber) -> Result<(), String> {
+    cell.add_to_times(times).map_err(|what| format!("row {row}: {what}"))
 }
 
 /// True if MATLAB wrote the file, with its own head before the head of HDF5.
@@ -304,7 +293,7 @@ impl Set {
         let mut rates = stated_rates(set.attributes(), name);
         if is_rate(name) && size(set.dtype()).is_some() && set.num_elements().is_ok_and(|count| count == 1) {
             let number = set.read_array::<Cell>().ok().and_then(|cells| cells.first().copied());
-            rates.extend(number.and_then(|Cell(number)| number.as_f64()).map(|number| (name.clone(), number)));
+            rates.extend(number.map(|Cell(number)| (name.clone(), number.as_f64())));
         }
         rates
     }
@@ -328,7 +317,7 @@ impl SetColumn<'_> {
         }
     }
 
-    fn read(&self, start: u64, end: u64) -> Result<Vec<Number>, Error> {
+    fn read(&self, start: u64, end: u64) -> Result<Vec<BinaryNumber>, Error> {
         let rows = SliceInfoElem::Slice { start, end, step: 1 };
         let selections = match self.at {
             None => vec![rows],
@@ -340,7 +329,7 @@ impl SetColumn<'_> {
         if cells.len() as u64 == end - start { Ok(cells) } else { Err(missing()) }
     }
 
-    fn cells(&self, rows: &SliceInfo) -> Result<Vec<Number>, Error> {
+    fn cells(&self, rows: &SliceInfo) -> Result<Vec<BinaryNumber>, Error> {
         let Some(field) = self.field else {
             return Ok(self.set.read_slice::<Cell>(rows)?.into_iter().map(|Cell(number)| number).collect());
         };
@@ -361,27 +350,18 @@ fn size(of: &Datatype) -> Option<usize> {
 }
 
 /// Decodes the number at the start of these bytes.
-fn number(bytes: &[u8], of: &Datatype) -> Option<Number> {
-    let bytes = bytes.get(..size(of)?)?;
-    let mut wide = [0; 8];
-    wide[..bytes.len()].copy_from_slice(bytes);
-    let (Datatype::FixedPoint { byte_order, .. } | Datatype::FloatingPoint { byte_order, .. }) = of else {
-        return None;
+fn number(bytes: &[u8], of: &Datatype) -> Option<BinaryNumber> {
+    let (coding, byte_order) = match of {
+        Datatype::FloatingPoint { byte_order, .. } => (Coding::Float, byte_order),
+        Datatype::FixedPoint { signed: true, byte_order, .. } => (Coding::Signed, byte_order),
+        Datatype::FixedPoint { byte_order, .. } => (Coding::Unsigned, byte_order),
+        _ => return None,
     };
-    if *byte_order == ByteOrder::BigEndian {
-        wide[..bytes.len()].reverse();
-    }
-    let (bits, unused) = (u64::from_le_bytes(wide), 64 - 8 * bytes.len() as u32);
-    Some(match of {
-        Datatype::FloatingPoint { size: 4, .. } => Number::Decimal(f32::from_bits(bits as u32).into()),
-        Datatype::FloatingPoint { .. } => Number::Decimal(f64::from_bits(bits)),
-        Datatype::FixedPoint { signed: true, .. } => Number::Integer((bits << unused) as i64 >> unused),
-        _ => i64::try_from(bits).map_or(Number::Decimal(bits as f64), Number::Integer),
-    })
+    Some(BinaryNumber::decode(coding, bytes.get(..size(of)?)?, *byte_order == ByteOrder::BigEndian))
 }
 
 #[derive(Clone, Copy)]
-struct Cell(Number);
+struct Cell(BinaryNumber);
 
 impl H5Type for Cell {
     fn hdf5_type() -> Datatype {

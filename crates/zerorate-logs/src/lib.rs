@@ -9,6 +9,7 @@
 //! The error for a format that is not built in names its feature ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).
 
 mod arrow_file;
+mod binary;
 #[cfg(all(test, feature = "full"))]
 mod checks;
 mod choice;

@@ -4,6 +4,7 @@
 //! Compressed data carries a checksum (Adler-32), other data carries none. A matrix whose size and data disagree is an
 //! error, because nobody would notice that its columns were left out.
 
+use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
 use super::open::{Log, MATLAB};
 use super::series::SeriesBuilder;
@@ -324,53 +325,35 @@ fn size(kind: u32) -> Option<usize> {
     })
 }
 
-enum Value {
-    Integer(i64),
-    Number(f64),
-}
-
 impl Variable<'_> {
     fn rows(&self) -> usize {
         self.len
     }
 
-    fn cells(&self) -> impl Iterator<Item = Value> {
+    fn cells(&self) -> impl Iterator<Item = BinaryNumber> {
         let size = size(self.kind).unwrap_or(1);
-        let unused = 64 - 8 * size as u32;
+        let coding = match self.kind {
+            SINGLE | DOUBLE => Coding::Float,
+            INT8 | 3 | 5 | INT64 => Coding::Signed,
+            _ => Coding::Unsigned,
+        };
         (0..self.len).map(move |row| {
             let bytes = &self.bytes[(self.first + row * self.step) * size..][..size];
-            let mut wide = [0; 8];
-            wide[..size].copy_from_slice(bytes);
-            if self.big_endian {
-                wide[..size].reverse();
-            }
-            let bits = u64::from_le_bytes(wide);
-            match self.kind {
-                SINGLE => Value::Number(f32::from_bits(bits as u32).into()),
-                DOUBLE => Value::Number(f64::from_bits(bits)),
-                INT8 | 3 | 5 | INT64 => Value::Integer((bits << unused) as i64 >> unused),
-                _ => i64::try_from(bits).map_or(Value::Number(bits as f64), Value::Integer),
-            }
+            BinaryNumber::decode(coding, bytes, self.big_endian)
         })
     }
 
     /// The name and the value of a single number.
     fn number(&self) -> Option<(String, f64)> {
-        let number = match self.cells().next()? {
-            Value::Integer(integer) => integer as f64,
-            Value::Number(number) => number,
-        };
-        Some((self.name.clone(), number))
+        Some((self.name.clone(), self.cells().next()?.as_f64()))
     }
 
     fn values(&self, path: &Path, room: MemoryBudget, sharing: usize) -> Result<RawColumn, InputError> {
         let mut values = SeriesBuilder::sharing(room, sharing);
         values.check_room(self.rows() as u64).map_err(|why| InputError::over_budget(path, why))?;
         for (row, cell) in self.cells().enumerate() {
-            match cell {
-                Value::Integer(integer) => values.push_integer(integer),
-                Value::Number(number) if values.push_number(number) => {}
-                Value::Number(_) => return Err(self.wrong(path, row, "it is infinite, which cannot be averaged")),
+            if !cell.add_to(&mut values) {
+                return Err(self.wrong(path, row, "it is infinite, which cannot be averaged"));
             }
         }
         Ok(RawColumn::new(self.name.clone(), values))
@@ -379,12 +362,7 @@ impl Variable<'_> {
     fn times(&self, path: &Path) -> Result<Times, InputError> {
         let mut times = Times::new();
         for (row, cell) in self.cells().enumerate() {
-            match cell {
-                Value::Integer(integer) => times.push_integer(integer),
-                Value::Number(number) => {
-                    times.push_number(number).map_err(|what| self.wrong(path, row, &what))?;
-                }
-            }
+            cell.add_to_times(&mut times).map_err(|what| self.wrong(path, row, &what))?;
         }
         Ok(times)
     }

@@ -3,6 +3,7 @@
 
 mod header;
 
+use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
@@ -67,11 +68,7 @@ impl Array {
         let Some(field) = self.fields.first().filter(|field| field.kind.is_some()) else { return Ok(None) };
         let mut rate = None;
         each(path, file, self.start, 1, &[field], |_, cells| {
-            let number = cells.iter().next().map(|cell| match field.decode(cell) {
-                Cell::Integer(integer) => integer as f64,
-                Cell::Number(number) => number,
-            });
-            rate = number.map(|number| (field.name.clone(), number));
+            rate = cells.iter().next().map(|cell| (field.name.clone(), field.decode(cell).as_f64()));
             Ok(())
         })?;
         Ok(rate)
@@ -147,10 +144,8 @@ fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> 
         return added.map_err(infinite);
     }
     for (row, cell) in cells.iter().enumerate() {
-        match field.decode(cell) {
-            Cell::Integer(integer) => values.push_integer(integer),
-            Cell::Number(number) if values.push_number(number) => {}
-            Cell::Number(_) => return Err(infinite(row)),
+        if !field.decode(cell).add_to(values) {
+            return Err(infinite(row));
         }
     }
     Ok(())
@@ -158,13 +153,11 @@ fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> 
 
 fn push_times(times: &mut Times, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
     for (row, cell) in cells.iter().enumerate() {
-        match field.decode(cell) {
-            Cell::Integer(i64::MIN) if field.kind == Some(Kind::Time) => {
-                return Err((row, "no time; every row must have one".to_owned()));
-            }
-            Cell::Integer(time) => times.push_integer(time),
-            Cell::Number(time) => times.push_number(time).map_err(|what| (row, what))?,
+        let time = field.decode(cell);
+        if time == BinaryNumber::Integer(i64::MIN) && field.kind == Some(Kind::Time) {
+            return Err((row, "no time; every row must have one".to_owned()));
         }
+        time.add_to_times(times).map_err(|what| (row, what))?;
     }
     Ok(())
 }
@@ -251,21 +244,13 @@ impl Field {
         self.kind == Some(Kind::Float) && self.size == 8 && !self.big_endian
     }
 
-    fn decode(&self, bytes: &[u8]) -> Cell {
-        // little endian, extended to eight bytes
-        let mut wide = [0; 8];
-        wide[..self.size].copy_from_slice(bytes);
-        if self.big_endian {
-            wide[..self.size].reverse();
-        }
-        let bits = u64::from_le_bytes(wide);
-        let unused = 64 - 8 * self.size as u32;
-        match self.kind {
-            Some(Kind::Float) if self.size == 4 => Cell::Number(f32::from_bits(bits as u32).into()),
-            Some(Kind::Float) => Cell::Number(f64::from_bits(bits)),
-            Some(Kind::Unsigned) => i64::try_from(bits).map_or(Cell::Number(bits as f64), Cell::Integer),
-            _ => Cell::Integer((bits << unused) as i64 >> unused),
-        }
+    fn decode(&self, bytes: &[u8]) -> BinaryNumber {
+        let coding = match self.kind {
+            Some(Kind::Float) => Coding::Float,
+            Some(Kind::Unsigned) => Coding::Unsigned,
+            _ => Coding::Signed,
+        };
+        BinaryNumber::decode(coding, bytes, self.big_endian)
     }
 }
 
@@ -330,11 +315,6 @@ fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, InputEr
     let expected = expected.map_or("more".to_owned(), |expected| expected.to_string());
     let what = format!("its header states {expected} bytes of data and {there} follow; was it cut short?");
     Err(InputError::damaged(path, "as an NPY file", what))
-}
-
-enum Cell {
-    Integer(i64),
-    Number(f64),
 }
 
 /// The cells of a column in consecutive rows.

@@ -28,15 +28,6 @@ impl Number {
     pub fn is_there(self) -> bool {
         self != Self::Missing
     }
-
-    #[cfg(feature = "hdf5")]
-    pub fn as_f64(self) -> Option<f64> {
-        match self {
-            Self::Missing => None,
-            Self::Integer(integer) => Some(integer as f64),
-            Self::Decimal(number) => Some(number),
-        }
-    }
 }
 
 /// Reads numbers, and learns from them which decimal mark the text uses.

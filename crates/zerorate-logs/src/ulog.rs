@@ -1,6 +1,7 @@
 //! Reads PX4 logs in ULog format (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>): formats that name the
 //! fields of messages, subscriptions that name topics, and data. Times are µs since the start of the controller.
 
+use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
 use super::open::{Log, ULOG};
 use super::series::SeriesBuilder;
@@ -61,15 +62,14 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     again.all(&mut pending, |kind, body| {
         let Some(data) = body.strip_prefix(&chosen.id.to_le_bytes()[..]).filter(|_| kind == b'D') else { return true };
         let time = chosen.time.integer(data);
-        let numbers: Option<Vec<Value>> = chosen.fields.iter().map(|(_, field)| field.value(data)).collect();
+        let numbers: Option<Vec<BinaryNumber>> = chosen.fields.iter().map(|(_, field)| field.value(data)).collect();
         let (Some(time), Some(numbers)) = (time, numbers) else { return true };
         row += 1;
         times.push_integer(time);
         for (values, number) in values.iter_mut().zip(numbers) {
-            match number {
-                Value::Integer(integer) => values.push_integer(integer),
-                // a value that is not finite is a missing sample
-                Value::Number(number) => drop(values.push_number(if number.is_finite() { number } else { f64::NAN })),
+            // a value that is not finite is a missing sample
+            if !number.add_to(values) {
+                values.push_number(f64::NAN);
             }
         }
         if row.is_multiple_of(PIECE) {
@@ -175,21 +175,9 @@ struct Topics {
 #[derive(Clone, Debug, PartialEq)]
 struct Field {
     name: String,
-    kind: Kind,
+    coding: Coding,
     at: usize,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Signed(usize),
-    Unsigned(usize),
-    Float,
-    Double,
-}
-
-enum Value {
-    Integer(i64),
-    Number(f64),
+    size: usize,
 }
 
 struct Chosen {
@@ -256,9 +244,9 @@ impl Topics {
             for index in 0..count.unwrap_or(1) {
                 let index = count.map_or_else(String::new, |_| format!("[{index}]"));
                 let name = format!("{before}{name}{index}");
-                match Kind::of(kind) {
-                    Some((Some(kind), size)) => {
-                        fields.push(Field { name, kind, at: *at });
+                match basic_type(kind) {
+                    Some((Some(coding), size)) => {
+                        fields.push(Field { name, coding, at: *at, size });
                         *at += size;
                     }
                     Some((None, size)) => *at += size,
@@ -361,49 +349,33 @@ impl Topics {
     }
 }
 
-impl Kind {
-    /// Looks up a basic type. Returns the kind of number, or `None` for `bool` and `char`, and the size in bytes.
-    fn of(name: &str) -> Option<(Option<Self>, usize)> {
-        Some(match name {
-            "int8_t" => (Some(Self::Signed(1)), 1),
-            "int16_t" => (Some(Self::Signed(2)), 2),
-            "int32_t" => (Some(Self::Signed(4)), 4),
-            "int64_t" => (Some(Self::Signed(8)), 8),
-            "uint8_t" => (Some(Self::Unsigned(1)), 1),
-            "uint16_t" => (Some(Self::Unsigned(2)), 2),
-            "uint32_t" => (Some(Self::Unsigned(4)), 4),
-            "uint64_t" => (Some(Self::Unsigned(8)), 8),
-            "float" => (Some(Self::Float), 4),
-            "double" => (Some(Self::Double), 8),
-            "bool" | "char" => (None, 1),
-            _ => return None,
-        })
-    }
+/// Looks up a basic type. Returns the coding of the number, or `None` for `bool` and `char`, and the size in bytes.
+fn basic_type(name: &str) -> Option<(Option<Coding>, usize)> {
+    Some(match name {
+        "int8_t" => (Some(Coding::Signed), 1),
+        "int16_t" => (Some(Coding::Signed), 2),
+        "int32_t" => (Some(Coding::Signed), 4),
+        "int64_t" => (Some(Coding::Signed), 8),
+        "uint8_t" => (Some(Coding::Unsigned), 1),
+        "uint16_t" => (Some(Coding::Unsigned), 2),
+        "uint32_t" => (Some(Coding::Unsigned), 4),
+        "uint64_t" => (Some(Coding::Unsigned), 8),
+        "float" => (Some(Coding::Float), 4),
+        "double" => (Some(Coding::Float), 8),
+        "bool" | "char" => (None, 1),
+        _ => return None,
+    })
 }
 
 impl Field {
-    fn value(&self, data: &[u8]) -> Option<Value> {
-        let rest = data.get(self.at..)?;
-        Some(match self.kind {
-            Kind::Float => Value::Number(f32::from_le_bytes(*rest.first_chunk()?).into()),
-            Kind::Double => Value::Number(f64::from_le_bytes(*rest.first_chunk()?)),
-            Kind::Signed(size) | Kind::Unsigned(size) => {
-                let mut wide = [0; 8];
-                wide[..size].copy_from_slice(rest.get(..size)?);
-                let bits = u64::from_le_bytes(wide);
-                let unused = 64 - 8 * size as u32;
-                match self.kind {
-                    Kind::Signed(_) => Value::Integer((bits << unused) as i64 >> unused),
-                    _ => i64::try_from(bits).map_or(Value::Number(bits as f64), Value::Integer),
-                }
-            }
-        })
+    fn value(&self, data: &[u8]) -> Option<BinaryNumber> {
+        Some(BinaryNumber::decode(self.coding, data.get(self.at..)?.get(..self.size)?, false))
     }
 
     fn integer(&self, data: &[u8]) -> Option<i64> {
         match self.value(data)? {
-            Value::Integer(integer) => Some(integer),
-            Value::Number(_) => None,
+            BinaryNumber::Integer(integer) => Some(integer),
+            BinaryNumber::Float(_) => None,
         }
     }
 }
