@@ -8,12 +8,14 @@
  * Threads    An object is used by one thread or interrupt at a time; what keeps them apart is the caller's.
  *            Different objects are independent. Functions that take const pointers only, and those without pointers,
  *            may be called from anywhere at any time, interrupts included.
- * Interrupts zerorate_gyro_sample fits into the interrupt of RDY: 1 to 3 commands, and a bounded count of instructions
- *            beside. zerorate_procedure_sample takes long at the end of a step (floating point), so call it from the
- *            main loop. If an interrupt samples, the main loop must not touch that zerorate_gyro without masking it.
+ * Interrupts zerorate_gyro_sample fits into the interrupt of RDY: 1 to 3 commands, up to 10 after a doubtful answer, and
+ *            a bounded count of instructions. zerorate_procedure_sample takes long at the end of a step (floating
+ *            point), so call it from the main loop. If an interrupt samples, the main loop must not touch that
+ *            zerorate_gyro without masking it.
  * Errors     Functions return ZERORATE_OK, a positive number that says something harmless, or a negative one that says
- *            what failed. Results are written only where the return value is ZERORATE_OK. Null pointers are an error,
- *            and so are objects that were not set up, provided that their memory was zero.
+ *            what failed. Results are written only where the return value is ZERORATE_OK, except for
+ *            zerorate_table_look_up. Null pointers are an error, and so are objects that were not set up, provided
+ *            that their memory was zero.
  * Clocks     Times are in ns of one clock that runs evenly and does not go back. The library reads no clock itself.
  *
  * What is where, in the order of use:
@@ -39,52 +41,52 @@
 #include <stdint.h>
 
 /**
- * The Earth's rotation was not subtracted: up to 0.00418 deg/s are in PBC.
+ * The Earth's rotation was not subtracted. PBC contains up to 0.00418 deg/s of it (F-16).
  */
 #define ZERORATE_WARNING_EARTH_INCLUDED 1
 
 /**
- * Two temperatures show no curvature; its typical size is in the uncertainty of BTC.
+ * Two temperatures show no curvature. The uncertainty of BTC allows for a typical curvature.
  */
 #define ZERORATE_WARNING_CURVATURE_UNSEEN 2
 
 /**
- * The temperature moved between the rate average and T3.
+ * The temperature changed between the average of the rate in step 8 and T3 in step 9.
  */
 #define ZERORATE_WARNING_DRIFTING 4
 
 /**
- * PBC was averaged for less than half of the best time.
+ * PBC was averaged for less than half of the best averaging time.
  */
 #define ZERORATE_WARNING_SHORT_AVERAGE 8
 
 /**
- * The rate was read below twice the bandwidth: noise folds in.
+ * The rate was sampled at less than twice the bandwidth, so noise folds into the band.
  */
 #define ZERORATE_WARNING_ALIASED 16
 
 /**
- * Samples were lost, within the limit.
+ * Samples were lost, but no more than `max_lost` allows.
  */
 #define ZERORATE_WARNING_LOST 32
 
 /**
- * The bias wanders more than a typical unit's.
+ * The bias wanders more than the typical flicker noise of the part.
  */
 #define ZERORATE_WARNING_WANDERING 64
 
 /**
- * A warning that this version of the interface has no number for.
+ * A warning for which this version of the interface has no number.
  */
 #define ZERORATE_WARNING_OTHER 128
 
 /**
- * The given Earth rotation was subtracted; any other constant rotation is inside PBC.
+ * The Earth rotation `earth_dps` was subtracted. PBC contains any other constant rotation.
  */
 #define ZERORATE_WARNING_EARTH_SUBTRACTED 256
 
 /**
- * BTC is close to zero: a wide hysteresis or a long lag would look the same.
+ * BTC is close to zero. A wide hysteresis or a long lag would look the same.
  */
 #define ZERORATE_WARNING_FLAT 512
 
@@ -96,7 +98,7 @@
 #define ZERORATE_WARNING_HOUR_UNCHECKED 1024
 
 /**
- * Give the component of the Earth's rotation on the axis.
+ * Set `earth_dps` to the component of the Earth's rotation on the axis.
  */
 #define ZERORATE_REMEDY_GIVE_EARTH 1
 
@@ -106,7 +108,7 @@
 #define ZERORATE_REMEDY_ASSUME_LINEAR 2
 
 /**
- * Settle longer.
+ * Settle longer (`settle_s`).
  */
 #define ZERORATE_REMEDY_SETTLE_LONGER 3
 
@@ -136,7 +138,7 @@
 #define ZERORATE_REMEDY_CHAMBER 8
 
 /**
- * Warm and settle longer and more slowly.
+ * Warm the part more slowly, and let it settle longer.
  */
 #define ZERORATE_REMEDY_WARM_MORE_SLOWLY 9
 
@@ -146,7 +148,7 @@
 #define ZERORATE_REMEDY_FIX_TO_STILL_PLATFORM 10
 
 /**
- * Check the calibration over a wider range before you rely on it elsewhere than at T3.
+ * Check the calibration over a wider range of temperatures before you rely on it elsewhere than at T3.
  */
 #define ZERORATE_REMEDY_CHECK_OVER_WIDER_RANGE 11
 
@@ -156,17 +158,17 @@
 #define ZERORATE_REMEDY_RECORD_AND_RECOMPUTE 12
 
 /**
- * Average the offset longer.
+ * Average the rate of step 8 longer (`offset_s`).
  */
 #define ZERORATE_REMEDY_LONGER_OFFSET 13
 
 /**
- * Use a smaller divider.
+ * Use a smaller divider of the edges of RDY.
  */
 #define ZERORATE_REMEDY_SMALLER_DIVIDER 14
 
 /**
- * Use a larger divider.
+ * Use a larger divider of the edges of RDY.
  */
 #define ZERORATE_REMEDY_LARGER_DIVIDER 15
 
@@ -181,7 +183,7 @@
 #define ZERORATE_REMEDY_SHORTER_CABLE 17
 
 /**
- * Read at another rate.
+ * Read at another rate, for example with another divider.
  */
 #define ZERORATE_REMEDY_OTHER_RATE 18
 
@@ -201,12 +203,12 @@
 #define ZERORATE_REMEDY_START_COLD 21
 
 /**
- * Warm up longer.
+ * Warm up longer (`warmup_s`).
  */
 #define ZERORATE_REMEDY_LONGER_WARM_UP 22
 
 /**
- * Accept a larger uncertainty of BTC.
+ * Accept a larger uncertainty of BTC (`max_u_btc_dps_per_c`).
  */
 #define ZERORATE_REMEDY_ACCEPT_MORE_U_BTC 23
 
@@ -221,7 +223,7 @@
 #define ZERORATE_REMEDY_READ_TEMPERATURE_MORE 25
 
 /**
- * Allow a larger share of lost samples.
+ * Allow a larger share of lost samples (`max_lost`).
  */
 #define ZERORATE_REMEDY_ALLOW_MORE_LOSS 26
 
@@ -231,7 +233,7 @@
 #define ZERORATE_REMEDY_CHECK_SUPPLY_AND_WIRING 27
 
 /**
- * Check the data-ready wire, its level and its pull-up, and only then what else the host does.
+ * Check the data-ready wire, its level and its pull-up. If they are right, check what else the host does.
  */
 #define ZERORATE_REMEDY_CHECK_DATA_READY 28
 
@@ -241,17 +243,17 @@
 #define ZERORATE_REMEDY_RESET_AND_CHECK 29
 
 /**
- * Average longer.
+ * Average longer in steps 4 and 6 (`average_s`).
  */
 #define ZERORATE_REMEDY_LONGER_AVERAGE 30
 
 /**
- * Complete the file of the part.
+ * Add the missing typical values to the part's file.
  */
 #define ZERORATE_REMEDY_COMPLETE_PART 31
 
 /**
- * Calibrate over a wider span.
+ * Calibrate over a wider span of temperatures.
  */
 #define ZERORATE_REMEDY_WIDER_SPAN 32
 
@@ -261,7 +263,7 @@
 #define ZERORATE_REMEDY_FASTER_CLOCK 33
 
 /**
- * Listen to the other edge of data ready.
+ * Use the other edge of data ready (`rdy_rises`).
  */
 #define ZERORATE_REMEDY_OTHER_EDGE 36
 
@@ -272,34 +274,34 @@
 typedef int32_t zerorate_status;
 
 /**
- * Corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. A line (F-50) has BTC2
- * and BTC3 zero.
+ * A correction: corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. For a line
+ * (F-50), BTC2 and BTC3 are zero.
  */
 typedef struct zerorate_correction {
   /**
-   * PBC, deg/s.
+   * PBC, the correction at T3, deg/s.
    */
   double pbc_dps;
   /**
-   * BTC, deg/s per deg C.
+   * BTC, the linear term, deg/s per deg C.
    */
   double btc_dps_per_c;
   /**
-   * T3, deg C, as the part's own sensor reads it.
+   * T3, the temperature that the part reported when PBC was measured, deg C.
    */
   double t3_c;
   /**
-   * BTC2, deg/s per (deg C)^2; zero for a line.
+   * BTC2, the quadratic term, deg/s per (deg C)^2. Zero for a line.
    */
   double btc2_dps_per_c2;
   /**
-   * BTC3, deg/s per (deg C)^3; zero for a line.
+   * BTC3, the cubic term, deg/s per (deg C)^3. Zero for a line.
    */
   double btc3_dps_per_c3;
 } zerorate_correction;
 
 /**
- * A correction in single precision.
+ * A correction in single precision. The formula is that of zerorate_correction.
  */
 typedef struct zerorate_correction_f32 {
   /**
@@ -315,17 +317,17 @@ typedef struct zerorate_correction_f32 {
    */
   float t3_c;
   /**
-   * BTC2, deg/s per (deg C)^2; zero for a line.
+   * BTC2, deg/s per (deg C)^2. Zero for a line.
    */
   float btc2_dps_per_c2;
   /**
-   * BTC3, deg/s per (deg C)^3; zero for a line.
+   * BTC3, deg/s per (deg C)^3. Zero for a line.
    */
   float btc3_dps_per_c3;
 } zerorate_correction_f32;
 
 /**
- * A line (F-50) on codes of 24 bits, without floating point or division.
+ * A linear correction (F-50) of 24-bit codes, without floating point or division.
  */
 typedef struct zerorate_correction_integer {
   /**
@@ -343,13 +345,13 @@ typedef struct zerorate_correction_integer {
 } zerorate_correction_integer;
 
 /**
- * A curve on codes of 24 bits, without floating point or division. It can hold a line as well, but
- * zerorate_correction_integer takes fewer instructions.
+ * A correction of 24-bit codes by a curve of order 3, without floating point or division. It can hold a line as well,
+ * but zerorate_correction_integer takes fewer instructions.
  */
 typedef struct zerorate_correction_curve {
   /**
-   * The constant at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
-   * codes times 2^fraction.
+   * The correction at T3, then the coefficients of x, x^2 and x^3 with x = (temperature code - t3_code) * 2^10 /
+   * 2^32. All are in rate codes times 2^fraction.
    */
   int32_t terms[4];
   /**
@@ -363,8 +365,8 @@ typedef struct zerorate_correction_curve {
 } zerorate_correction_curve;
 
 /**
- * A correction with the temperature that was read last. The memory is the caller's, the contents are private; begin
- * it with zerorate_corrector_begin. It needs no tear-down.
+ * A correction with the temperature that was read last. The caller owns the memory, and the contents are private.
+ * Begin it with zerorate_corrector_begin. It needs no tear-down.
  */
 typedef struct zerorate_corrector {
   /**
@@ -374,19 +376,19 @@ typedef struct zerorate_corrector {
 } zerorate_corrector;
 
 /**
- * The span of temperatures in which a correction holds, as the calibration states it.
+ * The span of temperatures in which a correction holds, from the `validity` of its calibration.
  */
 typedef struct zerorate_validity {
   /**
-   * Lowest temperature seen while measuring, deg C.
+   * Lowest temperature of the calibration, deg C.
    */
   double temp_min_c;
   /**
-   * Highest temperature seen while measuring, deg C.
+   * Highest temperature of the calibration, deg C.
    */
   double temp_max_c;
   /**
-   * How far a temperature may leave the span without a mark, deg C: 0.5.
+   * Distance from the span up to which a temperature does not count as extrapolated, deg C: 0.5 for the ADIS16130.
    */
   double margin_c;
 } zerorate_validity;
@@ -400,11 +402,11 @@ typedef struct zerorate_corrected {
    */
   double rate_dps;
   /**
-   * The temperature that was used, deg C.
+   * The temperature that the correction used, deg C.
    */
   double temp_c;
   /**
-   * 1 = that temperature lies outside the span where the correction holds.
+   * 1 = `temp_c` lies outside the span in which the correction holds, by more than its margin. Otherwise 0.
    */
   uint8_t extrapolated;
 } zerorate_corrected;
@@ -414,43 +416,44 @@ typedef struct zerorate_corrected {
  */
 typedef struct zerorate_settings {
   /**
-   * Nominal master clock of the part, Hz: 6000000.
+   * Nominal master clock of the part, Hz. Default: 6000000.
    */
   uint32_t mclk_hz;
   /**
-   * Read the temperature with every n-th sample (F-55): 1 = with each, 0 = never.
+   * Read the temperature with every n-th sample (F-55): 1 = with each sample, 0 = never.
    */
   uint16_t every_temp;
   /**
-   * Read on every n-th edge of RDY (F-56): 1 = on each.
+   * Read on every n-th edge of RDY (F-56): 1 = on each edge.
    */
   uint16_t divider;
   /**
-   * Width of the data registers: 24 or 16.
+   * Width of the data registers, bits: 24 or 16.
    */
   uint8_t bits;
   /**
-   * 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte. With 0 CS
-   * stays low for a whole command, which is faster and works too (F-22).
+   * 1 = CS rises between all bytes, as AN-1042 prescribes, and `transfer` is called once per byte. 0 = CS stays low
+   * for a whole command, which is faster and works too (F-22).
    */
   uint8_t per_byte_framing;
   /**
-   * Which edge of the line says "new data": 0 = falling, 1 = rising, as behind an inverting level shifter.
+   * The edge of RDY that announces new data: 0 = falling, 1 = rising, as behind an inverting level shifter.
    */
   uint8_t rdy_rises;
   /**
-   * 1 = read the status of the rate channel with every sample, 0 = only where an edge is doubtful.
+   * 1 = read the status of the rate channel with every sample. 0 = only if an edge may not announce new data, which
+   * with `divided` above 1 is every edge.
    */
   uint8_t read_status;
   /**
-   * Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 and 1 = no counter.
+   * Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 or 1 = no counter.
    */
   uint16_t divided;
 } zerorate_settings;
 
 /**
- * A gyroscope. The memory is the caller's, the contents are private; set it up with zerorate_gyro_set_up. It needs no
- * tear-down.
+ * A gyroscope. The caller owns the memory, and the contents are private. Set it up with zerorate_gyro_set_up. It
+ * needs no tear-down.
  */
 typedef struct zerorate_gyro {
   /**
@@ -460,14 +463,14 @@ typedef struct zerorate_gyro {
 } zerorate_gyro;
 
 /**
- * The caller's functions that reach the part. Each gets `context` back.
+ * The caller's functions that access the part. Each gets `context` as its first argument.
  *
- * They are called from inside the function that needs them, in the same thread or interrupt, and must not call a
+ * The library calls these functions from inside its own, in the same thread or interrupt. They must not call a
  * function on the same object. `context` must stay valid as long as the object that was set up with it is used.
  */
 typedef struct zerorate_bus {
   /**
-   * Handed to each function. May be null.
+   * Passed to each of the functions. May be null.
    */
   void *context;
   /**
@@ -477,18 +480,18 @@ typedef struct zerorate_bus {
    */
   int32_t (*transfer)(void *context, uint8_t *bytes, size_t length);
   /**
-   * The level of RDY: 1 = high, 0 = low, negative = error. Null where neither zerorate_gyro_wait_ready nor
-   * zerorate_gyro_self_test is used.
+   * Returns the level of RDY: 1 = high, 0 = low, negative = error. May be null if neither zerorate_gyro_wait_ready
+   * nor zerorate_gyro_self_test is used.
    */
   int32_t (*rdy)(void *context);
   /**
-   * Waits for so many microseconds, or a little longer. Null where `rdy` may be.
+   * Waits for `us` microseconds, or a little longer. May be null under the same condition as `rdy`.
    */
   void (*delay_us)(void *context, uint32_t us);
 } zerorate_bus;
 
 /**
- * Rate and temperature, as codes of 24 bits; with 16-bit registers they are multiples of 256.
+ * Rate and temperature as 24-bit codes. With 16-bit registers the codes are multiples of 256.
  */
 typedef struct zerorate_codes {
   /**
@@ -502,92 +505,92 @@ typedef struct zerorate_codes {
 } zerorate_codes;
 
 /**
- * A sample of the rate, with the temperature where that was due.
+ * A sample of the rate, with the temperature if it was due.
  */
 typedef struct zerorate_sample {
   /**
-   * Time of the sample's edge, ns.
+   * Time of the edge of RDY that announced the sample, ns.
    */
   uint64_t t_ns;
   /**
-   * Number of the sample's edge.
+   * Number of that edge.
    */
   uint32_t seq;
   /**
-   * The rate, as a code of 24 bits.
+   * The rate as a 24-bit code.
    */
   uint32_t rate_code;
   /**
-   * The temperature, as a code of 24 bits, if `has_temp`.
+   * The temperature as a 24-bit code. 0 if `has_temp` is 0.
    */
   uint32_t temp_code;
   /**
-   * Rate samples lost since the sample before.
+   * Number of rate samples lost since the previous sample.
    */
   uint32_t lost;
   /**
-   * Width in which the codes were read: 24 or 16.
+   * Width in which the codes were read, bits: 24 or 16.
    */
   uint8_t bits;
   /**
-   * True if the temperature was read.
+   * 1 = the temperature was read, otherwise 0.
    */
   uint8_t has_temp;
   /**
-   * True if the status of the rate channel was read.
+   * 1 = the status of the rate channel was read, otherwise 0.
    */
   uint8_t has_status;
   /**
-   * The status of the rate channel, as read; bit 0 = out of range (F-35).
+   * The status register of the rate channel. Bit 0 = the rate is out of range (F-35). 0 if `has_status` is 0.
    */
   uint8_t status;
 } zerorate_sample;
 
 /**
- * Durations and limits. Start from zerorate_plan_default, which is the hour of AN-1042 (F-51).
+ * Durations and limits of a calibration. Start from zerorate_plan_default, the procedure of AN-1042 (F-51).
  */
 typedef struct zerorate_plan {
   /**
-   * Average of steps 4 and 6, s: 10.
+   * Duration of each of the averages in steps 4 and 6, s. Default: 10.
    */
   double average_s;
   /**
-   * Warm-up by self-heating, step 5, s: 600.
+   * Duration of the warm-up by self-heating in step 5, s. Default: 600.
    */
   double warmup_s;
   /**
-   * Settling, step 7, s: 2400.
+   * Duration of the settling in step 7, s. Default: 2400.
    */
   double settle_s;
   /**
-   * Average of step 8, s: 150.
+   * Duration of the average of the rate in step 8, s. Default: 150.
    */
   double offset_s;
   /**
-   * Time to average TEMP in step 9, s: 1.
+   * Duration of the average of TEMP in step 9, s. Default: 1.
    */
   double final_temp_s;
   /**
-   * Largest share of lost samples in an average, 0 to 1: 0.001.
+   * Largest accepted share of lost samples in an average, 0 to 1. Default: 0.001.
    */
   double max_lost;
   /**
-   * Largest standard uncertainty of BTC, deg/s per deg C: 0.01.
+   * Largest accepted standard uncertainty of BTC, deg/s per deg C. Default: 0.01.
    */
   double max_u_btc_dps_per_c;
   /**
-   * The component of the Earth's rotation on the part's axis, deg/s (not deg/h), which is subtracted: within
-   * 0.00418 (F-16); NaN where it is not known.
+   * The component of the Earth's rotation on the part's axis, deg/s (not deg/h), from -0.00418 to 0.00418 (F-16).
+   * It is subtracted from the measured rate. NaN if it is not known.
    */
   double earth_dps;
   /**
-   * 1 = the bias is a straight line over temperature: no allowance for curvature and hysteresis.
+   * 1 = assume a bias that is linear over temperature: the uncertainties allow for no curvature or hysteresis.
    */
   uint8_t assume_linear;
 } zerorate_plan;
 
 /**
- * A calibration that is going on. The memory is the caller's, the contents are private; begin it with
+ * A calibration in progress. The caller owns the memory, and the contents are private. Begin it with
  * zerorate_procedure_begin. It needs no tear-down.
  */
 typedef struct zerorate_procedure {
@@ -614,47 +617,47 @@ typedef struct zerorate_outcome {
    */
   double u_btc_dps_per_c;
   /**
-   * Standard uncertainty of T3, noise alone, deg C.
+   * Standard uncertainty of T3 from the noise alone, deg C.
    */
   double u_t3_c;
   /**
-   * Mean rates of steps 4 and 6, deg/s.
+   * Mean rate of step 4, deg/s.
    */
   double b1_dps;
   /**
-   * See `b1_dps`.
+   * Mean rate of step 6, deg/s.
    */
   double b2_dps;
   /**
-   * Mean temperatures of steps 4 and 6, deg C.
+   * Mean temperature of step 4, deg C.
    */
   double t1_c;
   /**
-   * See `t1_c`.
+   * Mean temperature of step 6, deg C.
    */
   double t2_c;
   /**
-   * Lowest temperature seen, deg C.
+   * Lowest temperature of the calibration, deg C.
    */
   double temp_min_c;
   /**
-   * Highest temperature seen, deg C.
+   * Highest temperature of the calibration, deg C.
    */
   double temp_max_c;
   /**
-   * White noise density, deg/s per root Hz.
+   * One-sided density of the white noise, deg/s per root Hz.
    */
   double white_dps_per_rt_hz;
   /**
-   * Rate samples per second.
+   * Measured number of rate samples per second.
    */
   double rate_hz;
   /**
-   * Rate samples read.
+   * Number of rate samples read.
    */
   uint64_t samples;
   /**
-   * Rate samples lost.
+   * Number of rate samples lost.
    */
   uint64_t lost;
   /**
@@ -668,45 +671,46 @@ typedef struct zerorate_outcome {
  */
 typedef struct zerorate_self_test_plan {
   /**
-   * Wait after each change of the pin, us: 100000 (ours: the time is not published).
+   * Wait after each change of the pin, us. Default: 100000, a choice, because no time is published.
    */
   uint32_t settle_us;
   /**
-   * Bound of each wait for RDY, us: 20000, enough for the slowest conversion.
+   * Longest wait for RDY, us. Default: 20000, enough for the slowest conversion.
    */
   uint32_t timeout_us;
   /**
-   * Rates to average without and with the self-test, rounded up to a multiple of 16: 6000, a second's worth at the
-   * 5693 per second of F-31. A sixteenth of them must be long against 1/(300 Hz) (F-03), else `u_dps` is too small.
+   * Number of rates to average without the self-test, and as many with it, rounded up to a multiple of 16. Default:
+   * 6000, about a second at the 5693 per second of F-31. A sixteenth of these rates must take long compared with
+   * 1/(300 Hz) (F-03), or else `u_dps` is too small.
    */
   uint16_t samples;
 } zerorate_self_test_plan;
 
 /**
- * The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). The rules for calls of the
- * bus's functions also hold for `set`.
+ * The output that drives the self-test pins 1-7 and 9, which are tied together (F-11). The rules for the functions of
+ * the bus also hold for `set`.
  */
 typedef struct zerorate_self_test_pin {
   /**
-   * Handed to `set`. May be null.
+   * Passed to `set`. May be null.
    */
   void *context;
   /**
-   * Drives the pins: 1 = high, the self-test is on; 0 = low, off. Returns 0, or anything else for an error.
+   * Drives the pins: 1 = high, self-test on, 0 = low, self-test off. Returns 0, or another number for an error.
    */
   int32_t (*set)(void *context, int32_t level);
 } zerorate_self_test_pin;
 
 /**
- * The measured effect of the self-test. Its proper size is not known, so nothing is judged (F-11).
+ * The measured effect of the self-test. The right size is not known, so the library does not judge it (F-11).
  */
 typedef struct zerorate_self_test {
   /**
-   * Mean rate with the self-test less mean rate without, deg/s.
+   * Mean rate with the self-test less mean rate without the self-test, deg/s.
    */
   float shift_dps;
   /**
-   * Standard uncertainty of `shift_dps` from the scatter, deg/s.
+   * Standard uncertainty of `shift_dps` from the scatter of the rates, deg/s.
    */
   float u_dps;
   /**
@@ -716,13 +720,13 @@ typedef struct zerorate_self_test {
 } zerorate_self_test;
 
 /**
- * A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay
- * where they are as long as the table is used; looking up only reads, so one table may serve a main loop and
- * interrupts.
+ * A table of the correction over temperature without PBC, in millionths of a deg/s: (temperature - T3) * BTC for a
+ * line. The caller owns the rows, which must stay in place as long as the table is used. A look-up changes nothing,
+ * so the main loop and interrupts may share a table.
  */
 typedef struct zerorate_table {
   /**
-   * Row 0 is for T3 + span, the last one for T3 - span.
+   * The rows, in millionths of a deg/s. Row 0 is for T3 + span, the last one for T3 - span.
    */
   const int32_t *rows_udps;
   /**
@@ -730,7 +734,7 @@ typedef struct zerorate_table {
    */
   size_t rows;
   /**
-   * The row of t3_code and a half, times 2^32.
+   * The row at which `t3_code` lies, with its fraction, plus 1/2, times 2^32.
    */
   int64_t middle_q32;
   /**
@@ -744,8 +748,8 @@ typedef struct zerorate_table {
 } zerorate_table;
 
 /**
- * A bias that is learned whenever the part rests. The memory is the caller's, the contents are private; begin it with
- * zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
+ * Tracks the bias: learns it whenever the part is at rest. The caller owns the memory, and the contents are private.
+ * Begin it with zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
  */
 typedef struct zerorate_tracker {
   /**
@@ -755,7 +759,7 @@ typedef struct zerorate_tracker {
 } zerorate_tracker;
 
 /**
- * The uncertainty of the calibration, as `uncertainty` in its file.
+ * The uncertainties of the calibration, from `uncertainty` in the calibration file, and the noise of the part.
  */
 typedef struct zerorate_tracker_prior {
   /**
@@ -767,43 +771,44 @@ typedef struct zerorate_tracker_prior {
    */
   double u_btc_dps_per_c;
   /**
-   * Covariance of both.
+   * Covariance of PBC and BTC, (deg/s)^2 per deg C.
    */
   double cov_pbc_btc;
   /**
-   * White noise, deg/s per root Hz, one-sided, as `noise` in its file; 0.0125 is typical (F-02).
+   * One-sided white noise density, deg/s per root Hz: `noise` of the calibration file, typically 0.0125 (F-02).
    */
   double white_dps_per_rt_hz;
 } zerorate_tracker_prior;
 
 /**
- * The learned bias in plain numbers, to be stored while the power is off.
+ * The learned bias in plain numbers. Store it while the power is off.
  */
 typedef struct zerorate_tracker_state {
   /**
-   * Offset, slope and curvature of the bias, and its three flicker states, in deg/s and deg C.
+   * Bias: offset (deg/s), slope (deg/s per deg C), curvature (deg/s per (deg C)^2), three flicker states (deg/s).
    */
   float state[6];
   /**
-   * Lower triangle of their covariance, row by row.
+   * Lower triangle of the covariance of `state`, row by row.
    */
   float covariance[21];
   /**
-   * T - T3 when something was learned last, deg C.
+   * T - T3 at the last mean from which the tracker learned, deg C.
    */
   float at_c;
   /**
-   * Number of rests and number of rotations among the quiet periods, each plus one.
+   * Number of rests and number of rotations among the quiet periods, each plus one. Old periods fade out.
    */
   float odds[2];
   /**
-   * Seconds learned from, doubtful seconds, and number of times that a rotation began within a rest.
+   * Seconds of rest from which the tracker learned, quiet seconds that may be a slow rotation, and number of times
+   * that a rotation began within a rest.
    */
   uint32_t counts[3];
 } zerorate_tracker_state;
 
 /**
- * The bias as currently known.
+ * The present estimate of the bias.
  */
 typedef struct zerorate_tracked {
   /**
@@ -811,11 +816,11 @@ typedef struct zerorate_tracked {
    */
   double change_dps;
   /**
-   * Its standard uncertainty, deg/s.
+   * Standard uncertainty of `change_dps`, deg/s.
    */
   double u_dps;
   /**
-   * 0 = moving, 1 = quiet, 2 = at rest and learned from, 3 = quiet, but perhaps a slow turn.
+   * Motion of the part: 0 = moving, 1 = quiet, 2 = at rest, bias learned, 3 = quiet, but perhaps slowly rotating.
    */
   uint8_t phase;
 } zerorate_tracked;
@@ -826,12 +831,12 @@ typedef struct zerorate_tracked {
 #define ZERORATE_INITIALISE 10
 
 /**
- * Hand in samples as they come, or the time where none come.
+ * Pass each sample to zerorate_procedure_sample. While no samples come, pass the time to zerorate_procedure_time.
  */
 #define ZERORATE_SAMPLE 11
 
 /**
- * Call zerorate_procedure_outcome.
+ * The calibration is complete: call zerorate_procedure_outcome.
  */
 #define ZERORATE_DONE 12
 
@@ -841,8 +846,8 @@ typedef struct zerorate_tracked {
 #define ZERORATE_OK 0
 
 /**
- * No result, and no failure: nothing was due at this edge, the edge was stale, no temperature is known yet, or the
- * rate is NaN.
+ * No result, and no failure: nothing was due at this edge, the data of the edge had been read before, no temperature
+ * has come yet, or the rate is NaN.
  */
 #define ZERORATE_NOTHING 1
 
@@ -852,22 +857,22 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_NULL -1
 
 /**
- * The object has not been set up, or a call came too early for it.
+ * The object has not been set up, or the call came too early, such as zerorate_procedure_outcome before the end.
  */
 #define ZERORATE_E_STATE -2
 
 /**
- * An argument is out of range; its documentation has the range.
+ * An argument is out of range. The documentation of the argument states the range.
  */
 #define ZERORATE_E_ARGUMENT -3
 
 /**
- * `transfer` returned other than 0. It may have left the part in the middle of a command: initialise it.
+ * `transfer` returned a number other than 0. The part may be in the middle of a command: initialise it.
  */
 #define ZERORATE_E_BUS -10
 
 /**
- * `rdy` is missing or returned a negative number.
+ * `rdy` or `delay_us` is null, or `rdy` returned a negative number.
  */
 #define ZERORATE_E_PIN -11
 
@@ -877,18 +882,18 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_TIMEOUT -12
 
 /**
- * A function that the self-test needs is null: `rdy` or `delay_us` of the bus, or `set` of its pin. Nothing was done.
+ * A function that the self-test needs is null: `rdy` or `delay_us` of the bus, or `set` of the pin. Nothing was done.
  */
 #define ZERORATE_E_MISSING -13
 
 /**
- * `set` of the self-test pin returned other than 0. If the self-test is still on, it offsets the rate.
+ * `set` of the self-test pin returned a number other than 0. If the self-test is still on, it offsets the rate.
  */
 #define ZERORATE_E_SELF_TEST_PIN -14
 
 /**
- * `transfer` has failed before, so the part may be in the middle of that command and what it sends would be misread.
- * Nothing was sent: initialise it.
+ * `transfer` has failed in an earlier call, so the part may be in the middle of a command, and its bytes would be
+ * misread. Nothing was sent: initialise the part.
  */
 #define ZERORATE_E_INTERRUPTED -15
 
@@ -903,17 +908,18 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_STUCK_LOW -21
 
 /**
- * The part has been reset, as by a dip of the supply: initialise it.
+ * The part has been reset, for example by a dip of the supply: initialise it.
  */
 #define ZERORATE_E_CONFIGURATION_LOST -22
 
 /**
- * A register contradicts what was written: bit errors on the line, or another part.
+ * A register does not read the value that was written, or a status names the wrong channel: the line has bit errors,
+ * or the part is another one.
  */
 #define ZERORATE_E_UNEXPECTED -23
 
 /**
- * The input is out of range, on a healthy link (F-35).
+ * The input is out of range (F-35). The link is healthy.
  */
 #define ZERORATE_E_OUT_OF_RANGE -24
 
@@ -924,47 +930,48 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_NO_READING -25
 
 /**
- * A coefficient does not fit the integer correction: |BTC| up to 1.19 deg/s/deg C, PBC and T3 within the codes.
+ * A coefficient does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s per deg C, and PBC
+ * and T3 are within the range of the codes.
  */
 #define ZERORATE_E_COEFFICIENT -30
 
 /**
- * Step and span must be positive, the span a whole number of steps, at most 100001 rows.
+ * Step or span is not positive, the span is not a whole number of steps, or the table has more than 100001 rows.
  */
 #define ZERORATE_E_TABLE_LAYOUT -31
 
 /**
- * The memory given holds fewer rows than the table has.
+ * The memory has fewer rows than the table.
  */
 #define ZERORATE_E_TABLE_ROOM -32
 
 /**
- * A row does not fit 32 bits in millionths of a deg/s.
+ * A row of the table, in millionths of a deg/s, does not fit 32 bits.
  */
 #define ZERORATE_E_TABLE_STEEP -33
 
 /**
- * The temperature lies beyond the table, whose last row does not fit it.
+ * The temperature lies more than half a step beyond the table. The row at the end of the table was written.
  */
 #define ZERORATE_E_TABLE_OUTSIDE -34
 
 /**
- * A duration or limit of the plan makes no sense.
+ * A duration or limit of the plan is not valid.
  */
 #define ZERORATE_E_PLAN -40
 
 /**
- * Refused: the rate varies more than noise and temperature explain (or jumped during an average).
+ * Refused: the rate varies more than noise and temperature explain, or it jumped during an average.
  */
 #define ZERORATE_E_MOVING -50
 
 /**
- * Refused: a mean rate that no bias explains.
+ * Refused: the mean rate is larger than a bias can be.
  */
 #define ZERORATE_E_TURNING -51
 
 /**
- * Refused: white noise far above the part's.
+ * Refused: the white noise is far above the typical one.
  */
 #define ZERORATE_E_NOISY -52
 
@@ -974,7 +981,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_SPAN -53
 
 /**
- * Refused: BTC would be too uncertain, by the curvature that two temperatures cannot show.
+ * Refused: BTC would be too uncertain, because two temperatures cannot show a curvature.
  */
 #define ZERORATE_E_CURVATURE -54
 
@@ -984,7 +991,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_LOST -55
 
 /**
- * Refused: readings beyond the range.
+ * Refused: readings were out of range.
  */
 #define ZERORATE_E_OVERRANGED -56
 
@@ -1009,7 +1016,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_UNSTEADY -61
 
 /**
- * Refused, for a reason that this version of the interface has no number for.
+ * Refused, for a reason for which this version of the interface has no number.
  */
 #define ZERORATE_E_REFUSED -60
 
@@ -1018,12 +1025,12 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * The rate of a code of 24 bits, deg/s (F-40).
+ * Converts a 24-bit rate code to deg/s (F-40).
  */
 float zerorate_rate_dps(uint32_t rate_code);
 
 /**
- * The temperature of a code of 24 bits, deg C (F-41).
+ * Converts a 24-bit temperature code to deg C (F-41).
  */
 float zerorate_temp_c(uint32_t temp_code);
 
@@ -1036,7 +1043,7 @@ zerorate_status zerorate_correction_to_f32(const struct zerorate_correction *fro
 
 /**
  * Converts a line to integers. Returns ZERORATE_E_COEFFICIENT if a coefficient does not fit, or if the correction is
- * a curve: use zerorate_correction_to_curve.
+ * a curve. For a curve, use zerorate_correction_to_curve.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1044,8 +1051,8 @@ zerorate_status zerorate_correction_to_integer(const struct zerorate_correction 
                                                struct zerorate_correction_integer *to);
 
 /**
- * Converts a correction of order 3 or less to integers. Returns ZERORATE_E_COEFFICIENT if it does not fit. Within
- * 148 deg C of T3, the result is off by at most 1/2 + 2.69 / 2^fraction codes.
+ * Converts a correction of order 3 or less to integers. Returns ZERORATE_E_COEFFICIENT if a coefficient does not fit.
+ * Within 148 deg C of T3, a corrected code differs from the exact curve by at most 1/2 + 2.69 / 2^fraction codes.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1053,39 +1060,39 @@ zerorate_status zerorate_correction_to_curve(const struct zerorate_correction *f
                                              struct zerorate_correction_curve *to);
 
 /**
- * The corrected rate, deg/s; the rate itself where `correction` is null.
+ * Returns the corrected rate, deg/s. Returns the rate itself if `correction` is null.
  *
- * Required: `correction` is null or points to one.
+ * Required: `correction` is null or points to a correction.
  */
 double zerorate_correct(const struct zerorate_correction *correction, double rate_dps, double temp_c);
 
 /**
- * The corrected rate in single precision, deg/s; the rate itself where `correction` is null.
+ * Returns the corrected rate in single precision, deg/s. Returns the rate itself if `correction` is null.
  *
- * Required: `correction` is null or points to one.
+ * Required: `correction` is null or points to a correction.
  */
 float zerorate_correct_f32(const struct zerorate_correction_f32 *correction, float rate_dps, float temp_c);
 
 /**
- * The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits. It is rounded to
- * nearest and held to 0 ... 2^24 - 1. Returns the rate code itself where `correction` is null.
+ * Corrects a 24-bit rate code with the 24-bit temperature code that was read with it. The result is rounded to
+ * nearest and limited to 0 ... 2^24 - 1. Returns the rate code itself if `correction` is null.
  *
- * Required: `correction` is null or points to one.
+ * Required: `correction` is null or points to a correction.
  */
 uint32_t zerorate_correct_integer(const struct zerorate_correction_integer *correction,
                                   uint32_t rate_code,
                                   uint32_t temp_code);
 
 /**
- * The corrected rate code by a curve, like zerorate_correct_integer. A temperature farther than 148 deg C from T3
- * counts as 148 deg C away.
+ * Corrects a rate code by a curve, as zerorate_correct_integer does by a line. A temperature farther than 148 deg C
+ * from T3 counts as 148 deg C away.
  *
- * Required: `curve` is null or points to one.
+ * Required: `curve` is null or points to a curve.
  */
 uint32_t zerorate_correct_curve(const struct zerorate_correction_curve *curve, uint32_t rate_code, uint32_t temp_code);
 
 /**
- * Begins a stream, before its first temperature. `valid` may be null: then nothing is extrapolated.
+ * Begins a stream, before its first temperature. If `valid` is null, no temperature counts as extrapolated.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1094,9 +1101,9 @@ zerorate_status zerorate_corrector_begin(struct zerorate_corrector *corrector,
                                          const struct zerorate_validity *valid);
 
 /**
- * Corrects the next rate, deg/s, with the temperature that was read with it, deg C. Where none was read, pass NaN:
- * the last one is used. Returns ZERORATE_NOTHING and writes nothing before the first temperature, and where the rate
- * is NaN, which marks a reading that must not be used.
+ * Corrects the next rate, deg/s, with the temperature that was read with it, deg C. If no temperature was read, pass
+ * NaN, and the last temperature is used. A rate of NaN stands for a reading that must not be used. Returns
+ * ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1106,16 +1113,16 @@ zerorate_status zerorate_corrector_take(struct zerorate_corrector *corrector,
                                         struct zerorate_corrected *corrected);
 
 /**
- * The default settings: F-30, the note's framing (F-22), temperature and status with every sample.
+ * Writes the default settings: those of F-30, per-byte framing (F-22), temperature and status with every sample.
  *
- * Required: `settings` is null or points to writable memory for it.
+ * Required: `settings` is null or points to writable memory of its type.
  */
 zerorate_status zerorate_settings_default(struct zerorate_settings *settings);
 
 /**
- * Sets a gyroscope up. Copies `bus` and `settings`, sends nothing: initialise it next.
+ * Sets up a gyroscope. Copies `bus` and `settings`, and sends nothing. Call zerorate_gyro_initialise next.
  *
- * Required: Each pointer is null or points to memory of its type; what `bus` points to may be called and used as its
+ * Required: Each pointer is null or points to memory of its type. The functions and the context of `bus` may be used as its
  * documentation says.
  */
 zerorate_status zerorate_gyro_set_up(struct zerorate_gyro *gyro,
@@ -1123,38 +1130,43 @@ zerorate_status zerorate_gyro_set_up(struct zerorate_gyro *gyro,
                                      const struct zerorate_settings *settings);
 
 /**
- * Resets the part, writes its configuration (F-30) and reads it back. 13 commands, no wait. Call it again after an
- * error of the bus: samples go on, and the next one says what was lost.
+ * Resets the part, writes its configuration (F-30) and reads it back, with 13 commands and no wait. Call it again
+ * after an error of the bus. Sampling then goes on, and `lost` of the next sample counts the lost samples.
  *
- * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+ * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */
 zerorate_status zerorate_gyro_initialise(struct zerorate_gyro *gyro);
 
 /**
- * Reads rate, its status, and temperature now, whether they are new or not: 3 commands. ZERORATE_E_OUT_OF_RANGE where
- * the rate is beyond its range, also where its code has wrapped (F-35); ZERORATE_E_NO_READING before the first
- * conversion. Up to 9 more commands where an answer is doubtful or a conversion ends in between.
+ * Reads the rate, its status and the temperature now, whether they are new or not. Returns ZERORATE_E_OUT_OF_RANGE if
+ * the rate is beyond its range, also if its code has wrapped (F-35). Returns ZERORATE_E_NO_READING before the first
+ * conversion.
  *
- * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
+ * Sends 3 commands, and up to 16 more if an answer could come from a dead line or from a part that was reset, if a
+ * conversion ends between two reads, or at the first reading after an initialisation.
+ *
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the gyroscope during the call.
  */
 zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro, struct zerorate_codes *reading);
 
 /**
- * Waits for new data: looks at RDY every 5 us, for `timeout_us` and a little more at most. Needs `rdy` and
- * `delay_us`.
+ * Waits for new data. Calls `rdy` every 5 us, and returns ZERORATE_E_TIMEOUT after `timeout_us`, plus the time that
+ * the calls take. Needs `rdy` and `delay_us` of the bus.
  *
- * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+ * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */
 zerorate_status zerorate_gyro_wait_ready(struct zerorate_gyro *gyro, uint32_t timeout_us);
 
 /**
- * Handles an edge of RDY: reads what is due, 1 to 3 commands, and counts the samples that were lost.
+ * Handles an edge of RDY: reads the registers that are due, and counts the lost samples. Sends 1 to 3 commands if
+ * something is due, and at most 10 at the first sample after an initialisation or if an answer could come from a dead
+ * line.
  *
- * `t_ns` is the time of the edge by a clock that runs evenly, `seq` its running number, which counts also the edges
- * that were not handled; it may wrap. Returns ZERORATE_NOTHING and writes nothing where nothing was due or the edge
- * was stale.
+ * `t_ns` is the time of the edge by a clock that runs evenly. `seq` is the running number of the edge, which also
+ * counts the edges that were not handled and may wrap. Returns ZERORATE_NOTHING and writes nothing if nothing was
+ * due, or if the data of the edge had been read before.
  *
- * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile.
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the gyroscope during the call.
  */
 zerorate_status zerorate_gyro_sample(struct zerorate_gyro *gyro,
                                      uint64_t t_ns,
@@ -1162,118 +1174,119 @@ zerorate_status zerorate_gyro_sample(struct zerorate_gyro *gyro,
                                      struct zerorate_sample *sample);
 
 /**
- * Checks that edges of RDY still come. Returns ZERORATE_OK, or ZERORATE_E_TIMEOUT if none has been handed to
- * zerorate_gyro_sample for 64 periods of the rate (11.2 ms with F-30). Then the part has lost its supply or its
- * configuration, or RDY is cut: zerorate_gyro_diagnose says which, zerorate_gyro_initialise starts anew. Sends
- * nothing.
+ * Checks that edges of RDY still come. Sends nothing. Returns ZERORATE_E_TIMEOUT if zerorate_gyro_sample has got no
+ * edge for 64 periods of the rate (11.2 ms with F-30) or 64 intervals of divided edges, otherwise ZERORATE_OK. After
+ * a timeout, the part has lost its supply or its configuration, or RDY is cut. zerorate_gyro_diagnose finds the
+ * cause, and zerorate_gyro_initialise starts the part again.
  *
- * `now_ns` is the time now by the clock of the edges. Before the first edge, and after an initialisation, the time
- * counts from the first call on, so call it regularly, and at least once before you go to sleep.
+ * `now_ns` is the present time of the clock of the edges. Before the first edge, and after an initialisation, the
+ * time counts from the first call of this function. So call it regularly, and at least once before a sleep.
  *
- * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+ * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */
 zerorate_status zerorate_gyro_silent(struct zerorate_gyro *gyro, uint64_t now_ns);
 
 /**
- * Looks at the link: ZERORATE_OK if it works and the part is configured as written, else what is wrong. 2 commands.
+ * Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, otherwise the fault.
  *
- * Required: `gyro` is null or points to a gyroscope that nothing else uses meanwhile.
+ * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */
 zerorate_status zerorate_gyro_diagnose(struct zerorate_gyro *gyro);
 
 /**
- * The durations and limits of AN-1042, with an unknown rotation of the Earth and a bias that may be curved.
+ * Writes the durations of AN-1042 and the default limits. `earth_dps` is NaN, and `assume_linear` is 0.
  *
- * Required: `plan` is null or points to writable memory for it.
+ * Required: `plan` is null or points to writable memory of its type.
  */
 zerorate_status zerorate_plan_default(struct zerorate_plan *plan);
 
 /**
- * Begins a calibration. ZERORATE_E_PLAN where a duration or limit makes no sense.
+ * Begins a calibration. Returns ZERORATE_E_PLAN if a duration or limit of the plan is not valid.
  *
- * Required: Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
  */
 zerorate_status zerorate_procedure_begin(struct zerorate_procedure *procedure, const struct zerorate_plan *plan);
 
 /**
- * The next thing to do: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or the reason of a refusal.
+ * Returns what to do next: ZERORATE_INITIALISE, ZERORATE_SAMPLE, ZERORATE_DONE, or the negative status of a refusal.
  *
- * Required: `procedure` is null or points to one that nothing else uses meanwhile.
+ * Required: `procedure` is null or points to a procedure that nothing else uses during the call.
  */
 zerorate_status zerorate_procedure_next(struct zerorate_procedure *procedure);
 
 /**
- * The remedies for the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. Returns 0 if
- * nothing was refused, or if no remedy has this index, counted from 0.
+ * Returns a remedy for the refusal that ended the calibration, a ZERORATE_REMEDY_.... The remedy with index 0 is the
+ * best one. Returns 0 if nothing was refused, or if no remedy has this index.
  *
- * Required: `procedure` is null or points to one that nothing else uses meanwhile.
+ * Required: `procedure` is null or points to a procedure that nothing else uses during the call.
  */
 uint8_t zerorate_procedure_remedy(struct zerorate_procedure *procedure, size_t index);
 
 /**
- * Tells the procedure that the part was initialised at the time `t_ns`, by the clock of the samples.
+ * Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples.
  *
- * Required: `procedure` is null or points to one that nothing else uses meanwhile.
+ * Required: `procedure` is null or points to a procedure that nothing else uses during the call.
  */
 zerorate_status zerorate_procedure_initialised(struct zerorate_procedure *procedure, uint64_t t_ns);
 
 /**
- * Hands in a sample. At the end of a step this takes some thousand floating-point operations, otherwise about a
- * hundred integer ones.
+ * Passes a sample to the procedure. At the end of a step the call takes some thousand floating-point operations,
+ * otherwise about a hundred integer operations.
  *
- * Required: Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
  */
 zerorate_status zerorate_procedure_sample(struct zerorate_procedure *procedure, const struct zerorate_sample *sample);
 
 /**
- * Tells the procedure that time passed without a sample.
+ * Tells the procedure that no sample came up to the time `t_ns`, ns, by the clock of the samples.
  *
- * Required: `procedure` is null or points to one that nothing else uses meanwhile.
+ * Required: `procedure` is null or points to a procedure that nothing else uses during the call.
  */
 zerorate_status zerorate_procedure_time(struct zerorate_procedure *procedure, uint64_t t_ns);
 
 /**
- * The current step of AN-1042: 3 (initialise) to 9 (final temperature), 10 at the end; negative for an error.
+ * Returns the step of AN-1042, 3 (initialise) to 9 (final temperature), or 10 at the end. Negative for an error.
  *
- * Required: `procedure` is null or points to one that nothing else uses meanwhile.
+ * Required: `procedure` is null or points to a procedure that nothing else uses during the call.
  */
 zerorate_status zerorate_procedure_step(struct zerorate_procedure *procedure);
 
 /**
- * Time since the initialisation and of the whole procedure, s.
+ * Writes the time since the initialisation to `elapsed_s` and the duration of the procedure to `total_s`, both in s.
  *
- * Required: Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
  */
 zerorate_status zerorate_procedure_progress(struct zerorate_procedure *procedure, double *elapsed_s, double *total_s);
 
 /**
- * The result, once zerorate_procedure_next says ZERORATE_DONE; ZERORATE_E_STATE before that.
+ * Writes the result, once zerorate_procedure_next returns ZERORATE_DONE. Returns ZERORATE_E_STATE before that, or the
+ * status of the refusal that ended the calibration.
  *
- * Required: Each pointer is null or points to memory of its type; nothing else uses the procedure meanwhile.
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the procedure during the call.
  */
 zerorate_status zerorate_procedure_outcome(struct zerorate_procedure *procedure, struct zerorate_outcome *outcome);
 
 /**
- * The default settings: a second without and a second with the self-test, at the rate of F-30.
+ * Writes the default settings: one second without and one second with the self-test, at the rate of F-30.
  *
- * Required: `plan` is null or points to writable memory for it.
+ * Required: `plan` is null or points to writable memory of its type.
  */
 zerorate_status zerorate_self_test_plan_default(struct zerorate_self_test_plan *plan);
 
 /**
- * Measures what the self-test does to the rate, and judges nothing (F-11). Needs `rdy` and `delay_us` of the bus and
- * an initialised part at rest: motion counts as shift.
+ * Measures by how much the self-test shifts the rate. It does not judge the shift (F-11). Needs `rdy` and `delay_us`
+ * of the bus, and an initialised part at rest, since motion counts as shift.
  *
- * Blocks for two settling times and `2 * samples` rates, 3 commands each, each within `4 * timeout_us`: 2.3 s by
- * default, so not for an interrupt. An interrupt that samples this gyroscope must be masked; what it misses counts as
- * lost.
+ * Blocks for two settling times and `2 * samples` rates, which is 2.3 s by default. Each rate takes 3 commands, and
+ * at most `4 * timeout_us`. Do not call it from an interrupt. Mask the interrupt that samples this gyroscope. The
+ * samples that it misses count as lost.
  *
- * The self-test is off when this returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN.
- * ZERORATE_E_MISSING: a function is null, nothing was done. ZERORATE_E_TIMEOUT: RDY was silent, or no new rate came.
- * Else the errors of zerorate_gyro_read, and ZERORATE_E_PIN.
+ * The self-test is off when the function returns, also with an error, except perhaps after ZERORATE_E_SELF_TEST_PIN.
+ * Returns ZERORATE_E_MISSING, and does nothing, if a function is null. Returns ZERORATE_E_TIMEOUT if RDY was silent
+ * or no new rate came. The other errors are ZERORATE_E_PIN and those of zerorate_gyro_read.
  *
- * Required: Each pointer is null or points to memory of its type. Nothing else uses the gyroscope meanwhile. The
- * function in `pin` may be called as its documentation says.
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the gyroscope during the call. The function
+ * in `pin` may be called as its documentation says.
  */
 zerorate_status zerorate_gyro_self_test(struct zerorate_gyro *gyro,
                                         const struct zerorate_self_test_pin *pin,
@@ -1281,15 +1294,15 @@ zerorate_status zerorate_gyro_self_test(struct zerorate_gyro *gyro,
                                         struct zerorate_self_test *result);
 
 /**
- * A status in words: a static string without end of line. Never null.
+ * Returns a status in words: a static string without an end of line, never null.
  */
 const char *zerorate_text(zerorate_status status);
 
 /**
- * Lays the table of a correction out in `memory`, which has `room` rows. The table goes from +`span_c` down to
- * -`span_c` in steps of `step_c`, deg C, and has 2 * span / step + 1 rows.
+ * Lays out the table of a correction in `memory`, which has space for `room` rows. The rows go from T3 + `span_c`
+ * down to T3 - `span_c` in steps of `step_c`, deg C. Their number is 2 * span_c / step_c + 1.
  *
- * Required: Each pointer is null or points to memory of its type, `memory` to `room` numbers of it.
+ * Required: Each pointer is null or points to memory of its type, and `memory` points to `room` numbers.
  */
 zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
                                        const struct zerorate_correction *correction,
@@ -1299,19 +1312,18 @@ zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
                                        size_t room);
 
 /**
- * The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC +
- * row.
+ * Writes the row nearest to the temperature of a 24-bit code, in 1e-6 deg/s: corrected rate = rate + PBC + row.
  *
- * Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. It then still writes the first or last
- * row, which is wrong there by BTC times the distance to it. Returns ZERORATE_E_ARGUMENT without a table.
+ * Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table, but writes the first or the last row. For
+ * a line, that row is wrong by BTC times its distance from the temperature. Returns ZERORATE_E_ARGUMENT if there is
+ * no table.
  *
- * Required: Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still
- * there.
+ * Required: Each pointer is null or points to memory of its type. The rows of `table` are still in place.
  */
 zerorate_status zerorate_table_look_up(const struct zerorate_table *table, uint32_t temp_code, int32_t *row_udps);
 
 /**
- * Begins with the calibration, `age_s` seconds after it was made.
+ * Begins from the calibration, which was made `age_s` seconds ago.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1321,8 +1333,8 @@ zerorate_status zerorate_tracker_begin(struct zerorate_tracker *tracker,
                                        double age_s);
 
 /**
- * Begins with the saved state, `off_s` seconds after the power went off. Returns ZERORATE_E_ARGUMENT for a state that
- * is not possible.
+ * Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is not
+ * possible, or `off_s` is negative or not finite.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1333,14 +1345,14 @@ zerorate_status zerorate_tracker_resume(struct zerorate_tracker *tracker,
                                         double off_s);
 
 /**
- * Takes in the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s; NaN where they are missing.
+ * Passes the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s. Pass NaN for a missing mean.
  *
- * Required: `tracker` is null or points to one.
+ * Required: `tracker` is null or points to a tracker.
  */
 zerorate_status zerorate_tracker_push(struct zerorate_tracker *tracker, double rate_dps, double temp_c);
 
 /**
- * The bias at a temperature, deg C.
+ * Writes the bias at the temperature `temp_c`, deg C.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1349,7 +1361,7 @@ zerorate_status zerorate_tracker_bias(struct zerorate_tracker *tracker,
                                       struct zerorate_tracked *tracked);
 
 /**
- * The state to keep while the power is off.
+ * Writes the state to keep while the power is off.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
