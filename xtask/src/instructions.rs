@@ -11,9 +11,9 @@ use xtask::tools::{Tool, available};
 use xtask::venv::{done, printed};
 
 pub const HELP: &str = "\
-Counts the instructions of `zerorate allan` on noise, by valgrind's callgrind. Fails if all that is done with a sample
-beside its deviations (reading it, and every check of it) takes more than half as many as the deviations. Instructions
-do not depend on how busy the machine is.";
+Counts the instructions of `zerorate allan` on noise, by valgrind's callgrind. Fails if reading and
+checking a sample takes more than half as many instructions as computing its deviations. Instructions do not depend on
+how busy the machine is.";
 
 const TOOLS: [Tool; 1] = [Tool { program: "valgrind", package: "valgrind" }];
 /// Numbers of samples in two logs. The instructions for the shorter one are subtracted, so that the start of the

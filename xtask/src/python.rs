@@ -151,7 +151,8 @@ fn bridge(wheel: &Wheel) -> Result<()> {
     done(pytest.current_dir(PACKAGE))
 }
 
-/// The environment of the parts that run at night, with the wheel installed.
+/// Prepares the Python environment for `stores`, `notebook`, `allantools` and the benchmark of the fleet: the packages
+/// of requirements-night.txt, and the wheel.
 fn night(wheel: &Wheel) -> Result<PathBuf> {
     let python = wheel::environment_with("wheel-night", &format!("{PACKAGE}/requirements-night.txt"))?;
     wheel::install_into(&python, &wheel.path)?;

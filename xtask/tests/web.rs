@@ -1,4 +1,5 @@
-//! Checks the version of the tool that makes the bindings of the page.
+//! Checks that wasm-bindgen has the same version in Cargo.lock, for the module of the page, and in
+//! lab/tools/Cargo.lock, for the tool that makes its bindings.
 
 use std::fs;
 use std::path::{Path, PathBuf};

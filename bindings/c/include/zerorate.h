@@ -8,8 +8,8 @@
  * Threads    An object is used by one thread or interrupt at a time; what keeps them apart is the caller's.
  *            Different objects are independent. Functions that take const pointers only, and those without pointers,
  *            may be called from anywhere at any time, interrupts included.
- * Interrupts zerorate_gyro_sample fits into the interrupt of RDY: 1 to 3 commands, up to 10 after a doubtful answer, and
- *            a bounded count of instructions. zerorate_procedure_sample takes long at the end of a step (floating
+ * Interrupts zerorate_gyro_sample fits into the interrupt of RDY: 1 to 3 commands, up to 10 after a doubtful answer,
+ *            and a bounded count of instructions. zerorate_procedure_sample takes long at the end of a step (floating
  *            point), so call it from the main loop. If an interrupt samples, the main loop must not touch that
  *            zerorate_gyro without masking it.
  * Errors     Functions return ZERORATE_OK, a positive number that says something harmless, or a negative one that says

@@ -308,9 +308,9 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Checks a rate that a dead line or a part without a reading would give. Returns the status for the sample, which
-    /// it reads if the rate is at the end of its scale. If the rate and the given status both say that the input is
-    /// out of range, the link is healthy.
+    /// Checks the link after a rate that a dead line or a part without a reading would give, unless the rate and the
+    /// given status both say that the input is out of range. Returns the given status. If none was given and the rate
+    /// is at the end of its scale, reads it from the register.
     #[cold]
     async fn status_of_doubtful(
         &mut self,

@@ -13,7 +13,7 @@ use zerorate_record::CaptureInfo;
 #[derive(Args, Clone, Debug, Default)]
 pub struct PartArgs {
     /// The properties of the part: a name of `zerorate parts`, or a file (docs/formats/part.md) [default: as a
-    /// recording states, or adis16130]. With a full scale other than the first: icm20948:500.
+    /// recording states, or adis16130]. For another full scale, append it in °/s: icm20948:500.
     #[arg(long = "part", value_name = "PART", help_heading = "Sensor")]
     part: Option<PathBuf>,
 }

@@ -175,7 +175,7 @@ struct Coding<'a> {
     unit: Option<f64>,
     /// Name of the unit of the scale.
     name: &'static str,
-    /// Advice on how to state the unit.
+    /// Examples of column names that state their unit, for the error message.
     remedy: &'static str,
 }
 

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Shortest duration that takes long enough for several measurements of the memory, h.
+/// Least duration in the sensor's time, h. A shorter run would end before its memory is measured several times.
 const LEAST_HOURS: f64 = 0.5;
 const STEP: Duration = Duration::from_millis(50);
 /// Rows per second.

@@ -432,7 +432,7 @@ fn loudest(found: &Optimum) -> Option<usize> {
     (0..found.form.markovs).max_by(|a, b| memory(found, *a).0.total_cmp(&memory(found, *b).0))
 }
 
-/// The plateau of a Gauss–Markov term below its corner, 2σ²T, and T.
+/// Returns the density of a Gauss–Markov term far below its corner, 2σ²T, and its correlation time T, s.
 fn memory(found: &Optimum, index: usize) -> (f64, f64) {
     let place = found.form.markov(index);
     let tau_s = libm::exp(found.at[place + 1]);

@@ -197,7 +197,7 @@ impl Span {
 }
 
 impl Calibration {
-    /// Version of the file form: the oldest that can express the whole calibration.
+    /// Version of the file format: the oldest that can express the whole calibration.
     #[must_use]
     pub fn schema(&self) -> u32 {
         let Notes { supply: _, ambient, operator, host } = &self.notes;

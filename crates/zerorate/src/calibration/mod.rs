@@ -1,7 +1,7 @@
 //! A calibration of one unit: the corrections of its axes, their uncertainties, the temperatures where they hold, and
 //! their origin.
 //!
-//! `docs/formats/calibration.md` specifies the file form. [`Calibration::parse`] reads a file, and
+//! `docs/formats/calibration.md` specifies the file format. [`Calibration::parse`] reads a file, and
 //! [`Calibration::to_toml`] writes one.
 
 mod budget;
@@ -34,7 +34,8 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 use zerorate_allan::{FLOOR_PER_B, SettingName};
 
-/// The newest version of the file form that this software reads and writes.
+/// The newest version of the file format that this software reads. A file is written in the oldest version that can
+/// express it ([`Calibration::schema`]).
 pub const SCHEMA: u32 = 4;
 
 /// Value of [`Calibration::created`] in place of a date, if the part was the software twin.

@@ -8,7 +8,7 @@ use core::ops::RangeInclusive;
 use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
-/// The only version of the file form that is supported.
+/// The only version of the file format that is supported.
 const SCHEMA: u32 = 1;
 /// Largest number of steps over all cycles, enough for about a week of ten-minute steps.
 pub(super) const MAX_STEPS: usize = 1000;

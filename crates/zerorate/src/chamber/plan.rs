@@ -8,7 +8,7 @@ use core::fmt;
 /// Largest distance of the air from a set point that counts as reached, °C.
 pub(super) const REACHED_C: f64 = 3.0;
 
-/// The steps of a measurement in a chamber. `docs/formats/plan.md` specifies the file form.
+/// The steps of a measurement in a chamber. `docs/formats/plan.md` specifies the file format.
 ///
 /// ```
 /// # #[cfg(feature = "file")] {

@@ -9,7 +9,7 @@ use core::fmt;
 use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError, PART_KEYS};
 
-/// The only version of the file form that is supported.
+/// The only version of the file format that is supported.
 const SCHEMA: u32 = 1;
 
 impl Part {

@@ -198,7 +198,7 @@ fn united((weight, filter): Candidate, (more, other): Candidate) -> Candidate {
     if more > 0.0 { (sum, filter.mixed(weight / sum, &other)) } else { (weight, filter) }
 }
 
-/// Merges the closest hypotheses until there is room for all.
+/// Merges the closest candidates until at most [`KEPT`] are left and a further merger would lose more than [`SAME`].
 fn reduce(candidates: &mut [Candidate; 2 * KEPT], d_c: f32, drift: &Drift) {
     // each pass has one candidate less
     for _ in 0..candidates.len() {
