@@ -120,7 +120,7 @@ mod tests {
         let options = Options::default();
         let analysed = FittedRecord::new(Input::Rate(&residual), 100.0, 2.0, Some(FitOptions::default()), &settled);
         let curve = analysed.deviations(&options).unwrap();
-        // the expected deviation, from samples without the glitch. The scale of the record is 2, so it is doubled below
+        // the expected deviation, from samples without the glitch; it is doubled below, for the scale of the record
         let mut plain = residual.clone();
         plain[30_000] = (plain[29_999] + plain[30_001]) / 2.0;
         let expected = deviations(&Input::Rate(&plain), 100.0, Stat::Oadev, &[1])[0].unwrap();

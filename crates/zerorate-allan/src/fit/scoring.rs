@@ -273,8 +273,8 @@ impl Problem {
         state
     }
 
-    /// The powers of the first coefficients of the cosine spectrum without the drift, and the size of the drift by least
-    /// squares weighted with 1/density.
+    /// The powers of the first coefficients of the cosine spectrum without the drift, and the size of the drift by
+    /// least squares weighted with 1/density.
     fn without_drift(&self, density: &[f64], template: &[f64]) -> (Vec<f64>, f64) {
         let table = &self.table;
         let singles = || (0..table.singles()).map(|row| (table.rows[row].bin.first - 1, density[row]));

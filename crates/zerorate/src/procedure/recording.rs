@@ -261,9 +261,9 @@ pub(crate) fn motions_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
     all
 }
 
-/// Returns the noise of the recording itself: the white noise as a one-sided density, °/s/√Hz, and σ (°/s) and τ (s) of
-/// each Gauss–Markov term. It comes from a model of the rates minus the curve and the base motion, without outliers and
-/// steps. `None` if the recording is too short for a model, no model fits, or the model has no white noise.
+/// Returns the noise of the recording itself: the white noise as a one-sided density, °/s/√Hz, and σ (°/s) and τ (s)
+/// of each Gauss–Markov term. It comes from a model of the rates minus the curve and the base motion, without outliers
+/// and steps. `None` if the recording is too short for a model, no model fits, or the model has no white noise.
 #[cfg(feature = "std")]
 fn own_noise(sums: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {
