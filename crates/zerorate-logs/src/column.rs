@@ -109,6 +109,30 @@ impl Column {
         }
     }
 
+    /// Removes this many samples from the start; missing samples count.
+    pub fn skip(&mut self, samples: u64) {
+        self.facts = None;
+        match &mut self.series {
+            Series::Numbers(numbers) => drop(numbers.drain(..numbers.len().min(samples as usize))),
+            Series::Codes(codes) => {
+                let mut missing = 0;
+                let before = self.gaps.iter().take_while(|gap| {
+                    // true if the gap ends within the skipped samples
+                    let inside = gap.at as u64 + missing + gap.missing <= samples;
+                    missing += if inside { gap.missing } else { 0 };
+                    inside
+                });
+                self.gaps.drain(..before.count());
+                let skipped = codes.len().min((samples - missing) as usize);
+                // if the cut is inside a gap, the codes behind the gap stay
+                let skipped = self.gaps.first().map_or(skipped, |gap| skipped.min(gap.at));
+                codes.drain(..skipped);
+                self.gaps.iter_mut().for_each(|gap| gap.at -= skipped);
+                self.gaps.retain(|gap| gap.at > 0);
+            }
+        }
+    }
+
     /// Closes up all gaps, as if no time had passed in them.
     pub fn close_gaps(&mut self) {
         self.gaps.clear();

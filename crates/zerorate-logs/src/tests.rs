@@ -306,6 +306,36 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert!(error.to_string().contains("`gz_rad_s` states rad/s, and --unit says dps, 0.0175 times"), "{error}");
 }
 
+/// Missing samples count in the number of skipped samples. If the cut is inside a gap, the whole gap is removed.
+#[test]
+fn the_beginning_is_left_out() {
+    let codes = |codes: &[i32], gaps: &[(usize, u64)]| Column {
+        gaps: gaps.iter().map(|&(at, missing)| zerorate_allan::Gap { at, missing }).collect(),
+        ..Column::new("c", Series::Codes(codes.to_vec()), 1.0)
+    };
+    let all = || codes(&[0, 1, 5, 6, 9], &[(2, 3), (4, 2)]); // 0 1 _ _ _ 5 6 _ _ 9
+    for (skipped, left) in [
+        (0, all()),
+        (1, codes(&[1, 5, 6, 9], &[(1, 3), (3, 2)])),
+        (2, codes(&[5, 6, 9], &[(2, 2)])),
+        (4, codes(&[5, 6, 9], &[(2, 2)])),
+        (5, codes(&[5, 6, 9], &[(2, 2)])),
+        (6, codes(&[6, 9], &[(1, 2)])),
+        (9, codes(&[9], &[])),
+        (10, codes(&[], &[])),
+        (u64::MAX, codes(&[], &[])),
+    ] {
+        let mut column = all();
+        column.skip(skipped);
+        assert_eq!(column, left, "{skipped}");
+    }
+    let mut numbers = Column { series: Series::Numbers(vec![0.5, 1.5, 2.5]), gaps: Vec::new(), ..all() };
+    numbers.skip(2);
+    assert_eq!(numbers.series, Series::Numbers(vec![2.5]));
+    numbers.skip(2);
+    assert!(numbers.series.is_empty());
+}
+
 #[test]
 fn a_unit_that_a_type_states_is_not_overridden() {
     let folder = Folder::new();
