@@ -91,7 +91,7 @@ impl Files {
     ///
     /// # Errors
     /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written, or
-    /// [`InvalidOptions`](crate::InvalidOptions) if the name of the calibration has the ending of a capture.
+    /// [`InvalidOptions`] if the name of the calibration has the ending of a capture.
     pub fn claim(outputs: Outputs, options: OutputOptions, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
         // no file is put beside a device, such as /dev/null
         let output = options.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
