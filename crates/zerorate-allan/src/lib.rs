@@ -37,6 +37,7 @@ mod setting_name;
 mod stat;
 mod stream;
 mod taus;
+mod text;
 mod warning;
 #[cfg(feature = "std")]
 mod welch;
@@ -69,7 +70,8 @@ pub use setting_name::SettingName;
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
-pub use warning::{AllanWarning, LONGEST_RECORD_S, Noise, span};
+pub use text::{hertz, span};
+pub use warning::{AllanWarning, LONGEST_RECORD_S, Noise};
 #[cfg(feature = "std")]
 pub use welch::{Density, welch};
 

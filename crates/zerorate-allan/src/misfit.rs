@@ -1,6 +1,6 @@
 //! The frequency band and the likely cause of a misfit of a noise model.
 
-use alloc::format;
+use crate::text::significant;
 use core::fmt;
 
 /// A frequency band in which the record disagrees with its noise model.
@@ -42,11 +42,7 @@ impl fmt::Display for Misfit {
             Cause::CoarseCodes => "coarse codes: read finer steps",
             Cause::Unknown => "look at the plot",
         };
-        let [from_hz, to_hz] = [from_hz, to_hz].map(|hz| {
-            // three significant digits
-            let places = (2.0 - libm::floor(libm::log10(hz.max(1e-9)))).clamp(0.0, 9.0);
-            format!("{hz:.*}", places as usize)
-        });
+        let [from_hz, to_hz] = [from_hz, to_hz].map(|hz| significant(hz, 3));
         let places = if ratio < 10.0 { 2 } else { 0 };
         write!(f, "{ratio:.places$} times the power in {from_hz}–{to_hz} Hz; {what}")
     }

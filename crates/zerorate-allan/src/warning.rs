@@ -1,5 +1,6 @@
 //! The warnings about a curve or a noise model.
 
+use crate::text::{hertz, span};
 use crate::{Cause, rows};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -100,8 +101,9 @@ rows!(match AllanWarning {
     Self::Lines { count, frequency_hz, rms } => Row {
         code: "lines",
         text: format_args!(
-            "{count} spectral line{}, the strongest at {frequency_hz:.3} Hz ({rms:.3e} {{unit}} rms); find the source",
-            plural(count as u64)
+            "{count} spectral line{}, the strongest at {} ({rms:.3e} {{unit}} rms); find the source",
+            plural(count as u64),
+            hertz(frequency_hz)
         ),
     },
     Self::WarmUp { size, tau_s } => Row {
@@ -153,8 +155,9 @@ rows!(match AllanWarning {
     Self::Leakage { frequency_hz, share } => Row {
         code: "leakage",
         text: format_args!(
-            "up to {:.0} % of the fitted noise may be the line at {frequency_hz:.3} Hz; record without it",
-            share * 100.0
+            "up to {:.0} % of the fitted noise may be the line at {}; record without it",
+            share * 100.0,
+            hertz(frequency_hz)
         ),
     },
     Self::OffCurve { tau_s, ratio, octaves } => Row {
@@ -239,18 +242,6 @@ fn longer(needed_s: f64) -> String {
     match needed_s <= LONGEST_RECORD_S {
         true => format!("; a value of this order takes about {}", span(needed_s)),
         false => String::from(" in any practical record; do without it"),
-    }
-}
-
-/// Formats a time in the unit that suits its size: `40 min`, `3.5 h`, `12 d`.
-#[must_use]
-pub fn span(seconds: f64) -> String {
-    match seconds {
-        s if s < 10.0 => format!("{s:.2} s"),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
-        s => format!("{:.0} d", s / 86_400.0),
     }
 }
 

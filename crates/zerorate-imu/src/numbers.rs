@@ -1,7 +1,7 @@
 //! Converts fitted models to the numbers that filters use.
 
 use super::{Kind, Rejections};
-use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term, Usage};
+use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term, Usage, hertz};
 use zerorate_logs::{Names, Setting};
 
 /// The rule that makes one value of several axes.
@@ -206,8 +206,8 @@ impl Axis<'_> {
         let strongest = fit.terms.iter().filter_map(line).max_by(|a, b| a.rms.total_cmp(&b.rms));
         let strongest = strongest.map(|line| (line.frequency_hz, size(line.rms)));
         let lines = strongest.map(|(hz, rms)| match fit.terms.iter().filter_map(line).count() {
-            1 => format!("a line at {hz:.3} Hz ({rms} rms)"),
-            count => format!("{count} lines, the strongest at {hz:.3} Hz ({rms} rms)"),
+            1 => format!("a line at {} ({rms} rms)", hertz(hz)),
+            count => format!("{count} lines, the strongest at {} ({rms} rms)", hertz(hz)),
         });
         let drift = fit.r.map(|r| format!("a drift of {} over the record", size(2.0 * fit.span_s.1 * r.value)));
         let warm_up = fit.terms.iter().find_map(|term| match term {

@@ -2,6 +2,7 @@
 
 use crate::{codes, in_turn};
 use std::path::Path;
+use zerorate_allan::hertz;
 use zerorate_logs::{Column, ColumnOptions, LogWarning, Quantity, Series, Setting, Unit};
 
 /// Gravity, m/s². It differs by up to 0.3 % over the Earth.
@@ -62,7 +63,7 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
     };
     let whole = axes.iter().find(|axis| is_whole(axis)).map(whole);
     let slow = axes.iter().map(|axis| axis.rate_hz).find(|rate_hz| *rate_hz < SLOW_HZ);
-    let slow = slow.map(|rate_hz| format!("rows come at {rate_hz:.3} Hz"));
+    let slow = slow.map(|rate_hz| format!("rows come at {}", hertz(rate_hz)));
     turns
         .take(1)
         .chain(fall)

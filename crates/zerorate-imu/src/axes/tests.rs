@@ -216,7 +216,7 @@ fn numbers_that_no_imu_has_are_doubted() {
     let loud = doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", |at, column| 30.0 * noise(at, column)));
     assert!(loud[0].contains("the noise of all gyroscopes is above 1."), "{loud:?}");
     let slow = doubts(noisy("t_s,gx_dps,gy_dps,gz_dps", |at, column| 0.01 * noise(at, column)));
-    assert!(slow[0].contains("rows come at 0.100 Hz"), "{slow:?}");
+    assert!(slow[0].contains("rows come at 0.100000 Hz"), "{slow:?}");
     let free = doubts(noisy("t_ms,ax_m_s2,ay_m_s2,az_m_s2", noise));
     assert!(free[0].contains("as if it had been subtracted"), "{free:?}");
     let turned = doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", |at, column| noise(at, column) + (at % 2) as f64));

@@ -5,8 +5,8 @@ mod words;
 
 pub use pictures::{Group, Picture, axes_svg, svg};
 pub use words::{
-    GaussMarkov, TermRow, gauss_markov, hertz, holds_below, interval, is_without_misfit, misfit, predicts, removed,
-    stated, term_rows,
+    GaussMarkov, TermRow, gauss_markov, holds_below, interval, is_without_misfit, misfit, predicts, removed, stated,
+    term_rows,
 };
 
 use zerorate_imu::Record;

@@ -2,7 +2,7 @@
 
 use crate::Interval;
 use crate::plot::number;
-use zerorate_allan::{Corner, Estimate, Line, Term, span};
+use zerorate_allan::{Corner, Estimate, Line, Term, hertz, span};
 use zerorate_imu::{AllanReport, CoefficientReport, DetrendReport, FitReport};
 
 /// True if the model's error, beyond what chance explains, rounds to 0.0 %.
@@ -15,8 +15,8 @@ pub fn is_without_misfit(fit: &FitReport) -> bool {
 #[must_use]
 pub fn removed(report: &AllanReport) -> Vec<String> {
     let skipped = (report.skipped_s > 0.0).then(|| format!("without the first {}", span(report.skipped_s)));
-    let unit = report.unit.unwrap_or("");
     let detrended = report.detrend.as_ref().map(|detrend| {
+        let unit = detrend.unit.unwrap_or("");
         let terms = detrend.coefficients.iter().zip(["/°C", "/°C²", "/°C³"]);
         let terms = terms.map(|(value, per)| format!("{value:.4e} {unit}{per}")).collect::<Vec<_>>().join(", ");
         format!(
@@ -127,13 +127,6 @@ fn of_line(fit: &FitReport, Line { frequency_hz, width_hz, rms }: Line) -> TermR
         is_identified: true,
         remark: format!("at {}, {} Hz wide", hertz(frequency_hz), number(width_hz)),
     }
-}
-
-/// Formats the frequency of a line with six significant digits: a slow log has lines below 0.001 Hz.
-#[must_use]
-pub fn hertz(frequency_hz: f64) -> String {
-    let before = frequency_hz.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
-    format!("{frequency_hz:.*} Hz", (5 - before).clamp(0, 12) as usize)
 }
 
 /// The row of a term; `None` for a line, whose row [`of_line`] makes.

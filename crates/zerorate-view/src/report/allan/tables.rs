@@ -1,9 +1,9 @@
 //! The tables that compare several axes.
 
 use super::Table;
-use crate::noise::{GaussMarkov, Group, gauss_markov, hertz, is_without_misfit, stated};
+use crate::noise::{GaussMarkov, Group, gauss_markov, is_without_misfit, stated};
 use crate::plot::number;
-use zerorate_allan::{Estimate, Line};
+use zerorate_allan::{Estimate, Line, hertz};
 use zerorate_imu::{CoefficientReport, FitReport, Record};
 
 /// The table of coefficients: a row for each coefficient and unit, a column for each axis.
