@@ -50,25 +50,33 @@ impl Default for Limits {
 pub struct Checkup {
     /// Rate codes less the zero code.
     rate_codes: Vec<i32>,
-    /// Places and numbers of invalid rates.
+    /// Places and numbers of lost readings and invalid rates.
     gaps: Vec<Gap>,
     rates: CodeSum,
     temps: CodeSum,
 }
 
 impl Checkup {
-    /// Adds a reading. An invalid rate or temperature counts as missing.
+    /// Adds a reading. Readings lost before it count as missing, and so does an invalid rate or temperature.
     pub fn push(&mut self, judged: &Judged) {
-        match (judged.rate(), self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len())) {
-            (Some(rate), _) => {
+        self.skip(u64::from(judged.reading.lost));
+        match judged.rate() {
+            Some(rate) => {
                 self.rate_codes.push(rate);
                 self.rates.push(rate);
             }
-            (None, Some(gap)) => gap.missing += 1,
-            (None, None) => self.gaps.push(Gap { at: self.rate_codes.len(), missing: 1 }),
+            None => self.skip(1),
         }
         if let Some(temp) = judged.temp() {
             self.temps.push(temp);
+        }
+    }
+
+    fn skip(&mut self, missing: u64) {
+        match self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len()) {
+            _ if missing == 0 => {}
+            Some(gap) => gap.missing += missing,
+            None => self.gaps.push(Gap { at: self.rate_codes.len(), missing }),
         }
     }
 
@@ -128,6 +136,7 @@ const WHITE_TAU_S: f64 = 0.05;
 
 #[cfg(test)]
 mod tests {
+    use super::super::judge::Flags;
     use super::*;
     use crate::part::Reading;
 
@@ -144,6 +153,17 @@ mod tests {
         let expected = 1000.0 / axis.rate.lsb_per_unit * (2.0f64 / 1000.0).sqrt();
         let found = checkup.white_dps_per_rt_hz(&axis, 1000.0).unwrap();
         assert!((found / expected - 1.0).abs() < 0.1, "{found} instead of {expected}");
+    }
+
+    #[test]
+    fn lost_readings_make_a_gap() {
+        let mut checkup = Checkup::default();
+        for (seq, lost) in [(0, 0), (4, 3), (5, 0)] {
+            let reading = Reading { t_ns: 0, seq, rate: 0, temp: None, out_of_range: false, lost };
+            checkup.push(&Judged { reading, flags: Flags::default() });
+        }
+        assert_eq!(checkup.rate_codes.len(), 3);
+        assert_eq!(checkup.gaps, [Gap { at: 1, missing: 3 }]);
     }
 
     #[test]
