@@ -107,7 +107,7 @@ pub fn analyse<'py>(
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     result.set_item("skipped_s", skipped_s)?;
-    let detrended = detrended.map(|detrended| pythonize(py, &DetrendReport::new(&detrended))).transpose()?;
+    let detrended = detrended.map(|detrended| pythonize(py, &DetrendReport::new(&detrended, None))).transpose()?;
     result.set_item("detrended", detrended)?;
     let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
     result.set_item("warnings", frozen.into_iter().chain(follows.iter().map(settling::text)).collect::<Vec<_>>())?;

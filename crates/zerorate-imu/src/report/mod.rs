@@ -137,6 +137,8 @@ pub struct DetrendReport {
     pub order: usize,
     /// The method of the fit: [`DetrendReport::METHOD`].
     pub method: &'static str,
+    /// The unit of the rate; `None` if it is unknown.
+    pub unit: Option<&'static str>,
     /// Coefficients from the first power on: unit of the rate per °C, °C², °C³, about `mean_c`.
     pub coefficients: Vec<f64>,
     /// Mean temperature, °C.
@@ -175,6 +177,7 @@ impl AllanReport {
         let unavailable =
             |&Unavailable { tau_s, reason }: &Unavailable| UnavailableReport { tau_s, reason: reason.to_string() };
         let asked = record.fit.as_ref();
+        let rate_unit = record.quantity.map(Quantity::unit);
         Self {
             file: record.file.display().to_string(),
             column: record.column.clone(),
@@ -191,7 +194,7 @@ impl AllanReport {
             rejection: asked.and_then(|_| record.valid_model().err()).map(|why| why.to_string()),
             cleaned: record.model().map(|fit| CleanedReport::new(&fit.cleaned)).unwrap_or_default(),
             advice: advice::advice(record),
-            detrend: record.detrended.as_ref().map(DetrendReport::new),
+            detrend: record.detrended.as_ref().map(|taken| DetrendReport::new(taken, rate_unit)),
             skipped_s: record.skipped_s,
             warnings: record.warnings(),
         }
@@ -255,13 +258,14 @@ impl DetrendReport {
     /// The method of the fit.
     pub const METHOD: &str = "least squares over means of at most 128 parts";
 
-    /// Reports on a polynomial over temperature.
+    /// Reports on a polynomial over temperature that was removed from a rate of this unit.
     #[must_use]
-    pub fn new(detrended: &DetrendedRate) -> Self {
+    pub fn new(detrended: &DetrendedRate, unit: Option<&'static str>) -> Self {
         Self {
             over: "temperature",
             order: detrended.lost_dof,
             method: Self::METHOD,
+            unit,
             coefficients: detrended.coefficients.clone(),
             mean_c: detrended.mean_c,
             explained: detrended.explained,

@@ -2,9 +2,9 @@
 
 use super::bench::{Folder, record, refusal};
 use std::path::{Path, PathBuf};
-use zerorate_allan::{Fit, FitOptions};
+use zerorate_allan::{Fit, FitOptions, Stat};
 use zerorate_host::Sampling;
-use zerorate_imu::{AnalysisOptions, Detrending, Record};
+use zerorate_imu::{AllanReport, AnalysisOptions, Detrending, Record};
 use zerorate_imu::{Combine, Format, ImuOptions, Kind, KindOptions, NoiseFileOptions, Rule};
 use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
@@ -75,11 +75,14 @@ fn a_rate_that_follows_its_temperature_can_be_analysed() {
     let follows = |record: &Record| record.of_noise().any(|warning| warning.code() == "follows-temperature");
     let whole = by(Detrending::default());
     assert!(follows(&whole) && whole.model().unwrap().k.lo > 1e-4, "what made the warning necessary");
-    let detrended = by(Detrending { order: Some(1), ..Detrending::default() });
+    let mut detrended = by(Detrending { order: Some(1), ..Detrending::default() });
     let k = &detrended.model().unwrap().k;
     assert!(!follows(&detrended) && k.lo <= 1e-4 && k.hi >= 1e-4, "{k:?}");
     let taken = detrended.detrended.as_ref().unwrap();
     assert!(taken.lost_dof == 1 && taken.explained > 0.95, "{}", taken.explained);
+    detrended.analysis.stat = Stat::Tdev;
+    let report = AllanReport::new(&detrended);
+    assert_eq!((report.unit, report.detrend.unwrap().unit), (Some("°"), Some("°/s")));
     let log = ColumnOptions { cut: Cut { from: Some(CutTime::SinceStart(1800.0)), until: None }, ..of_captures() };
     let skipped = allan(std::slice::from_ref(&capture), &options(log, fitted())).unwrap().remove(0);
     assert!((skipped.skipped_s - 1800.0).abs() < 0.01, "{}", skipped.skipped_s);
