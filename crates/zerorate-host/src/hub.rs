@@ -315,7 +315,7 @@ impl BatchBuilder {
             let since_ns = row.t_ns - *self.start_ns.get_or_insert(row.t_ns);
             let first_ns = batch.rows.first().map_or(row.t_ns, |first| first.t_ns);
             let is_marked = self.marks.next_if(|mark_ns| since_ns >= *mark_ns).is_some();
-            let is_late = row.t_ns - first_ns >= longest_ns;
+            let is_late = row.t_ns.saturating_sub(first_ns) >= longest_ns;
             if is_marked || is_late || batch.rows.len() == BATCH {
                 return None;
             }

@@ -103,7 +103,7 @@ fn read(acquisition: &mut Acquisition, duration: Seconds, see: &mut dyn FnMut(f6
     while acquisition.next_judged(&mut judged)? {
         checkups.iter_mut().zip(&judged).for_each(|(checkup, judged)| checkup.push(judged));
         let t_ns = judged.first().map_or(0, |first| first.reading.t_ns);
-        let elapsed_ns = t_ns - *first_ns.get_or_insert(t_ns);
+        let elapsed_ns = t_ns.saturating_sub(*first_ns.get_or_insert(t_ns));
         if elapsed_ns >= duration.nanos() {
             break;
         }

@@ -88,7 +88,7 @@ pub struct RecordReport {
     pub rdy_hz: f64,
     /// Time from the first sample to the last, s.
     pub duration_s: f64,
-    /// True if a stop was requested, which ends the recording early.
+    /// True if a stop was requested before the length was reached.
     pub interrupted: bool,
     /// Number of readings that the part cannot produce: bit errors.
     pub impossible_readings: u64,
@@ -140,33 +140,39 @@ pub fn record(
     let mut writer = Recorder::create(file, options.format, &info)?;
     let recorded = follow(acquisition, options.length, show, |row| Ok(writer.push(row)?));
     let saved = writer.finish()?.samples;
-    recorded.with_context(|| format!("{} ends after {saved} samples", options.output.display()))?;
-    Ok(report(acquisition, options, names))
+    let is_whole = recorded.with_context(|| format!("{} ends after {saved} samples", options.output.display()))?;
+    Ok(report(acquisition, options, is_whole, names))
 }
 
+/// Returns true if the length was reached.
 fn follow(
     acquisition: &mut Acquisition,
     length: Length,
     show: &mut dyn FnMut(RecordProgress),
     mut take: impl FnMut(&Row) -> Result<()>,
-) -> Result<()> {
+) -> Result<bool> {
     let mut first_ns = None;
     while let Some(row) = acquisition.next_row()? {
         take(&row)?;
         acquisition.look_at(&row);
-        let elapsed_ns = row.t_ns - *first_ns.get_or_insert(row.t_ns);
+        let elapsed_ns = row.t_ns.saturating_sub(*first_ns.get_or_insert(row.t_ns));
         let samples = acquisition.tally().samples;
         if length.is_reached(elapsed_ns, samples) {
-            break;
+            return Ok(true);
         }
         if acquisition.is_time_to_show() {
             show(length.progress(elapsed_ns, samples));
         }
     }
-    Ok(())
+    Ok(false)
 }
 
-fn report(acquisition: &mut Acquisition, options: &RecordOptions, names: SettingNames) -> RecordReport {
+fn report(
+    acquisition: &mut Acquisition,
+    options: &RecordOptions,
+    is_whole: bool,
+    names: SettingNames,
+) -> RecordReport {
     let warnings = acquisition.warnings().into_iter().map(|warning| warning.coded(names)).collect();
     let counts: Vec<&FaultCounts> = acquisition.healths().map(Health::fault_counts).collect();
     let sum = |count: fn(&FaultCounts) -> u64| counts.iter().copied().map(count).sum();
@@ -179,7 +185,7 @@ fn report(acquisition: &mut Acquisition, options: &RecordOptions, names: Setting
         rate_hz: tally.rate_hz(),
         rdy_hz: tally.rdy_hz(),
         duration_s: tally.duration_s(),
-        interrupted: acquisition.is_stopped(),
+        interrupted: !is_whole && acquisition.is_stopped(),
         impossible_readings: sum(|counts| counts.impossible),
         impossible_temps: sum(|counts| counts.impossible_temps),
         out_of_range: sum(|counts| counts.out_of_range),

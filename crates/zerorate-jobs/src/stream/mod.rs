@@ -198,7 +198,7 @@ impl<'a> RowMaker<'a> {
         let mut first_ns = None;
         while acquisition.next_judged(&mut judged)? {
             let now_ns = judged.first().map_or(0, |first| first.reading.t_ns);
-            let t_ns = now_ns - *first_ns.get_or_insert(now_ns);
+            let t_ns = now_ns.saturating_sub(*first_ns.get_or_insert(now_ns));
             if mean.belongs_to_next(t_ns / period_ns) {
                 self.write(&mut mean)?;
             }
