@@ -5,7 +5,7 @@
  * Memory     Nothing is allocated and there are no global variables. Objects (zerorate_gyro, zerorate_procedure and
  *            others) lie in memory of the caller, need no tear-down, and must not be copied or moved while they are
  *            used.
- * Threads    An object is used by one thread or interrupt at a time; what keeps them apart is the caller's.
+ * Threads    An object is used by one thread or interrupt at a time; the caller must see to that.
  *            Different objects are independent. Functions that take const pointers only, and those without pointers,
  *            may be called from anywhere at any time, interrupts included.
  * Interrupts zerorate_gyro_sample fits into the interrupt of RDY: 1 to 3 commands, up to 10 after a doubtful answer,

@@ -9,7 +9,8 @@ const CALIBRATION: &str = include_str!("../../tests/golden/hour-3.toml");
 /// The calibration with the fields that a simulated part lacks.
 fn calibration() -> String {
     let fields = "created = \"2026-01-02T03:04:05Z\"\nsupply_note = \"linear\"\nwarnings = [\"one\", \"two\"]\n";
-    CALIBRATION.replace("created = \"SIMULATED\"\n", fields)
+    let (before, after) = CALIBRATION.split_once("created = \"SIMULATED\"\n").expect("a simulated calibration");
+    [before, fields, after].concat()
 }
 
 /// A calibration of two axes. The first has only the required fields.
