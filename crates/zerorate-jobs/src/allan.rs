@@ -52,7 +52,6 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     Ok(records)
 }
 
-/// Analyses columns that were already read from a log, together with the log's temperature.
 pub(crate) fn analysed(
     log: &Path,
     columns: Vec<Column>,

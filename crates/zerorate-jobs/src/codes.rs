@@ -90,7 +90,6 @@ impl Explanation {
     }
 }
 
-/// A paragraph without its line breaks.
 fn one_line(paragraph: &str) -> String {
     paragraph.replace('\n', " ")
 }

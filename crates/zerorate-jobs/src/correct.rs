@@ -155,7 +155,6 @@ impl Correcting {
         self.complete(schema)
     }
 
-    /// Returns the remaining batches at the end.
     fn finish(&mut self, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
         for axis in &mut self.axes {
             while let Some(last) = axis.health.finish() {
@@ -204,7 +203,6 @@ impl Correcting {
     }
 }
 
-/// The uncorrected rates, °/s.
 fn rates_dps(axis: &Axis, judged: &[Judged]) -> ArrayRef {
     let rates_dps = judged.iter().map(|judged| axis.rate.value(judged.reading.rate.into()));
     Arc::new(Float64Array::from_iter_values(rates_dps))
@@ -215,7 +213,6 @@ fn flags(judged: &[Judged]) -> ArrayRef {
 }
 
 impl Correcting {
-    /// The warnings about the readings.
     fn warnings(&self) -> impl Iterator<Item = JobWarning> + use<> {
         let before = (self.without_temp > 0).then_some(JobWarning::BeforeTemperature(self.without_temp));
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));

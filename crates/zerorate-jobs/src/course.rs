@@ -93,7 +93,7 @@ impl Sum {
         self.count += 1;
     }
 
-    /// The mean; NaN without values.
+    /// NaN without values.
     fn mean(&self) -> f64 {
         self.total / self.count as f64
     }

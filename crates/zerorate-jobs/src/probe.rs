@@ -71,7 +71,6 @@ pub struct SelfTestResult {
 
 /// The findings of the checks that precede the first sample.
 struct Before {
-    /// The revision register; `None` for a replay.
     revision: Option<u8>,
     bus: Option<Bus>,
     self_test: Option<SelfTest>,

@@ -94,7 +94,6 @@ fn lines() -> Vec<String> {
         .collect()
 }
 
-/// The command-line option for a setting.
 fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Earth => "--earth-dps",
@@ -314,7 +313,6 @@ fn of_logs() -> Vec<LogWarning> {
     ]
 }
 
-/// Warnings about the samples of a column, and about the scale and the rate that are assumed for them.
 fn of_samples() -> [LogWarning; 6] {
     let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
     let assumed = "--gyro-range 250: 131.1 codes per °/s; lsm6ds3 and 5 more differ: give --part";

@@ -139,8 +139,7 @@ impl<'a> Measurement<'a> {
         Ok(())
     }
 
-    /// Stores the twin's true state if it was requested for this sample. If the plan has a target uncertainty, checks
-    /// whether it is reached.
+    /// Stores the twin's true state, and checks the target uncertainty when that is due.
     #[inline]
     fn mark(&mut self) -> Result<()> {
         let truths = self.acquisition.truths();

@@ -70,7 +70,6 @@ impl Files {
         Ok(Self { outputs, calibration, options })
     }
 
-    /// Starts the log, if one was requested.
     pub(crate) fn log(&mut self, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: &PathBuf| {
             let format = Format::choose(None, path)?;
@@ -79,7 +78,6 @@ impl Files {
         self.options.log.as_ref().map(start).transpose()
     }
 
-    /// Writes the calibration, if a file was requested for it.
     pub(crate) fn fill(mut self, calibration: &Calibration) -> Result<()> {
         let file = match (self.calibration, &self.options.output) {
             (None, Some(path)) => Some(self.outputs.derived(path)?),

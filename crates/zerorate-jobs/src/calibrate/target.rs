@@ -23,13 +23,12 @@ pub struct Target {
 }
 
 impl Target {
-    /// True if the next check is due. Checks are at whole minutes, where the twin reports its true state.
+    /// Checks are at whole minutes, where the twin reports its true state.
     #[inline]
     pub fn is_due(&self, procedure: &PartProcedure) -> bool {
         procedure.progress().elapsed_s >= whole_minutes(Reached::next_look_s(self.looked_s))
     }
 
-    /// Checks whether the target is reached and the temperature has settled.
     pub fn is_reached(&mut self, procedure: &PartProcedure) -> bool {
         self.looked_s = whole_minutes(procedure.progress().elapsed_s);
         self.target_dps = procedure.plan().target_dps.unwrap_or(0.0);
@@ -37,13 +36,12 @@ impl Target {
         self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
     }
 
-    /// The uncertainties at the last check; `None` before the first check, or if the samples so far would be refused.
+    /// `None` before the first check, or if the samples so far would be refused.
     pub fn reached(&self) -> Option<Reached> {
         self.reached
     }
 }
 
-/// The time rounded down to whole minutes, s.
 fn whole_minutes(time_s: f64) -> f64 {
     (time_s / EVERY_S).floor() * EVERY_S
 }

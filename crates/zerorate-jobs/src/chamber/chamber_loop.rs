@@ -143,7 +143,6 @@ impl<'a> ChamberLoop<'a> {
         Ok(())
     }
 
-    /// Handles the end of each second of sample time.
     fn tick(&mut self, now_ns: u64) -> Result<()> {
         self.next_tick_ns += TICK_NS;
         let truths = self.acquisition.truths();
@@ -224,7 +223,6 @@ impl<'a> ChamberLoop<'a> {
     }
 }
 
-/// True if the error only means that a stop was requested.
 fn is_stopped(error: &anyhow::Error) -> bool {
     error.downcast_ref().map(DeviceError::cause) == Some(Cause::Stopped)
 }

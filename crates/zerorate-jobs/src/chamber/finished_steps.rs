@@ -29,7 +29,6 @@ pub struct FinishedSteps {
 }
 
 impl FinishedSteps {
-    /// The path of the steps file that belongs to `output`.
     pub fn beside(output: &Path) -> PathBuf {
         let mut name = output.as_os_str().to_owned();
         name.push(ENDING);
@@ -81,7 +80,6 @@ impl FinishedSteps {
         }
     }
 
-    /// Removes the file after the measurement is complete.
     pub fn forget(&mut self) {
         self.slot.iter_mut().for_each(Slot::clear);
     }

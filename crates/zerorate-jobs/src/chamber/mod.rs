@@ -81,7 +81,6 @@ pub struct UnusableSteps {
 pub struct Files {
     of_calibration: calibrate::Files,
     page: Option<StagedOutput>,
-    /// The file that keeps finished steps; `None` if they are not kept.
     steps: Option<Slot>,
 }
 

@@ -30,11 +30,8 @@ pub struct AirState {
 
 /// The source of the air temperature: a recording, a person or a chamber.
 pub(super) enum Control {
-    /// Nobody: a recording is replayed.
     Recording,
-    /// A person, who is told each step.
     Hand,
-    /// A chamber, by commands or simulated.
     Chamber(Box<dyn Chamber>),
 }
 

@@ -85,7 +85,6 @@ impl OutputError {
         !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::NoFolder { .. } | Self::TakenMeanwhile { .. })
     }
 
-    /// Makes an I/O error that names the action and the file.
     pub(super) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         Self::Io { action, path: path.to_owned(), source }
     }

@@ -18,7 +18,7 @@ pub enum Identity {
 }
 
 impl Identity {
-    /// The identity of the regular file at `path`; `None` if there is no regular file.
+    /// `None` if there is no regular file at `path`.
     pub fn of_file(path: &Path) -> Option<Self> {
         let metadata = fs::metadata(path).ok().filter(Metadata::is_file)?;
         Self::of(&metadata, path)

@@ -70,7 +70,6 @@ impl Place {
     }
 }
 
-/// The folder that contains `path`.
 pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != OsStr::new("")).unwrap_or(Path::new("."))
 }

@@ -26,7 +26,6 @@ const LOOKS_PER_SYNC: u32 = 4;
 pub struct Recording {
     path: PathBuf,
     file: File,
-    /// Bytes written so far.
     written: Arc<AtomicU64>,
     /// The file and its checks. `None` for a pipe or a device, which cannot be removed or replaced.
     recorded: Option<Arc<RecordedFile>>,
@@ -97,7 +96,6 @@ impl Recording {
     }
 }
 
-/// The open file with a count of the bytes written.
 struct CountingWriter {
     file: File,
     written: Arc<AtomicU64>,
@@ -192,7 +190,6 @@ impl Watch {
         Ok(Self { stop, thread })
     }
 
-    /// Ends the checking thread, and returns its error if it has failed.
     fn finish(self) -> io::Result<()> {
         drop(self.stop);
         self.thread.join().unwrap_or_else(|_| Err(io::Error::other("the syncing thread died")))

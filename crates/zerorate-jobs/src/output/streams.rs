@@ -43,13 +43,11 @@ pub fn files() -> Vec<(Identity, &'static str)> {
     Vec::new()
 }
 
-/// On systems other than Unix, standard streams are not compared with files.
 #[cfg(not(unix))]
 pub fn stdout_pipe() -> Option<Identity> {
     None
 }
 
-/// On systems other than Unix, standard streams are not compared with files.
 #[cfg(not(unix))]
 pub fn stdin_file() -> Option<Identity> {
     None

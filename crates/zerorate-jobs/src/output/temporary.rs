@@ -68,7 +68,6 @@ impl Temporary {
         self.file.as_file()
     }
 
-    /// Keeps the file under its temporary name and returns the path.
     pub fn keep(self) -> io::Result<PathBuf> {
         Ok(self.file.keep()?.1)
     }

@@ -92,7 +92,6 @@ fn force_is_advised_where_there_is_such_an_option() {
     assert!(could_be_forced(&with.context("saving")) && !could_be_forced(&without));
 }
 
-/// An input is recognised by another path, a hard link and a symbolic link, with or without force.
 #[cfg(unix)]
 #[test]
 fn a_file_is_known_by_any_name() {

@@ -120,7 +120,6 @@ struct Mean {
     readings: u64,
     first_ns: u64,
     last_ns: u64,
-    /// The sum of the codes of each axis.
     rates: Vec<CodeSum>,
     temp: CodeSum,
     lost: u64,
@@ -160,7 +159,6 @@ impl Mean {
         }
     }
 
-    /// Mid-time of the samples, s.
     fn t_s(&self) -> f64 {
         (self.first_ns + self.last_ns) as f64 * 0.5e-9
     }

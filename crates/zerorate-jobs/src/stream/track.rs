@@ -71,7 +71,6 @@ pub struct Tracking {
     saved_s: u64,
 }
 
-/// The file of the saved state.
 struct Store {
     slot: Slot,
     calibration: Calibration,
@@ -145,7 +144,7 @@ impl TrackOptions {
     }
 }
 
-/// Seconds between two wall-clock times; `None` if one of them is not known.
+/// `None` if one of the times is unknown.
 fn since(from: Option<&str>, to: Option<Timestamp>) -> Option<f64> {
     let from: Timestamp = from?.parse().ok()?;
     Some(to?.duration_since(from).as_secs_f64())
@@ -178,7 +177,6 @@ fn taken_up(
 }
 
 impl Store {
-    /// The saved state; `None` if the file does not exist.
     fn load(&self) -> Result<Option<TrackFile>> {
         let path = self.slot.path();
         let text = match self.slot.content(limits::TEXT) {

@@ -14,7 +14,6 @@ const SCALE: f64 = 1e-6;
 /// A temperature parameter of ArduPilot below this, °C, means that the temperature is unknown (tempcal_IMU.py).
 const NO_TEMPERATURE_C: f64 = -80.0;
 
-/// The names of the axes in the parameters.
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
 /// The corrections and rotation that a log's parameters applied to the readings of one IMU.
@@ -30,9 +29,6 @@ impl<'a> AppliedCorrections<'a> {
     }
 
     /// Undoes the corrections and the rotation of readings (°/s or m/s²) of three axes. `temps_c` has one per reading.
-    ///
-    /// # Errors
-    /// Returns an error if the orientation is unknown.
     pub(super) fn undo(&self, kind: Kind, axes: &mut [Vec<f64>; 3], temps_c: &[f64]) -> Result<(), String> {
         if let Some(turn) = self.turn()? {
             let [x, y, z] = axes;

@@ -42,7 +42,6 @@ fn undo(imu: &mut ImuColumns, parameters: &BTreeMap<String, f64>, log: &Path) ->
     Ok(())
 }
 
-/// Reads the axes and the temperature of each IMU in a log.
 pub(super) fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<ImuColumns>> {
     let mut of_axes = options.axes.clone();
     let assumed = options.codes.apply(&mut of_axes)?;

@@ -15,7 +15,6 @@ use zerorate_jobs::{Acquisition, CodedRefusal, CodedWarning, JobWarning};
 use zerorate_logs::LogError;
 use zerorate_record::{CaptureWriter, Format};
 
-/// A temporary folder, which is removed after the test.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -63,7 +62,6 @@ pub fn short() -> Plan {
     Plan { average_s: 2.0, warmup_s, settle_s, offset_s: 20.0, max_u_btc_dps_per_c, ..Plan::default() }
 }
 
-/// A watch that ignores all events.
 struct Quiet;
 
 impl Watch for Quiet {
@@ -139,7 +137,6 @@ pub fn cells(text: &str) -> Vec<Vec<&str>> {
     text.lines().filter(|line| !line.starts_with('#')).skip(1).map(|line| line.split(',').collect()).collect()
 }
 
-/// The rows of a stream, and its warnings.
 #[derive(Default)]
 pub struct StreamLog {
     pub rows: Vec<StreamRow>,
@@ -166,7 +163,6 @@ impl Listener for StreamLog {
 }
 
 impl StreamLog {
-    /// The number of rows with these fault flags.
     pub fn with(&self, flags: Flags) -> usize {
         self.rows.iter().filter(|row| row.flags.has(flags)).count()
     }

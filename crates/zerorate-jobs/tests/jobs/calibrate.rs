@@ -107,7 +107,6 @@ const NO_RESULT: [(&str, Method, Option<&str>, &[&str]); 15] = [
     ("fault=rdy_lost,fault_at_s=30", Method::An1042, None, &["no data ready", "RDY (pin 10)"]),
 ];
 
-/// A run without a result names its cause, leaves no file, and leaves an older calibration as it was.
 #[test]
 fn a_failed_calibration_names_its_cause_and_writes_nothing() {
     for (keys, method, code, words) in NO_RESULT {
@@ -127,7 +126,6 @@ fn a_failed_calibration_names_its_cause_and_writes_nothing() {
     }
 }
 
-/// An output that cannot be written is refused before the measurement starts.
 #[test]
 fn an_output_that_cannot_be_written_is_refused_first() {
     let folder = Folder::new();

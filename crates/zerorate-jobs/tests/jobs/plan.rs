@@ -11,7 +11,6 @@ fn read(path: &Path, of_recording: bool) -> anyhow::Result<PlanFile> {
     PlanFile::read(path, of_recording, &mut Outputs::new(false), Setting::name)
 }
 
-/// The log of a chamber with two plateaus and a ramp becomes a plan, but only for a recording.
 #[test]
 fn the_log_of_a_chamber_is_a_plan_for_a_recording() {
     let folder = Folder::new();

@@ -74,7 +74,6 @@ fn a_part_with_three_axes_is_calibrated_in_one_go() {
     }
 }
 
-/// A recording must not become the calibration of another part.
 #[test]
 fn a_recording_of_another_part_is_refused() {
     let folder = Folder::new();
