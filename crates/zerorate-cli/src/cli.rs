@@ -59,7 +59,6 @@ pub struct Cli {
 }
 
 impl Cli {
-    /// Runs the command that the user gave. `exit::report` turns the error into an exit code.
     pub fn run(&self) -> Result<()> {
         match &self.command {
             Command::Probe(args) => probe::run(args),
@@ -176,7 +175,6 @@ pub const GROUPS: [(&str, &[&str]); 6] = [
     ("Other", &["explain", "parts", "help", "completions", "man"]),
 ];
 
-/// The template of the program's help, with the commands in groups.
 fn template() -> String {
     let styles = Styles::styled();
     let (header, literal) = (styles.get_header(), styles.get_literal());

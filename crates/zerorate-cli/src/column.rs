@@ -71,17 +71,15 @@ pub struct LogArgs {
     force_unit: bool,
 }
 
-/// Headings of groups of options in the help.
 const TIME: &str = "Time";
 pub const UNITS: &str = "Columns and units";
 
 impl LogArgs {
-    /// The topics after the first one.
     pub fn more_topics(&self) -> &[String] {
         self.topic.get(1..).unwrap_or_default()
     }
 
-    /// The settings for reading the log. `names` returns the option that error messages name for a setting.
+    /// `names` returns the option that error messages name for a setting.
     pub fn options(&self, names: Names) -> ColumnOptions {
         ColumnOptions {
             topic: self.topic.first().cloned(),
@@ -128,7 +126,6 @@ pub struct ColumnArgs {
 }
 
 impl ColumnArgs {
-    /// True if the option `--column` is a list with commas, or `all`.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
     }
@@ -138,7 +135,7 @@ impl ColumnArgs {
         &self.log.only
     }
 
-    /// Refuses several topics. Only `imu` can join topics of one IMU.
+    /// Only `imu` can join topics of one IMU.
     pub fn check(&self) -> Result<(), InvalidOptions> {
         match self.log.more_topics() {
             [] => Ok(()),
@@ -154,7 +151,6 @@ impl ColumnArgs {
         }
     }
 
-    /// The settings for reading the log, with the given name, unit and scale of the column.
     pub fn options(&self) -> ColumnOptions {
         let Self { column, unit, scale, log } = self;
         ColumnOptions { column: column.clone(), unit: *unit, scale: *scale, ..log.options(Names(flag)) }
@@ -164,12 +160,11 @@ impl ColumnArgs {
 /// The value of an option that selects all columns of numbers.
 const ALL: &str = "all";
 
-/// Splits a list at its commas. `None` means all columns.
+/// `None` means all columns.
 pub fn listed(list: &str) -> Option<Vec<String>> {
     (list != ALL).then(|| list.split(',').map(|name| name.trim().to_owned()).collect())
 }
 
-/// The command-line option for a setting, for messages.
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::ForceUnit => SettingName { prefix: "give --", ..flag_of(setting.word()) },
@@ -179,7 +174,6 @@ pub fn flag(setting: Setting) -> SettingName {
     }
 }
 
-/// The option that consists of `--` and `word`, such as `--max-bad`.
 pub const fn flag_of(word: &'static str) -> SettingName {
     SettingName { prefix: "--", word, joint: '-', suffix: "" }
 }

@@ -38,7 +38,6 @@ const PROGRAM_BYTES: u64 = 256 << 20;
 /// as in QEMU's user mode. The program itself never exits with this code.
 const NOT_STARTED: i32 = 127;
 
-/// The role of this process.
 pub enum Role {
     /// This process runs the command.
     Worker,
@@ -64,7 +63,6 @@ pub fn run(args: &[OsString], files: &[&Path]) -> Role {
     }
 }
 
-/// The limit on the memory of a process that reads these files.
 fn limit(files: &[&Path]) -> Bytes {
     let sizes = files.iter().map(|path| on_disk::log_length(path)).fold(0, u64::saturating_add);
     Bytes(limits::for_size(sizes).saturating_add(PROGRAM_BYTES - limits::FREE_BYTES).min(limits::max_memory()))

@@ -48,7 +48,7 @@ impl SourceArgs {
 }
 
 impl DeviceArgs {
-    /// Opens the device. After this call, the first Ctrl-C only requests a clean end.
+    /// After this call, the first Ctrl-C only requests a clean end.
     pub fn open(&self, setup: Setup) -> Result<Acquisition> {
         self.open_at(setup, false)
     }
@@ -61,7 +61,6 @@ impl DeviceArgs {
     }
 }
 
-/// Makes a sink that prints the warnings of a device.
 pub fn tell() -> WarningSink {
     Box::new(|warning| warn(&[warning.coded()]))
 }

@@ -52,7 +52,6 @@ fn parsed<T: Into<OsString> + Clone>(args: impl IntoIterator<Item = T>) -> Resul
     Cli::from_arg_matches_mut(&mut command.try_get_matches_from(args)?)
 }
 
-/// Prints an error of clap, or the requested help.
 fn printed(error: &Error) -> ExitCode {
     let text = error.render().to_string();
     match text.starts_with("error:") {
@@ -149,7 +148,6 @@ fn of_argument(argument: &str, usage: &str) -> Option<String> {
     (!options.is_empty()).then(|| format!("an option goes before a file: {}", options.join(", ")))
 }
 
-/// The short name and the long name of an option, if it has them.
 fn names(arg: &Arg) -> Vec<String> {
     let short = arg.get_short().map(|short| format!("-{short}"));
     short.into_iter().chain(arg.get_long().map(|long| format!("--{long}"))).collect()

@@ -44,7 +44,6 @@ pub fn listen() {
     LISTENED_TO.store(true, Ordering::Relaxed);
 }
 
-/// True if a stop was requested.
 pub fn asked() -> bool {
     stop().asked()
 }

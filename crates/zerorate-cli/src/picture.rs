@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "png")]
 use zerorate_view::plot;
 
-/// The file format of a plot.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Svg,
@@ -17,9 +16,6 @@ pub enum Kind {
 
 impl Kind {
     /// The format by the file extension; `None` for an extension that is not of a plot.
-    ///
-    /// # Errors
-    /// Returns an error if the format is not in this build.
     pub fn of(path: &Path) -> Result<Option<Self>, Usage> {
         match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Some(Self::Svg)),
@@ -40,9 +36,6 @@ pub struct Pictures(Vec<(Kind, StagedOutput)>);
 
 impl Pictures {
     /// Claims a file for each path, whose extension states the format of the plot.
-    ///
-    /// # Errors
-    /// Returns an error if a path has no extension of a plot, or if its file must not be written.
     pub fn claim(paths: &[PathBuf], outputs: &mut Outputs) -> Result<Self> {
         let kind = |path: &PathBuf| {
             let other = || Usage(format!("{}: a picture must end in .svg or .png", path.display()));
@@ -54,16 +47,12 @@ impl Pictures {
     }
 
     /// Writes the same plot into each file.
-    ///
-    /// # Errors
-    /// Returns an error if a file cannot be written.
     pub fn write(self, svg: impl FnOnce() -> String) -> Result<()> {
         let svg = if self.0.is_empty() { String::new() } else { svg() };
         self.0.into_iter().try_for_each(|(kind, file)| write(kind, file, &svg))
     }
 }
 
-/// Writes the plot `svg` to a file, as SVG or converted to PNG.
 pub fn write(kind: Kind, file: StagedOutput, svg: &str) -> Result<()> {
     match kind {
         Kind::Svg => Ok(file.fill(svg.as_bytes())?),

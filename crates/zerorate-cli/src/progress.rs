@@ -104,5 +104,4 @@ impl Drop for Busy {
     }
 }
 
-/// The number of steps of the bar.
 const STEPS: u64 = 100_000;

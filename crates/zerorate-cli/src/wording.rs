@@ -31,7 +31,6 @@ fn remedy(error: &anyhow::Error) -> &'static str {
     if could_be_forced(error) { ", or give --force" } else { "" }
 }
 
-/// The command-line option for a setting, for messages.
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::Edge => SettingName::text("edge=rising or edge=falling in --device"),

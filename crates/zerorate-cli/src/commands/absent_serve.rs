@@ -15,13 +15,11 @@ pub struct ServeArgs {
 }
 
 impl ServeArgs {
-    /// Always `None`, since the command reads no file.
     pub fn file(&self) -> Option<&Path> {
         None
     }
 }
 
-/// Returns an error that names the feature which adds the command.
 pub fn run(_: &ServeArgs) -> Result<()> {
     Err(Usage(NotBuiltIn { what: "`zerorate serve`", feature: "serve" }.to_string()).into())
 }

@@ -92,7 +92,6 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     }
 }
 
-/// Converts invalid options to a usage error.
 fn usage(error: anyhow::Error) -> anyhow::Error {
     match error.downcast::<InvalidOptions>() {
         Ok(InvalidOptions(text)) => Usage(text).into(),

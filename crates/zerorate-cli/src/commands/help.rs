@@ -12,7 +12,7 @@ pub struct HelpArgs {
     about: Option<String>,
 }
 
-/// Prints the help. `root` is the command `zerorate`.
+/// `root` is the command `zerorate`.
 pub fn run(args: &HelpArgs, root: clap::Command) -> Result<()> {
     match args.about.as_deref() {
         Some("device") => print(DEVICE),
@@ -24,7 +24,6 @@ pub fn run(args: &HelpArgs, root: clap::Command) -> Result<()> {
     }
 }
 
-/// The help about the addresses that `--device` takes.
 pub const DEVICE: &str = "\
 What --device takes: an address, with options behind ? and & (for twin: they are keys).
 

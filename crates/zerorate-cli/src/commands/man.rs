@@ -28,7 +28,6 @@ fn command_section(command: &clap::Command) -> io::Result<Vec<u8>> {
     Ok(String::from_utf8_lossy(&section).replace(".SH ", ".SS ").into_bytes())
 }
 
-/// Writes synopsis, description, options and, if there are any, notes.
 fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Result<()> {
     man.render_synopsis_section(page)?;
     man.render_description_section(page)?;
@@ -48,7 +47,6 @@ fn roff(text: &str) -> String {
     text.replace('\\', "\\e").replace('-', "\\-").replace("\n'", "\n\\&'").replace("\n.", "\n\\&.")
 }
 
-/// Prints the completion script of `shell`.
 pub fn completions(shell: clap_complete::Shell, root: &mut clap::Command) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(shell, root, "zerorate", &mut script);

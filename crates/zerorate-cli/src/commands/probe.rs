@@ -77,7 +77,6 @@ fn text(findings: &Findings) -> String {
     )
 }
 
-/// Formats a value with its unit; without a value, `not measured`.
 fn shown(value: Option<f64>, unit: &str) -> String {
     value.map_or("not measured".to_owned(), |value| format!("{value:.4} {unit}"))
 }

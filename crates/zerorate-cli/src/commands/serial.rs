@@ -47,17 +47,13 @@ pub const GIVE: &str = "give --serial SN";
 pub struct Part<'a> {
     /// The name of the part in messages: the device or the capture.
     pub name: &'a str,
-    /// The serial number of the part, if it is known.
     pub serial: Option<&'a str>,
     /// Advice on how to state the serial number.
     pub advice: &'static str,
 }
 
 impl Part<'_> {
-    /// Checks that `calibration`, from the file `path`, belongs to this part. Returns a warning if that is uncertain.
-    ///
-    /// # Errors
-    /// Returns an error if the calibration belongs to another part.
+    /// Returns a warning if it is uncertain that `calibration`, from the file `path`, belongs to this part.
     pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<SessionWarning>> {
         let (cal, part) = (path.display().to_string(), (self.name, self.serial));
         SessionWarning::of_serial((cal, calibration.serial.as_deref()), part, self.advice).map_err(Error::msg)

@@ -159,7 +159,6 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
     Ok(Some(Libiio::new(listener, calibration, args.allow_write)))
 }
 
-/// Checks that the applied calibration belongs to the part.
 fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
     let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: serial::GIVE };
     warn(part.check(calibration, cal)?.map(coded).as_slice());
@@ -205,8 +204,7 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
     })
 }
 
-/// Prints the address of the page. A token from a file is not printed, because the output of a service goes to a
-/// journal that others can read.
+/// A token from a file is not printed, because the output of a service goes to a journal that others can read.
 fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) {
     if !serve::has_page() {
         warn(&[serve::absent()]);

@@ -103,7 +103,6 @@ impl Form {
         }
     }
 
-    /// The name of the format as an option value.
     fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
@@ -123,7 +122,6 @@ fn check_ending(args: &TempcalArgs) -> Result<()> {
     }
 }
 
-/// The JSON object that `--json` prints.
 #[derive(Serialize)]
 struct Report<'a> {
     axes: &'a [AxisCurve],
@@ -166,7 +164,6 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
     printed
 }
 
-/// The content of the output file.
 fn text(args: &TempcalArgs, logs: &[UnitLog], found: &Tempcal) -> Result<String> {
     Ok(match args.format {
         Form::Csv => csv(&found.axes),
@@ -176,7 +173,6 @@ fn text(args: &TempcalArgs, logs: &[UnitLog], found: &Tempcal) -> Result<String>
     })
 }
 
-/// Writes the page and the output file, if they were requested.
 fn write(
     args: &TempcalArgs,
     found: &Tempcal,

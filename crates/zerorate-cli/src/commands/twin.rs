@@ -4,12 +4,10 @@ use crate::output::print;
 use adis16130_twin::{KEYS, Key};
 use anyhow::Result;
 
-/// Prints all keys of `--device twin:` to stdout, with their defaults.
 pub fn run() -> Result<()> {
     print(&(keys_help() + "\n"))
 }
 
-/// The help about the keys, made from the twin's own table.
 pub fn keys_help() -> String {
     let keys: Vec<String> = KEYS.iter().map(entry).collect();
     format!(

@@ -40,14 +40,12 @@ pub struct VerifyArgs {
     json: bool,
 }
 
-/// The JSON object that `--json` prints.
 #[derive(Serialize)]
 struct Report {
     whole: bool,
     files: Vec<Verdict>,
 }
 
-/// The result of checking a file.
 #[derive(Default, Serialize)]
 struct Verdict {
     file: String,
@@ -56,7 +54,6 @@ struct Verdict {
     /// because the file cannot be read or its head is damaged.
     form: &'static str,
     schema: Option<u32>,
-    /// A capture's statements about its part.
     #[serde(flatten)]
     stated: Option<CaptureFacts>,
     /// True if the file's own checks cover everything that was read, and nothing is damaged.

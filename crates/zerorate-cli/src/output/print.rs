@@ -7,7 +7,7 @@ use std::fmt::Display;
 use std::io::Write;
 use zerorate_input::plain;
 
-/// Prints text to stdout. A closed pipe is returned as an error and does not panic.
+/// A closed pipe is returned as an error and does not panic.
 pub fn print(text: &str) -> Result<()> {
     let mut stdout = Stdout::lock();
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
@@ -18,12 +18,10 @@ pub fn print_lines(text: &str) -> Result<()> {
     print(&plain::lines(text))
 }
 
-/// Prints one JSON object to stdout.
 pub fn print_json(value: &impl Serialize) -> Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
-/// Prints each warning to stderr as a line that begins with `warning: `.
 pub fn warn<T: Display>(warnings: &[T]) {
     for warning in warnings {
         say(format_args!("warning: {warning}"));

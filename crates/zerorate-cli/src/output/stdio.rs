@@ -24,7 +24,6 @@ pub fn show(new: &ProgressBar) {
     *bar() = Some(new.clone());
 }
 
-/// Removes the progress bar, if there is one.
 pub fn clear() {
     if let Some(bar) = bar().take() {
         bar.finish_and_clear();
@@ -95,7 +94,6 @@ fn marked(error: io::Error) -> io::Error {
     }
 }
 
-/// True if the error means that the reader of stdout closed the pipe.
 pub fn reader_left(error: &anyhow::Error) -> bool {
     let is_mark = |error: &io::Error| error.get_ref().is_some_and(|inner| inner.is::<ReaderLeft>());
     error.chain().any(|cause| cause.downcast_ref().is_some_and(is_mark))

@@ -36,7 +36,6 @@ pub struct HostCheck {
 }
 
 impl HostCheck {
-    /// Starts the check, before the first sample.
     pub fn new(facts: &DeviceInfo, bus: Option<Bus>) -> Self {
         Self { bus, mclk_hz: facts.mclk_hz }
     }

@@ -16,11 +16,8 @@ use zerorate_web::session::About;
 /// The address of the device, and the settings for opening it.
 #[derive(Clone, Debug)]
 pub struct Opener {
-    /// The address of the device.
     pub spec: DeviceSpec,
-    /// The settings for reading the device.
     pub setup: Setup,
-    /// The serial number of the part, if the user gave it.
     pub serial: Option<String>,
     /// Requests the end of the whole server, also while the device is being opened.
     pub stop: Stop,
@@ -70,11 +67,10 @@ impl Opener {
     }
 }
 
-/// A device that is being opened.
 pub struct Opening(Receiver<Result<OpenDevice>>);
 
 impl Opening {
-    /// The result; `None` while the device is being opened.
+    /// `None` while the device is being opened.
     pub fn ready(&self) -> Option<Result<OpenDevice>> {
         match self.0.try_recv() {
             Ok(opened) => Some(opened),

@@ -25,20 +25,15 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Saves calibrations to the folder at `path`; with `None`, saves nothing.
     pub fn new(path: Option<PathBuf>) -> Self {
         Self { path, ..Self::default() }
     }
 
-    /// True if calibrations are saved at all.
     pub fn is_there(&self) -> bool {
         self.path.is_some()
     }
 
     /// Stores all calibrations of the folder in the session. Prints the names of files that cannot be read.
-    ///
-    /// # Errors
-    /// Returns an error if the folder cannot be created or read.
     pub fn read(&mut self, session: &mut Session) -> Result<()> {
         let Some(folder) = &self.path else { return Ok(()) };
         let about = || format!("--folder {}", folder.display());
@@ -57,9 +52,6 @@ impl Folder {
     }
 
     /// Stores a calibration from a file in the session, and returns its id.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read, or is not a calibration.
     pub fn add(&mut self, path: &Path, session: &mut Session) -> Result<String> {
         let name = || path.display().to_string();
         let toml = Outputs::without_force().text(path, limits::TEXT)?;

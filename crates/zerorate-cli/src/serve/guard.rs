@@ -41,7 +41,6 @@ impl Token {
         self.0.as_bytes().ct_eq(shown.as_bytes()).into()
     }
 
-    /// The text of the token, to print or to send.
     pub fn reveal(&self) -> &str {
         &self.0
     }
@@ -63,7 +62,6 @@ pub struct Guard {
     cookie: String,
 }
 
-/// The status and the reason of a refusal.
 pub type Refusal = (StatusCode, &'static str);
 
 const NOT_OUR_NAME: Refusal = (
@@ -86,7 +84,6 @@ impl Guard {
         Self { token, is_local: address.ip().is_loopback(), names, cookie }
     }
 
-    /// The token; `None` if none is required.
     pub fn token(&self) -> Option<&Token> {
         self.token.as_ref()
     }

@@ -20,23 +20,14 @@ pub struct Libiio {
 }
 
 impl Libiio {
-    /// Prepares the server, which does not serve yet.
     pub fn new(listener: TcpListener, calibration: Option<Calibration>, may_be_written: bool) -> Self {
         Self { listener, calibration, may_be_written, running: None }
     }
 
-    /// The address that clients connect to.
-    ///
-    /// # Errors
-    /// Returns an error if the system cannot tell the address.
     pub fn address(&self) -> Result<SocketAddr> {
         self.listener.local_addr().context("the libiio server")
     }
 
-    /// Starts to serve the device of this hub.
-    ///
-    /// # Errors
-    /// Returns an error if the socket cannot be cloned or no thread can be started.
     pub fn begin(&mut self, hub: &Arc<Hub>) -> Result<()> {
         self.end();
         let (hub, stop) = (Arc::clone(hub), Stop::default());

@@ -20,17 +20,14 @@ struct Asset {
 /// The files of the page that the build found; empty if there were none.
 static PAGE: &[Asset] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
-/// True if the page is in this program.
 pub fn is_there() -> bool {
     !PAGE.is_empty()
 }
 
-/// The warning that the page is missing.
 pub fn absent() -> NoticeText {
     SessionWarning::NoPage.into()
 }
 
-/// Answers with the file that the request path names.
 pub fn file(uri: &Uri, headers: &HeaderMap) -> Answer {
     let name = match uri.path().trim_start_matches('/') {
         "" => "index.html",

@@ -74,7 +74,6 @@ fn lock(files: &Mutex<Files>) -> std::sync::MutexGuard<'_, Files> {
     files.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The files of the recordings.
 struct Files {
     path: PathBuf,
     outputs: Outputs,
@@ -83,7 +82,6 @@ struct Files {
 }
 
 impl Files {
-    /// Creates the first file, unless a file was created already.
     fn first(&mut self) -> Result<Option<Recording>> {
         if self.count == 0 { self.next().map(Some) } else { Ok(None) }
     }
@@ -102,7 +100,6 @@ impl Files {
     }
 }
 
-/// A file that is being recorded.
 struct OpenRecording {
     name: String,
     recorder: Recorder,

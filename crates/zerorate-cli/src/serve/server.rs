@@ -25,7 +25,6 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time;
 use zerorate_host::Stop;
 
-/// Largest number of simultaneous connections.
 const CONNECTIONS: usize = 96;
 /// Largest number of simultaneous viewers.
 const SEATS: usize = 48;
@@ -45,7 +44,6 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self'; manifest-src 'self'; \
     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Time limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Time limit for receiving the head of a request, and for the wait until the next request.
@@ -79,7 +77,6 @@ pub struct Connection {
 }
 
 impl Server {
-    /// The number of viewers.
     pub fn watchers(&self) -> usize {
         SEATS - self.seats.available_permits()
     }
@@ -104,10 +101,6 @@ impl Drop for EndsAll {
     }
 }
 
-/// Serves until a stop is requested.
-///
-/// # Errors
-/// Returns an error if the operating system does not allow serving.
 pub fn run(listener: TcpListener, guard: Guard, requests: RequestSender, stop: &Stop) -> Result<()> {
     serve(listener, Server::new(guard, requests, Limits::default()), stop)
 }

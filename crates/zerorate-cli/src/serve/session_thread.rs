@@ -60,7 +60,6 @@ pub struct SessionThread {
     requests: Receiver<SessionRequest>,
     frames: broadcast::Sender<Bytes>,
     pending: Vec<oneshot::Sender<Subscription>>,
-    /// The time at which the next frame is due.
     frame_due: Instant,
     /// The last printed reason why the device cannot be read; `None` once it is read again.
     failed: Option<String>,
@@ -127,10 +126,6 @@ impl SessionThread {
         (&mut self.session, &mut self.folder)
     }
 
-    /// Starts to read the device that was opened.
-    ///
-    /// # Errors
-    /// Returns an error if the recording or the reading cannot start.
     pub fn begin(&mut self) -> Result<()> {
         self.note_standing();
         match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
@@ -142,7 +137,7 @@ impl SessionThread {
         }
     }
 
-    /// Adds the notice that no folder keeps calibrations, if there is none. Called each time the device is opened.
+    /// Called each time the device is opened.
     fn note_standing(&mut self) {
         if !self.folder.is_there() {
             self.session.note(SessionWarning::NoFolder);
@@ -160,10 +155,7 @@ impl SessionThread {
         Ok(())
     }
 
-    /// Runs until a stop is requested, and completes the recording.
-    ///
-    /// # Errors
-    /// Returns the first error of a recording.
+    /// Runs until a stop is requested, and completes the recording. Returns the first error of a recording.
     pub fn run(mut self, stop: &Stop) -> Result<()> {
         while !stop.asked() {
             self = self.turn(stop);

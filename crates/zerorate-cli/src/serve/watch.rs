@@ -31,7 +31,6 @@ const REQUESTS_PER_S: f64 = 20.0;
 
 type WebSocket = WebSocketStream<TokioIo<Upgraded>>;
 
-/// Accepts a new viewer.
 pub fn watch(server: &Arc<Server>, connection: Arc<Connection>, request: Request<Incoming>) -> Answer {
     let Ok(accepted) = create_response_with_body(&request, Full::default) else {
         return answer::text(StatusCode::BAD_REQUEST, "this is not a WebSocket handshake (RFC 6455, version 13)\n");

@@ -4,7 +4,6 @@ use super::calibrate;
 use crate::harness::{Bench, Run, SHORT, calibration};
 use serde_json::Value;
 
-/// Runs `zerorate calibrate` with the short durations in the folder of the test.
 fn calibrated(bench: &Bench, more: &str) -> Run {
     bench.zerorate(&format!("calibrate {SHORT} {more}")).ended_with(0)
 }

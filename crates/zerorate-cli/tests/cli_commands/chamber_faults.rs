@@ -66,7 +66,6 @@ impl Cell {
         if self.ending == Ending::Running && !comes_back { 1 } else { 60 }
     }
 
-    /// The exit code of a measurement that is not interrupted.
     fn code(&self) -> i32 {
         match self.fault {
             _ if self.ending == Ending::Ended => 0,

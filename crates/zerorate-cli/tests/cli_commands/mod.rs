@@ -18,7 +18,6 @@ fn zerorate(args: &[&str]) -> Run {
     Run::of(&mut command(args))
 }
 
-/// Runs `zerorate calibrate` with the short durations.
 fn calibrate(args: &[&str]) -> Run {
     zerorate(&[&["calibrate"], &*SHORT.split(' ').collect::<Vec<_>>(), args].concat())
 }

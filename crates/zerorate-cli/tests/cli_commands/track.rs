@@ -34,7 +34,6 @@ impl HaltedRun {
         halted
     }
 
-    /// Reads this many rows.
     fn read(&mut self, rows: usize) {
         for _ in 0..rows {
             assert!(self.rows.read_line(&mut String::new()).expect("a row") > 0, "the rows ended");
@@ -135,7 +134,6 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
     assert_eq!(row["calibration"].as_str().map(str::len), Some(12));
 }
 
-/// A state file that is damaged, cut short, edited, of another calibration or of another kind is refused and kept.
 #[test]
 fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
     let bench = bench();

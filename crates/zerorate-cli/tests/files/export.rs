@@ -229,7 +229,6 @@ impl Trial {
         self.codes.iter().map(|codes| format!("{open}{}{close},\n", row(codes))).collect()
     }
 
-    /// Compares the program's output with the expected output, line by line.
     #[track_caller]
     fn is_printed(&self, printed: &str) {
         let expected = self.expected();
@@ -282,7 +281,6 @@ impl Trial {
     }
 }
 
-/// The corrected code of the axis, computed by the core.
 fn by_the_core(calibration: &Calibration, axis: &CalibratedAxis, rate: i64, temp: i64) -> i64 {
     let (rate_scale, temp_scale) = (axis.rate.unwrap(), calibration.temp.unwrap());
     match axis.correction.is_line() {
@@ -415,7 +413,6 @@ fn the_default_table_covers_the_calibration() {
     assert_eq!(hand["temp_min_c"], serde_json::Value::Null);
 }
 
-/// A name in the calibration cannot become code.
 #[test]
 fn text_of_the_calibration_stays_in_its_comment() {
     let bench = Bench::new();

@@ -289,7 +289,6 @@ fn the_file_of_a_running_recording_is_missed_within_a_second() {
     }
 }
 
-/// The measurement continues without its log, and its result is saved.
 #[test]
 fn a_log_that_is_removed_costs_no_result() {
     for line in [CALIBRATE, "chamber soak.toml --device twin:seed=4,warmup_s=10 --chamber sim:lag_s=15"] {

@@ -66,7 +66,6 @@ fn the_memory_of_a_large_log_is_a_choice() {
     bench.caged("allan some.bin --raw i16 --rate 10 --max-memory 256M --json").ok();
 }
 
-/// Four billion lost samples between two rows take no memory.
 #[test]
 fn losses_take_no_memory() {
     let bench = Bench::new();

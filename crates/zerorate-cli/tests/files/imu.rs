@@ -20,7 +20,6 @@ fn log() -> String {
     text
 }
 
-/// Makes a folder with the log.
 pub fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("imu.csv", log());

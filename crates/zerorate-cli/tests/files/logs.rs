@@ -110,7 +110,6 @@ fn a_bag_in_a_folder_is_read() {
     bench.zerorate("allan none --rate 1").fails(1, &["neither a metadata.yaml nor a bag"]);
 }
 
-/// A log in any format can be read from standard input.
 #[test]
 fn a_log_is_read_from_standard_input() {
     let bench = Bench::new();

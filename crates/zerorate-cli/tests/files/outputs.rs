@@ -42,7 +42,6 @@ fn bench() -> Bench {
     bench
 }
 
-/// All files with their names and contents.
 fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<_> =

@@ -34,7 +34,6 @@ pub fn calibration_of(serial: &str, pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64)
     calibration(pbc_dps, btc_dps_per_c, t3_c).replace("[correction]", &head)
 }
 
-/// The program with these arguments.
 pub fn command(args: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
     command.args(args);
@@ -81,13 +80,11 @@ impl Bench {
         path
     }
 
-    /// The content of a file.
     #[track_caller]
     pub fn text(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).expect(name)
     }
 
-    /// The sorted names of all files and folders in this folder.
     pub fn names(&self) -> Vec<String> {
         names(self.dir.path())
     }
@@ -99,7 +96,6 @@ impl Bench {
         command
     }
 
-    /// Runs the program in this folder.
     pub fn zerorate(&self, line: &str) -> Run {
         Run::of(&mut self.command(line))
     }
@@ -140,7 +136,6 @@ impl Run {
         child.wait_with_output().expect("it ends").into()
     }
 
-    /// Runs a command to its end.
     pub fn of(command: &mut Command) -> Self {
         let output = command.output().expect("the program starts");
         Self { line: format!("{command:?}"), ..output.into() }
@@ -176,7 +171,6 @@ impl Run {
         run.stderr
     }
 
-    /// Parses stdout as one JSON object.
     #[track_caller]
     pub fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.stdout).expect("one JSON object on stdout")

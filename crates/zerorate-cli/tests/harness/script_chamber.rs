@@ -93,12 +93,10 @@ impl ScriptChamber {
         fs::read_to_string(self.folder.join(name)).unwrap_or_default()
     }
 
-    /// The commands that the chamber received.
     pub fn heard(&self) -> Vec<String> {
         self.text("heard").lines().map(str::to_owned).collect()
     }
 
-    /// True if the fault has begun.
     pub fn is_faulty(&self) -> bool {
         self.folder.join("faulty").exists()
     }

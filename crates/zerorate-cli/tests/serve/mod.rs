@@ -22,7 +22,6 @@ const LONG: Duration = Duration::from_secs(60);
 /// A server process, ended with the test.
 struct TestServer {
     child: Child,
-    /// The lines of stderr.
     stderr: Mutex<Receiver<String>>,
     url: String,
     port: u16,

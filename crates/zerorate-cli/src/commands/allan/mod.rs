@@ -155,7 +155,6 @@ enum Steps {
 }
 
 impl AllanArgs {
-    /// True if an option needs the noise coefficients.
     fn wants_fit(&self) -> bool {
         self.fit || self.pool || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
@@ -204,7 +203,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.fit { records.iter().try_for_each(check_model) } else { Ok(()) }
 }
 
-/// Analyses all logs. With several `--where` conditions, each log is analysed once for each condition.
+/// With several `--where` conditions, each log is analysed once for each condition.
 fn records(args: &AllanArgs) -> Result<Vec<Record>> {
     let options = args.options();
     let [_, _, ..] = args.column.series() else { return allan(&args.files, &options) };
@@ -230,13 +229,11 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     }
 }
 
-/// Refuses a record whose noise model is not valid.
 fn check_model(record: &Record) -> Result<()> {
     let refused = |doubt: Rejection| CodedRefusal::new(doubt.code(), format!("{}: {doubt}", record.label()));
     Ok(record.valid_model().map(drop).map_err(refused)?)
 }
 
-/// Fits and prints one common model of all records.
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
     warn(&pool.record.warnings());
@@ -302,7 +299,7 @@ impl Files {
     }
 }
 
-/// The HTML page of all records. The warnings about the noise of a single record are in its own section.
+/// The warnings about the noise of a single record are in its own section.
 fn page(records: &[Record], warnings: Vec<String>) -> AllanPage<'_> {
     let title = match records {
         [first, ..] if are_axes(records) => first.file.display().to_string(),

@@ -62,7 +62,6 @@ pub fn failed(why: NoPool) -> anyhow::Error {
     }
 }
 
-/// Refuses a statistic to which the noise model does not apply.
 pub fn check_statistic(stat: Stat) -> Result<(), Usage> {
     match stat.is_allan() {
         true => Ok(()),

@@ -42,7 +42,6 @@ pub fn text(report: &AllanReport) -> Result<String> {
     Ok(text)
 }
 
-/// Formats the noise model with its intervals, then advice.
 pub fn coefficients_text(report: &AllanReport) -> Result<String> {
     let mut text = String::from("\nNoise coefficients with their 95 % intervals\n");
     if let Some(why) = &report.rejection {
@@ -100,7 +99,6 @@ pub fn csv(reports: &[AllanReport]) -> Result<String> {
     Ok(String::from_utf8(rows.into_inner()?)?)
 }
 
-/// The suffix that states the unit in the name of a column.
 fn suffix(report: &AllanReport) -> &'static str {
     match report.unit {
         Some("°/s") => "_dps",

@@ -110,7 +110,6 @@ impl ResultArgs {
         OutputOptions { output, log, serial, notes: notes.into(), saves }
     }
 
-    /// Prepares the output files of the run. No file is claimed yet.
     fn outputs(&self) -> Outputs {
         Outputs::new(self.force).printing()
     }
@@ -135,7 +134,7 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
-/// A line that is printed before the measurement. It tells where the result will be saved.
+/// Tells, before the measurement, where the result will be saved.
 fn whereto(job: &Job) -> &'static str {
     match job.saves() {
         true => "the result will be saved as calibration-<id>.toml in this folder; -o FILE names it",

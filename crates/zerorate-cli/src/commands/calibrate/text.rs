@@ -8,7 +8,7 @@ use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::{PlusMinus, remark};
 
-/// Formats the result. `file` is the path of the calibration, if it was saved.
+/// `file` is the path of the calibration, if it was saved.
 pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
     let mut text = head(report);
     for axis in &report.axes {

@@ -11,7 +11,7 @@ use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 
-/// Formats the result as text. `file` is the path of the calibration, if it was saved.
+/// `file` is the path of the calibration, if it was saved.
 pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
     let mut text = format!(
         "{}Calibration {} of {}, {}\n{} samples in {}, {} lost, part between {:.1} and {:.1} °C\n",
@@ -36,7 +36,6 @@ pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
     }
 }
 
-/// Formats the result as an HTML page.
 pub fn page(results: &ChamberResults) -> Result<String> {
     let ChamberResults { report, calibration, record, outcomes } = results;
     let title = format!("{} in a chamber: {}", calibration.part, report.plan);

@@ -45,7 +45,7 @@ pub struct AxisArgs {
 }
 
 impl AxisArgs {
-    /// The settings for reading the axes. `reading` has the options that concern the whole log.
+    /// `reading` has the options that concern the whole log.
     pub fn options(&self, reading: &LogArgs) -> ImuOptions {
         ImuOptions {
             columns: self.column.as_deref().and_then(listed),
@@ -61,7 +61,7 @@ fn kind(columns: &Option<String>, unit: Option<Unit>, scale: Option<f64>) -> Kin
     KindOptions { columns: columns.as_deref().and_then(listed).unwrap_or_default(), unit, scale, codes: None }
 }
 
-/// The command-line option for a setting, for messages. Unit and scale have one option for each kind of sensor.
+/// Unit and scale have one option for each kind of sensor.
 pub fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",

@@ -31,7 +31,6 @@ pub struct CodeArgs {
 }
 
 impl CodeArgs {
-    /// The settings, including the scales of the named part.
     pub fn options(&self, outputs: &mut Outputs) -> Result<CodeOptions> {
         let Self { part, gyro_range, accel_range } = self;
         let (mut gyro_range_dps, accel_range_g) = (*gyro_range, *accel_range);

@@ -25,7 +25,7 @@ pub fn read(path: &Path, outputs: &mut Outputs) -> Result<DataSheet> {
     DataSheet::parse(&text).map_err(|error| Usage(format!("{}: {error}", path.display())).into())
 }
 
-/// The table that compares all axes with the data sheet, line by line; `None` without a data sheet.
+/// `None` without a data sheet.
 pub fn table(report: &ImuReport) -> Option<Table> {
     let sheet = report.data_sheet.as_ref()?;
     let of_kind = |kind: Kind| {

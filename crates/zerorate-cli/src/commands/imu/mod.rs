@@ -213,7 +213,6 @@ fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
     shown.iter().cloned().chain([more]).collect()
 }
 
-/// The HTML page, with facts about the log as a whole.
 fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) -> AllanPage<'a> {
     let log = report.axes.first().map_or("", |axis| &axis.report.file);
     let topic = report.topic.as_deref().map(|topic| Fact::new("topic", topic));

@@ -42,7 +42,6 @@ pub struct TrackArgs {
 }
 
 impl TrackArgs {
-    /// Starts tracking, if `--track` was given.
     pub fn begin(
         &self,
         facts: &DeviceInfo,
@@ -94,7 +93,6 @@ impl TrackArgs {
     }
 }
 
-/// Prints the learned change of the bias of an axis.
 pub fn say_learned(learned: &LearnedAxis<'_>) {
     let LearnedAxis { name, counts: Counts { learned_s, rolled_back, .. }, tracked } = learned;
     let change = tracked.map_or(String::new(), |tracked| {

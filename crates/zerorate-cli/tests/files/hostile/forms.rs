@@ -3,7 +3,7 @@
 use super::*;
 use std::io::{self, Read};
 
-/// A file of 130 bytes with a record that states a length of 8 GB, and a file with such a chunk.
+/// A record states a length of 8 GB, and a chunk an unpacked size of 2^62 bytes.
 #[test]
 fn lengths_in_mcap_are_bounded() {
     let bench = Bench::new();
@@ -13,7 +13,6 @@ fn lengths_in_mcap_are_bounded() {
     bag.resize(130, 0);
     bench.write("long.mcap", &bag);
     bench.refuses("allan long.mcap", "long.mcap, as an MCAP file");
-    // a chunk that states an unpacked size of 2^62 bytes
     let mut chunk = b"\x89MCAP0\r\n\x06".to_vec();
     let head = [0u64, 0, 1 << 62].map(u64::to_le_bytes).concat();
     let content = [&head[..], &[0; 4], &4u32.to_le_bytes(), b"zstd", &20u64.to_le_bytes(), &[7; 20]].concat();
