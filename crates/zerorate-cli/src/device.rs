@@ -41,7 +41,6 @@ impl SourceArgs {
         Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, ambient: None, names: flag })
     }
 
-    /// The path of the recording; `None` for any other device.
     pub fn file(&self) -> Option<&Path> {
         self.device.file()
     }

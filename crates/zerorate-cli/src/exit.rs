@@ -46,7 +46,6 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// The code of the refusal; `None` for any other error.
 fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     let of_device = match error.downcast_ref().map(DeviceError::cause) {
         Some(Cause::Refused(code)) => Some(code),

@@ -9,7 +9,6 @@ use std::ffi::OsString;
 use std::num::{ParseFloatError, ParseIntError};
 use std::process::ExitCode;
 
-/// The lines that the program prints without arguments.
 const LINES: [&str; 5] = [
     "zerorate measures the noise of any gyroscope, and finds and removes the bias of an ADIS16130. First steps:",
     "  zerorate allan log.csv --fit                   the noise of a log that you have",
@@ -96,7 +95,6 @@ fn advised(mut error: Error) -> Error {
     error
 }
 
-/// The usage line of an error; empty if the error has none.
 fn usage(error: &Error) -> String {
     match error.get(ContextKind::Usage) {
         Some(ContextValue::StyledStr(usage)) => usage.to_string(),

@@ -82,7 +82,6 @@ fn handle_signals() -> io::Result<()> {
     use std::sync::Arc;
     /// Ctrl-Break, or a closed console window.
     const SIGBREAK: i32 = 21;
-    /// Period at which the signals are checked.
     const POLL: Duration = Duration::from_millis(50);
     let caught = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGBREAK] {

@@ -46,7 +46,6 @@ impl Pictures {
         Ok(Self(kinds.into_iter().zip(files).collect()))
     }
 
-    /// Writes the same plot into each file.
     pub fn write(self, svg: impl FnOnce() -> String) -> Result<()> {
         let svg = if self.0.is_empty() { String::new() } else { svg() };
         self.0.into_iter().try_for_each(|(kind, file)| write(kind, file, &svg))

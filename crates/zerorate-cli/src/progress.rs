@@ -11,7 +11,6 @@ use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Watch;
 use zerorate_view::Seconds;
 
-/// The progress bar of a measurement with known length.
 #[derive(Debug)]
 pub struct Meter {
     bar: ProgressBar,
@@ -77,7 +76,6 @@ impl Drop for Meter {
     }
 }
 
-/// Shows that a command of unknown duration is running.
 pub struct Busy;
 
 impl Busy {

@@ -54,7 +54,6 @@ fn item(arg: &Arg) -> String {
     text
 }
 
-/// Escapes text for Markdown.
 fn plain(text: &str) -> String {
     text.trim().replace('<', "\\<").replace('*', "\\*").replace("](", "]\\(")
 }

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-/// The text of docs/codes.md. It has a section for each code.
 const PAGE: &str = include_str!("../../../docs/codes.md");
 
 /// Codes that belong together, under a heading.

@@ -54,7 +54,6 @@ pub fn course(
     Ok(Course { axes: part.axes.iter().map(|axis| axis.name.to_string()).collect(), moments })
 }
 
-/// The sums over one averaging time.
 #[derive(Default)]
 struct Sums {
     stretch: u64,

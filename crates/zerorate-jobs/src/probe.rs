@@ -69,7 +69,6 @@ pub struct SelfTestResult {
     pub samples: u32,
 }
 
-/// The findings of the checks that precede the first sample.
 struct Before {
     revision: Option<u8>,
     bus: Option<Bus>,

@@ -31,7 +31,6 @@ struct All {
     parts: Vec<Table>,
 }
 
-/// The fields of a part file that the list shows, besides its noise.
 #[derive(Deserialize)]
 struct Row {
     name: String,

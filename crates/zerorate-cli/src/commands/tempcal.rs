@@ -108,7 +108,6 @@ impl Form {
     }
 }
 
-/// Refuses a file whose extension belongs to another format.
 fn check_ending(args: &TempcalArgs) -> Result<()> {
     let Some(ending) = args.output.as_ref().and_then(|path| path.extension()?.to_str()) else { return Ok(()) };
     let is_of = |form: &&Form| form.row().0.contains(&ending);

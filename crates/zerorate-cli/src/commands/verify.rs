@@ -63,7 +63,6 @@ struct Verdict {
     first_ns: Option<u64>,
     last_ns: Option<u64>,
     samples_sha256: Option<String>,
-    /// True if the end of a capture is missing.
     torn: bool,
     /// The damage and its place in the file, or why the file cannot be checked; `None` if there is neither.
     damage: Option<String>,

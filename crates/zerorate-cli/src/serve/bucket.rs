@@ -12,12 +12,10 @@ pub struct Bucket {
 }
 
 impl Bucket {
-    /// Starts with a full bucket.
     pub fn new(most: u32, per_s: f64, now: Instant) -> Self {
         Self { most: most.into(), per_s, left: most.into(), at: now }
     }
 
-    /// True if an action is allowed now.
     pub fn has_one(&mut self, now: Instant) -> bool {
         self.fill(now);
         self.left >= 1.0

@@ -52,7 +52,6 @@ impl fmt::Debug for Token {
     }
 }
 
-/// The checks that a request must pass.
 #[derive(Debug)]
 pub struct Guard {
     token: Option<Token>,

@@ -11,7 +11,6 @@ use zerorate_host::{Hub, Stop};
 use zerorate_view::SessionWarning;
 use zerorate_web::session::NoticeText;
 
-/// The listener for clients, and the settings of their server.
 pub struct Libiio {
     listener: TcpListener,
     calibration: Option<Calibration>,

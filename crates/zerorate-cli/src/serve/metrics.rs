@@ -7,7 +7,6 @@ use hyper::StatusCode;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// Answers `GET /metrics`.
 pub async fn metrics(server: &Server) -> Answer {
     match text_of(server).await {
         Some(text) => answer::typed(StatusCode::OK, "text/plain; version=0.0.4; charset=utf-8", text),

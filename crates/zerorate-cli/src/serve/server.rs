@@ -61,7 +61,6 @@ impl Default for Limits {
     }
 }
 
-/// The state that all requests share.
 pub struct Server {
     pub requests: RequestSender,
     pub seats: Arc<Semaphore>,
@@ -70,7 +69,6 @@ pub struct Server {
     trials: Trials,
 }
 
-/// A connection, with its rate limit.
 pub struct Connection {
     requests: Mutex<Bucket>,
     _place: OwnedSemaphorePermit,

@@ -19,7 +19,6 @@ use zerorate_view::SessionWarning;
 use zerorate_web::message::DeviceState;
 use zerorate_web::session::{HostCommand, NoticeText, RequestResult, Session};
 
-/// Period of the frames.
 const FRAME: Duration = Duration::from_millis(33);
 /// Longest wait for samples before requests are handled.
 const TURN: Duration = Duration::from_millis(10);
@@ -32,7 +31,6 @@ const QUEUE: usize = 256;
 /// Largest number of requests that are handled before samples are checked again.
 const MOST_REQUESTS: usize = 64;
 
-/// A request to the thread of the session.
 pub enum SessionRequest {
     /// Answer a request of the page.
     Ask(String, oneshot::Sender<String>),
@@ -40,7 +38,6 @@ pub enum SessionRequest {
     Watch(oneshot::Sender<Subscription>),
 }
 
-/// A snapshot, and the frames that follow it.
 pub struct Subscription {
     pub snapshot: Bytes,
     pub frames: broadcast::Receiver<Bytes>,
@@ -63,7 +60,6 @@ pub struct SessionThread {
     frame_due: Instant,
     /// The last printed reason why the device cannot be read; `None` once it is read again.
     failed: Option<String>,
-    /// The first error of a recording, if one has failed.
     failure: Option<anyhow::Error>,
 }
 

@@ -9,13 +9,11 @@ const PAGE: &str = include_str!("small_page.html");
 /// A file of its own, because the content security policy forbids scripts inside a page.
 const SCRIPT: &str = include_str!("small_page.js");
 
-/// Answers `GET /`.
 pub async fn small_page(server: &Server) -> Answer {
     let text = metrics::text_of(server).await;
     answer::typed(StatusCode::OK, "text/html; charset=utf-8", filled(text.as_deref()))
 }
 
-/// Answers `GET /small_page.js`.
 pub fn script() -> Answer {
     answer::typed(StatusCode::OK, "text/javascript; charset=utf-8", SCRIPT)
 }

@@ -40,7 +40,6 @@ pub fn command(args: &[&str]) -> Command {
     command
 }
 
-/// Starts a command with pipes for stdout and stderr.
 pub fn start(command: &mut Command) -> Child {
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
 }
@@ -60,7 +59,6 @@ pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// A temporary folder, removed after the test.
 pub struct Bench {
     pub dir: TempDir,
 }
@@ -109,7 +107,6 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The result of a run.
 #[derive(Debug)]
 pub struct Run {
     /// The command line; empty for a process that was started elsewhere.

@@ -132,13 +132,11 @@ fn wait_for(stderr: &Receiver<String>, text: &str) -> String {
     panic!("no {text:?} on stderr:\n{all}");
 }
 
-/// A viewer of the page.
 struct Watch {
     socket: WebSocket<TcpStream>,
 }
 
 impl Watch {
-    /// Returns the header of the next frame.
     fn frame(&mut self) -> Value {
         loop {
             if let Message::Binary(frame) = self.socket.read().expect("a frame") {

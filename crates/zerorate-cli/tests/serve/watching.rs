@@ -10,7 +10,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The number in a line of `/metrics`.
 fn metric(served: &TestServer, name: &str) -> f64 {
     let text = served.get("/metrics");
     let line = text.lines().find_map(|line| line.strip_prefix(&format!("zerorate_{name} ")));

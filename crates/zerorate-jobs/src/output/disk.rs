@@ -66,7 +66,6 @@ fn create(folder: &Path, stem: &str) -> io::Result<Temporary> {
     }
 }
 
-/// The state of the process that made an unfinished file.
 enum Owner {
     Alive,
     Dead,

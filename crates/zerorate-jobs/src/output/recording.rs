@@ -116,7 +116,6 @@ impl Write for CountingWriter {
 /// A recording file and its checks. Each write appends, so a file that was cut elsewhere stays shorter than `written`.
 #[derive(Debug)]
 struct RecordedFile {
-    /// The final path of the file.
     target: PathBuf,
     file: File,
     written: Arc<AtomicU64>,

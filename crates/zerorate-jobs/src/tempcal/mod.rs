@@ -40,7 +40,6 @@ pub struct Tempcal {
     pub points: Vec<Points>,
     /// Warnings about the logs as a whole, with their codes.
     pub notes: Vec<String>,
-    /// The names of the options, for messages.
     names: Names,
 }
 

@@ -6,7 +6,6 @@ use zerorate_imu::{AllanReport, PointReport};
 use zerorate_view::noise::{self, TermRow, term_rows};
 use zerorate_view::plot::number;
 
-/// Formats the line above the table: the file, the length and rate of the record, the statistic and the confidence.
 pub fn heading(report: &AllanReport) -> String {
     format!(
         "{}: {} samples at {:.6} Hz, {}, {}",

@@ -11,7 +11,6 @@ use zerorate_jobs::catalogue;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
-/// Reads the data sheet of a catalogue part, or the file at `path`.
 pub fn read(path: &Path, outputs: &mut Outputs) -> Result<DataSheet> {
     let text = catalogue::text(path, outputs)?.map_err(|error| match error.kind() {
         ErrorKind::InvalidData | ErrorKind::FileTooLarge => {

@@ -8,7 +8,6 @@ use zerorate_view::noise::{GaussMarkov, gauss_markov, is_without_misfit, stated}
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
-/// Formats a heading, then one table for each kind of sensor, with a row for each axis.
 pub fn table(report: &ImuReport) -> Result<String> {
     let mut text = String::new();
     if let Some(axis) = report.axes.first() {
@@ -32,7 +31,6 @@ pub fn table(report: &ImuReport) -> Result<String> {
     Ok(text)
 }
 
-/// Formats the comparison with a data sheet: a row for each line of the data sheet and each axis.
 pub fn comparison(table: &Table) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(&table.head).chain(&table.rows).cloned().collect();
     format!("\n{}\n{}", table.title, aligned(&rows))

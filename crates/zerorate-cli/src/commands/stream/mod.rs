@@ -100,7 +100,6 @@ pub fn run(args: &StreamArgs) -> Result<()> {
 struct RowPrinter {
     out: BufWriter<Stdout>,
     format: RowFormat,
-    /// The names of the columns with the rates.
     rates: Vec<String>,
     /// The names of the columns with the tracked bias and its uncertainty, for each axis.
     biases: Vec<String>,
