@@ -16,18 +16,14 @@ fn the_calibration_of_another_part_is_refused() {
     assert!(!bench.path("b2.arrows").exists());
     bench.write("nameless.csv", capture("A1", ROWS).replace("# zerorate.serial = A1\n", ""));
     let doubtful = bench.zerorate("correct nameless.csv --cal a1.toml -o doubtful.arrows");
-    assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("part A1"));
-    doubtful.ok();
-    let known = bench.zerorate("correct nameless.csv --cal a1.toml -o known.arrows --serial A1");
+    doubtful.ended_with(0).saying(&["unknown-serial", "part A1"]);
+    let known = bench.zerorate("correct nameless.csv --cal a1.toml -o known.arrows --serial A1").ended_with(0);
     assert!(!known.stderr.contains("unknown-serial"), "{}", known.stderr);
-    known.ok();
     bench.zerorate("correct nameless.csv --cal a1.toml -o b2.arrows --serial B2").fails(1, &[]);
     bench.zerorate("correct rest.csv --cal a1.toml -o b2.arrows --serial B2").fails(2, &[]);
     bench.write("nameless.toml", calibration(-0.25, -0.04, 24.0));
     let doubtful = bench.zerorate("correct rest.csv --cal nameless.toml -o doubtful.csv");
-    assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("calibrate with one next time"));
-    doubtful.ok();
+    doubtful.ended_with(0).saying(&["unknown-serial", "calibrate with one next time"]);
     let forced = bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows --force");
-    assert!(forced.stderr.contains("warning: rest.csv is part A1, b2.toml is for part B2"));
-    forced.ok();
+    forced.ended_with(0).saying(&["warning: rest.csv is part A1, b2.toml is for part B2"]);
 }

@@ -84,18 +84,12 @@ fn a_log_that_outgrows_its_disk_is_a_failure_and_the_object_has_the_calibration(
     let bench = Bench::new();
     let line = format!("ulimit -f 200; trap '' XFSZ; exec {PROGRAM} {CALIBRATE} -o unit.toml --log log.arrows --json");
     let run = Run::of(Command::new("sh").args(["-c", &line]).current_dir(bench.dir.path()));
-    assert_eq!(run.code, Some(1), "{}", run.stderr);
-    let object: serde_json::Value = run.json();
+    let object = run.ended_with(1).saying(&["warning: log-failed: "]).json();
     let kept = fs::read_to_string(only(bench.dir.path(), "unit.rescue-")).unwrap();
     assert_eq!(object["rescued"]["calibration"], kept);
     assert!(object["rescued"]["file"].as_str().unwrap().contains("unit.rescue-"), "{object}");
-    assert!(run.stderr.contains("warning: log-failed: "), "{}", run.stderr);
-    let begun = bench.zerorate("probe --device replay:log.arrows");
-    assert!(
-        begun.stderr.contains("warning: torn-tail: log.arrows was not closed"),
-        "what was recorded can be read: {}",
-        begun.stderr
-    );
+    let begun = "warning: torn-tail: log.arrows was not closed";
+    bench.zerorate("probe --device replay:log.arrows").saying(&[begun]);
 }
 
 #[test]
@@ -110,10 +104,8 @@ fn a_full_device_costs_no_result() {
     // stdout is the only output, and is full
     let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
     fs::remove_dir_all(bench.path("tmp")).unwrap();
-    let run = Run::of(command(&bench, CALIBRATE).stdout(full));
-    assert_eq!(run.code, Some(1), "{}", run.stderr);
-    let kept = only(&bench.path("tmp"), "calibration.rescue-");
-    assert!(run.stderr.contains(kept.to_str().unwrap()), "{}", run.stderr);
+    let run = Run::of(command(&bench, CALIBRATE).stdout(full)).ended_with(1);
+    run.saying(&[only(&bench.path("tmp"), "calibration.rescue-").to_str().unwrap()]);
 }
 
 /// Starts a run that has claimed its output and waits for a reader of its log, a named pipe.
@@ -166,8 +158,7 @@ fn a_second_writer_of_a_calibration_refuses() {
     for force in ["", " --force"] {
         bench.zerorate(&format!("{CALIBRATE} -o unit.toml{force}")).fails(2, &["another zerorate"]);
     }
-    let run = let_it_run(child, &log);
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let_it_run(child, &log).ended_with(0);
     assert_eq!(bench.names(), ["log", "tmp", "unit.toml"]);
 }
 
@@ -215,9 +206,7 @@ fn a_broken_pipe_is_a_success_on_stdout_only() {
     let path = fifo(&bench, "pipe");
     let child = start(&bench, "capture --samples 2000000 -o pipe");
     File::open(path).unwrap().read_exact(&mut [0; 100]).unwrap();
-    let run = Run::ended(child);
-    assert_eq!(run.code, Some(1), "{}", run.stderr);
-    assert!(run.stderr.contains("Broken pipe"), "{}", run.stderr);
+    Run::ended(child).ended_with(1).saying(&["Broken pipe"]);
 }
 
 /// `zerorate … | head -1`: the reader of stdout leaves, and the program may end at once. All files must be complete.
@@ -281,10 +270,7 @@ fn the_file_of_a_running_recording_is_missed_within_a_second() {
         wait_until("a file", || fs::metadata(bench.path(name)).is_ok_and(|file| file.len() >= least));
         attack(&bench.path(name));
         let began = Instant::now();
-        let run = Run::ended(child);
-        assert_eq!((run.code, &*run.stdout), (Some(1), ""), "{}", run.stderr);
-        let said = format!("error: cannot record into {name}: it was {what}");
-        assert!(run.stderr.contains(&said), "{}", run.stderr);
+        Run::ended(child).fails(1, &[&format!("error: cannot record into {name}: it was {what}")]);
         assert!(began.elapsed() < Duration::from_secs(10), "{name}: {what}: {:?}", began.elapsed());
     }
 }
@@ -297,10 +283,9 @@ fn a_log_that_is_removed_costs_no_result() {
         let child = start(&bench, &format!("{line} -o unit.toml --log log.arrows"));
         wait_until("samples", || fs::metadata(bench.path("log.arrows")).is_ok_and(|file| file.len() > 10_000));
         fs::remove_file(bench.path("log.arrows")).unwrap();
-        let run = Run::ended(child);
-        assert_eq!(run.code, Some(1), "{}", run.stderr);
-        assert!(run.stderr.contains("warning: log-failed: ") && run.stderr.contains("it was removed or moved"));
-        assert!(run.stderr.contains("not lost") && only(bench.dir.path(), "unit.rescue-").exists(), "{}", run.stderr);
+        let said = ["warning: log-failed: ", "it was removed or moved", "not lost"];
+        Run::ended(child).ended_with(1).saying(&said);
+        only(bench.dir.path(), "unit.rescue-");
     }
 }
 
@@ -319,9 +304,8 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
         let child = unbiased(&bench, &starter, "calibrate --realtime -o unit.toml --log run.arrows");
         wait_until("samples", || fs::metadata(bench.path("run.arrows")).is_ok_and(|file| file.len() > 10_000));
         send(signal, &child);
-        let run = Run::ended(child);
-        assert_eq!(run.code, Some(1), "{signal}: {}", run.stderr);
-        run.saying(&["interrupted", "no calibration written; the log stands whole"]);
+        let said = ["interrupted", "no calibration written; the log stands whole"];
+        Run::ended(child).ended_with(1).saying(&said);
         assert_eq!(bench.names(), ["run.arrows"], "{signal}");
         let whole = bench.zerorate("probe --device replay:run.arrows").ended_with(0);
         assert!(!whole.stderr.contains("not closed"), "{signal}: {}", whole.stderr);
@@ -358,8 +342,7 @@ fn two_signals_at_once_are_one() {
     std::thread::sleep(Duration::from_millis(500));
     send("TERM", &child);
     send("TERM", &child);
-    let run = Run::ended(child);
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    Run::ended(child).ended_with(0);
     bench.zerorate("probe --device replay:run.parquet --json").ok();
 }
 

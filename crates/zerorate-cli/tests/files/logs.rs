@@ -56,12 +56,10 @@ fn errors_of_a_log_name_the_cause() {
 fn an_unstated_unit_is_reported() {
     let bench = Bench::new();
     bench.write("log.csv", "gz\n0.5\n1.5\n0.25\n2.5\n");
-    let run = bench.zerorate("allan log.csv --rate 100 --json");
-    assert!(run.stderr.contains("log.csv: the unit of column gz is not stated"), "{}", run.stderr);
-    run.ok();
-    let run = bench.zerorate("allan log.csv --rate 100 --unit rad/s --json");
+    let said = "log.csv: the unit of column gz is not stated";
+    bench.zerorate("allan log.csv --rate 100 --json").ended_with(0).saying(&[said]);
+    let run = bench.zerorate("allan log.csv --rate 100 --unit rad/s --json").ended_with(0);
     assert!(!run.stderr.contains("not stated"));
-    run.ok();
 }
 
 /// The files of a ROS 2 bag are read in the order in which its metadata.yaml lists them.
@@ -78,10 +76,8 @@ fn a_bag_in_a_folder_is_read() {
     let files = "rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - a_1.mcap\n    \
                  - \"a_0.mcap\"\n  duration:\n";
     fs::write(folder.join("metadata.yaml"), files).unwrap();
-    let run = bench.zerorate("allan bag --column z --json");
-    assert!(run.stderr.contains("bag: 1 samples are missing among 20"), "{}", run.stderr);
-    let report = run.ended_with(0).json();
-    assert_eq!(report["rate_hz"], 200.0);
+    let run = bench.zerorate("allan bag --column z --json").ended_with(0);
+    assert_eq!(run.saying(&["bag: 1 samples are missing among 20"]).json()["rate_hz"], 200.0);
     // rosbag2 writes the count of a topic after its name, the package rosbags before it
     let counted = |count: u32, is_first: bool| {
         let topic = |name: &str, count: u32| match is_first {
@@ -93,10 +89,7 @@ fn a_bag_in_a_folder_is_read() {
         let topics = topic("/chat", 600) + &topic("/imu", count) + &topic("/imu/raw", 700);
         let text = format!("{files}  message_count: 1319\n  topics_with_message_count:\n{topics}  files:\n");
         fs::write(folder.join("metadata.yaml"), text).unwrap();
-        let run = bench.zerorate("allan bag --column z --json");
-        let said = run.stderr.clone();
-        run.ok();
-        said
+        bench.zerorate("allan bag --column z --json").ended_with(0).stderr
     };
     for is_first in [false, true] {
         let said = counted(38, is_first);

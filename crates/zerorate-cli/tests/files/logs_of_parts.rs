@@ -156,8 +156,7 @@ fn a_finished_hour_is_kept() {
     assert_eq!(*name, format!("calibration-{}.toml", calibration.id()));
     // another file has the name, so that file stays and the result is saved beside it
     bench.write(name, "another");
-    let run = bench.zerorate(&line).ended_with(2);
-    assert!(run.stderr.contains("exists") && run.stderr.contains("the calibration is not lost"), "{run:?}");
+    bench.zerorate(&line).ended_with(2).saying(&["exists", "the calibration is not lost"]);
     assert_eq!(bench.text(name), "another");
     assert_eq!(calibrations().len(), 2);
 }
