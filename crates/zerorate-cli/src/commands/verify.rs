@@ -114,21 +114,14 @@ fn verdict(path: &Path) -> Verdict {
         Err(error) => Err(error),
     };
     let verdict = found.unwrap_or_else(|error| {
-        let mut unread = false;
-        let remedy = match error {
-            CaptureError::Input(InputError::Damaged { .. } | InputError::Table { .. }) => Some(remedy(path, 0)),
-            CaptureError::NotACapture { .. } => Some(
-                "verify checks captures and calibrations; `zerorate allan` reads other logs. If this was a capture, \
-                 take another copy"
-                    .to_owned(),
-            ),
-            _ => {
-                unread = true;
-                None
-            }
+        let other = "verify checks captures and calibrations; `zerorate allan` reads other logs. If this was a \
+                     capture, take another copy";
+        let (remedy, form) = match error {
+            CaptureError::Input(InputError::Damaged { .. } | InputError::Table { .. }) => (Some(remedy(path, 0)), ""),
+            CaptureError::NotACapture { .. } => (Some(other.to_owned()), OTHER),
+            _ => (None, ""),
         };
-        let form = if matches!(error, CaptureError::NotACapture { .. }) { OTHER } else { "" };
-        Verdict { damage: Some(reason(error)), remedy, form, unread, ..Verdict::default() }
+        Verdict { unread: remedy.is_none(), damage: Some(reason(error)), remedy, form, ..Verdict::default() }
     });
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
 }
