@@ -216,12 +216,9 @@ impl Words {
 
     fn text(self, refusal: &AxisRefusal) -> String {
         let Self { names, is_recording } = self;
-        let Refusal::TooFew { window, samples, needed } = refusal.refusal else {
+        let (Refusal::TooFew { window, samples, needed }, true) = (refusal.refusal, is_recording) else {
             return refusal.with(names).to_string();
         };
-        if !is_recording {
-            return refusal.with(names).to_string();
-        }
         let axis = refusal.axis.as_ref().map_or(String::new(), |axis| format!("axis {axis}: "));
         format!(
             "{axis}the recording has only {samples} samples during {window}, at least {needed} are needed; average \
