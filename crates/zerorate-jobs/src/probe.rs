@@ -69,12 +69,6 @@ pub struct SelfTestResult {
     pub samples: u32,
 }
 
-struct Before {
-    revision: Option<u8>,
-    bus: Option<Bus>,
-    self_test: Option<SelfTest>,
-}
-
 /// Resets the part, initialises it and reads samples for `duration`. Also runs the self-test by the line `gpio`, if
 /// given. Calls `see` with the seconds read, every 4096 samples. Messages use `names` for the settings.
 ///
@@ -91,7 +85,7 @@ pub fn probe(
     let self_test = gpio.map(|gpio| acquisition.self_test(gpio, names)).transpose()?;
     let checkups = read(&mut acquisition, duration, see)?;
     ensure!(acquisition.tally().samples > 0, "no samples were read");
-    Ok(Findings::new(acquisition, Before { revision, bus, self_test }, &checkups, names))
+    Ok(Findings::new(acquisition, (revision, bus, self_test), &checkups, names))
 }
 
 fn read(acquisition: &mut Acquisition, duration: Seconds, see: &mut dyn FnMut(f64)) -> Result<Vec<Checkup>> {
@@ -114,8 +108,12 @@ fn read(acquisition: &mut Acquisition, duration: Seconds, see: &mut dyn FnMut(f6
 }
 
 impl Findings {
-    fn new(mut acquisition: Acquisition, before: Before, checkups: &[Checkup], names: SettingNames) -> Self {
-        let Before { revision, bus, self_test } = before;
+    fn new(
+        mut acquisition: Acquisition,
+        (revision, bus, self_test): (Option<u8>, Option<Bus>, Option<SelfTest>),
+        checkups: &[Checkup],
+        names: SettingNames,
+    ) -> Self {
         let of_the_samples = acquisition.warnings();
         let tally = *acquisition.tally();
         let facts = acquisition.facts();
