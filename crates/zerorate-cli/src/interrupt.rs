@@ -44,10 +44,6 @@ pub fn listen() {
     LISTENED_TO.store(true, Ordering::Relaxed);
 }
 
-pub fn asked() -> bool {
-    stop().asked()
-}
-
 fn heed(signal: i32) {
     let again = FIRST.get_or_init(Instant::now).elapsed() > SAME;
     stop().ask();

@@ -51,7 +51,7 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     let schema = schema(&table, intact.missing.as_deref());
     let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
     while table.found().rows < intact.rows {
-        ensure!(!interrupt::asked(), "interrupted; nothing written");
+        ensure!(!interrupt::stop().asked(), "interrupted; nothing written");
         let Some((batch, rows)) = table.next_rows()? else { break };
         sink.write(&rewritten(&schema, &table.info().layout, &batch, &rows)?)?;
     }
