@@ -6,9 +6,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 use std::time::Duration;
-use zerorate_host::{
-    Bus, DeviceError, DeviceSpec, Hub, LosslessReader, Pace, Poll, Setup, Stop, WatchedBatch, Watcher,
-};
+use zerorate_host::{Bus, DeviceSpec, Hub, LosslessReader, Poll, Setup, Stop, WatchedBatch, Watcher};
 use zerorate_record::CaptureInfo;
 use zerorate_web::registers;
 use zerorate_web::session::About;
@@ -108,11 +106,4 @@ impl SampleFeed {
             Self::Watcher(watcher) => watcher.next_within(patience),
         }
     }
-}
-
-/// Starts to read the device. Simulated or replayed time runs at `speed` times real time.
-pub fn begin(hub: &Hub, speed: f64) -> Result<(), DeviceError> {
-    hub.read(Pace::RealTime, Vec::new())?;
-    hub.speed().set(speed);
-    Ok(())
 }

@@ -1,7 +1,7 @@
 //! The thread of the session. It processes samples, sends frames, and answers requests in between.
 
 use super::connection::HostCheck;
-use super::device::{self, OpenDevice, Opener, Opening, SampleFeed};
+use super::device::{OpenDevice, Opener, Opening, SampleFeed};
 use super::folder::tell;
 use super::{Folder, Libiio, Recordings};
 use crate::output::say;
@@ -13,7 +13,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use tokio::sync::{broadcast, oneshot};
 use zerorate::Wording;
-use zerorate_host::{Bus, DeviceError, Hub, Losses, Poll, Stop, WatchedBatch};
+use zerorate_host::{Bus, DeviceError, Hub, Losses, Pace, Poll, Stop, WatchedBatch};
 use zerorate_jobs::acquisition;
 use zerorate_view::SessionWarning;
 use zerorate_web::message::DeviceState;
@@ -142,7 +142,8 @@ impl SessionThread {
 
     fn read(&mut self, hub: Arc<Hub>, bus: Option<Bus>) -> Result<()> {
         let reading = Reading::of(hub, bus);
-        device::begin(&reading.hub, self.speed)?;
+        reading.hub.read(Pace::RealTime, Vec::new())?;
+        reading.hub.speed().set(self.speed);
         if let Some(libiio) = &mut self.libiio {
             libiio.begin(&reading.hub)?;
         }
