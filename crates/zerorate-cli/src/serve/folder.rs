@@ -78,10 +78,7 @@ impl Folder {
                         say(format_args!("kept {}", path.display()));
                         self.files.entry(id.clone()).or_default().push(path);
                     }
-                    Err(error) => {
-                        let why = text(&error);
-                        tell(session, SessionWarning::NotKept { id: id.clone(), why });
-                    }
+                    Err(error) => tell(session, SessionWarning::NotKept { id: id.clone(), why: text(&error) }),
                 }
             }
             self.known.insert(id);
@@ -101,10 +98,7 @@ impl Folder {
                         say(&note);
                         session.note(NoticeText::plain(note));
                     }
-                    Err(error) => {
-                        let why = text(&error);
-                        tell(session, SessionWarning::NotRemoved { id: id.clone(), why });
-                    }
+                    Err(error) => tell(session, SessionWarning::NotRemoved { id: id.clone(), why: text(&error) }),
                 }
             }
         }

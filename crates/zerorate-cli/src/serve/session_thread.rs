@@ -124,13 +124,10 @@ impl SessionThread {
 
     pub fn begin(&mut self) -> Result<()> {
         self.note_standing();
-        match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
-            Device::Opened(hub, bus) => {
-                self.recordings.begin(&hub, &self.session.about().info)?;
-                self.read(hub, bus)
-            }
-            _ => Ok(()),
-        }
+        let device = std::mem::replace(&mut self.device, Device::Over { hub: None, again: None });
+        let Device::Opened(hub, bus) = device else { return Ok(()) };
+        self.recordings.begin(&hub, &self.session.about().info)?;
+        self.read(hub, bus)
     }
 
     /// Called each time the device is opened.
