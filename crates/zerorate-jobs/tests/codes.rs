@@ -70,28 +70,19 @@ fn a_warning_is_one_short_line() {
 
 /// The lines of all warnings, with names, numbers and errors as long as they typically are.
 fn lines() -> Vec<String> {
-    let core = of_measurement().into_iter().map(|one| format!("{}: {}", one.code(), one.with(option)));
     let file = FileWarning::NoChecksum;
-    let noise = of_noise().into_iter().map(|one| format!("{}: {one}{}", one.code(), options(&one)));
-    let exports = of_exports().into_iter().map(|one| format!("{}: {one}", one.code()));
-    let sessions = of_sessions().into_iter().map(|one| format!("{}: {one}", one.code()));
-    let jobs = of_jobs().into_iter().map(|one| one.coded(option).to_string());
-    let logs = of_logs().into_iter().chain(of_samples()).map(|one| one.coded());
-    let captures = of_captures().into_iter().map(|one| one.coded());
-    let sources = of_sources().into_iter().map(|one| one.coded());
-    let imu = of_imu().into_iter().map(|one| one.coded());
-    let curves = of_curves().into_iter().map(|one| one.coded());
-    let of_core = core.chain([format!("{}: {file}", file.code())]).chain(noise);
-    of_core
-        .chain(exports)
-        .chain(sessions)
-        .chain(jobs)
-        .chain(logs)
-        .chain(captures)
-        .chain(sources)
-        .chain(imu)
-        .chain(curves)
-        .collect()
+    let mut lines = vec![format!("{}: {file}", file.code())];
+    lines.extend(of_measurement().iter().map(|one| format!("{}: {}", one.code(), one.with(option))));
+    lines.extend(of_noise().iter().map(|one| format!("{}: {one}{}", one.code(), options(one))));
+    lines.extend(of_exports().iter().map(|one| format!("{}: {one}", one.code())));
+    lines.extend(of_sessions().iter().map(|one| format!("{}: {one}", one.code())));
+    lines.extend(of_jobs().into_iter().map(|one| one.coded(option).to_string()));
+    lines.extend(of_logs().iter().chain(&of_samples()).map(LogWarning::coded));
+    lines.extend(of_captures().iter().map(CaptureWarning::coded));
+    lines.extend(of_sources().iter().map(SourceWarning::coded));
+    lines.extend(of_imu().iter().map(ImuWarning::coded));
+    lines.extend(of_curves().iter().map(CurveWarning::coded));
+    lines
 }
 
 fn option(setting: Setting) -> SettingName {
