@@ -80,7 +80,6 @@ fn stream_refuses_what_does_not_fit() {
     stream("unit.toml").ended_with(0).saying(&["unknown-serial", "part A1", "--serial SN"]);
     stream("none.toml").ended_with(1).saying(&["none.toml"]);
     stream("unit.toml --rate 0").ended_with(2).saying(&["--rate"]);
-    stream("unit.toml --device twin:fault=sdo_low").ended_with(1).saying(&["pin 12"]);
 }
 
 /// Every part has its own bias, so a calibration must be of the same part. An unknown serial number gives a warning.

@@ -43,12 +43,8 @@ fn requests_about_a_calibrated_rate_are_refused() {
         (&format!("{stream} --track --least-turn-dps 0"), 2, "between 0.000001 and 100"),
         (&format!("{stream} --track --power-up-dps 1000"), 2, "--power-up-dps is 1000"),
         ("chamber f57 --device twin: --earth-dps 5", 2, "-0.00418 to 0.00418"),
+        ("report unit.toml -o unit.pdf", 2, "zerorate writes no PDF"),
     ]);
-}
-
-#[test]
-fn of_a_form_that_is_not_written() {
-    refused(&[("report unit.toml -o unit.pdf", 2, "zerorate writes no PDF")]);
 }
 
 #[cfg(feature = "serve")]

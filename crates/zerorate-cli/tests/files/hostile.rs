@@ -90,8 +90,7 @@ fn escapes_for_terminals_are_shown() {
         bench.zerorate("allan log\x1b[31m.csv").fails(2, &[]),
         bench.zerorate("allan missing\x1b[2J.csv --rate 10").fails(1, &[]),
         {
-            let run = bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --fit");
-            let run = run.ended_with(3);
+            let run = bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --fit").ended_with(3);
             run.stdout + &run.stderr
         },
     ];
