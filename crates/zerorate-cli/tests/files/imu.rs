@@ -20,6 +20,16 @@ fn log() -> String {
     text
 }
 
+/// The log with changed cells. `change` gets the number of each line, 0 for the header, and its cells.
+fn log_with(change: impl Fn(usize, &mut [String])) -> String {
+    let changed = |(row, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        change(row, &mut cells);
+        cells.join(",") + "\n"
+    };
+    log().lines().enumerate().map(changed).collect()
+}
+
 pub fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("imu.csv", log());
@@ -111,14 +121,12 @@ fn axes_are_compared_with_a_data_sheet() {
 #[test]
 fn a_slow_turn_is_motion() {
     let bench = Bench::new();
-    let turned = |(row, line): (usize, &str)| {
-        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+    let turned = log_with(|row, cells| {
         if (4000..4600).contains(&row) {
             cells[1] = (cells[1].parse::<f64>().unwrap() + 30.0).to_string();
         }
-        cells.join(",") + "\n"
-    };
-    bench.write("imu.csv", log().lines().enumerate().map(turned).collect::<String>());
+    });
+    bench.write("imu.csv", turned);
     let said = bench.zerorate(LINE).ended_with(0).stderr;
     assert!(
         said.contains("motion: the sensor moves from 30 s to 50 s; the longest rest: --skip 51 --until"),
@@ -131,17 +139,11 @@ fn a_slow_turn_is_motion() {
 #[test]
 fn findings_are_a_line_for_each_kind() {
     let bench = Bench::new();
-    let knocked: String = log()
-        .lines()
-        .enumerate()
-        .map(|(row, line)| {
-            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-            if row == 5000 {
-                (cells[4], cells[5]) = ("3.5".to_owned(), "-4.5".to_owned());
-            }
-            cells.join(",") + "\n"
-        })
-        .collect();
+    let knocked = log_with(|row, cells| {
+        if row == 5000 {
+            (cells[4], cells[5]) = ("3.5".to_owned(), "-4.5".to_owned());
+        }
+    });
     bench.write("imu.csv", knocked);
     let run = bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(0);
     let lines: Vec<&str> = run.stderr.lines().collect();
@@ -327,18 +329,12 @@ fn a_gyroscope_alone_leaves_the_rest_open() {
 fn the_page_shows_record_spectrum_and_curves() {
     let bench = Bench::new();
     // a spectral line of 0.05 °/s rms at 12.5 Hz on the z axis
-    let disturbed: String = log()
-        .lines()
-        .enumerate()
-        .map(|(row, line)| {
-            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-            if let Ok(rate_dps) = cells[3].parse::<f64>() {
-                let sine = 0.05 * 2f64.sqrt() * (std::f64::consts::PI / 4.0 * row as f64).sin();
-                cells[3] = format!("{:.6}", rate_dps + sine);
-            }
-            cells.join(",") + "\n"
-        })
-        .collect();
+    let disturbed = log_with(|row, cells| {
+        if let Ok(rate_dps) = cells[3].parse::<f64>() {
+            let sine = 0.05 * 2f64.sqrt() * (std::f64::consts::PI / 4.0 * row as f64).sin();
+            cells[3] = format!("{:.6}", rate_dps + sine);
+        }
+    });
     bench.write("imu.csv", disturbed);
     bench.zerorate(&format!("{LINE} --report imu.html")).ok();
     let page = bench.text("imu.html");
