@@ -201,6 +201,14 @@ impl Correcting {
         let columns = raw.into_iter().chain(derived).chain(judged.iter().map(|judged| flags(judged))).collect();
         Ok(RecordBatch::try_new(schema.clone(), columns)?)
     }
+
+    fn warnings(&self) -> impl Iterator<Item = JobWarning> + use<> {
+        let before = (self.without_temp > 0).then_some(JobWarning::BeforeTemperature(self.without_temp));
+        let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
+        let found = valid::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
+        let found = found.into_iter().map(JobWarning::Readings);
+        before.into_iter().chain(found).chain(self.corrector.warning().map(JobWarning::from))
+    }
 }
 
 fn rates_dps(axis: &Axis, judged: &[Judged]) -> ArrayRef {
@@ -210,14 +218,4 @@ fn rates_dps(axis: &Axis, judged: &[Judged]) -> ArrayRef {
 
 fn flags(judged: &[Judged]) -> ArrayRef {
     Arc::new(UInt8Array::from_iter_values(judged.iter().map(|judged| judged.flags.bits())))
-}
-
-impl Correcting {
-    fn warnings(&self) -> impl Iterator<Item = JobWarning> + use<> {
-        let before = (self.without_temp > 0).then_some(JobWarning::BeforeTemperature(self.without_temp));
-        let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-        let found = valid::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
-        let found = found.into_iter().map(JobWarning::Readings);
-        before.into_iter().chain(found).chain(self.corrector.warning().map(JobWarning::from))
-    }
 }

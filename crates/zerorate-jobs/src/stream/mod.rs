@@ -132,11 +132,6 @@ impl Mean {
     }
 
     #[inline]
-    fn belongs_to_next(&self, slot: u64) -> bool {
-        !self.is_empty() && slot != self.slot
-    }
-
-    #[inline]
     fn push(&mut self, t_ns: u64, slot: u64, axes: &[Judged]) {
         if self.is_empty() {
             (self.slot, self.first_ns) = (slot, t_ns);
@@ -197,13 +192,14 @@ impl<'a> RowMaker<'a> {
         while acquisition.next_judged(&mut judged)? {
             let now_ns = judged.first().map_or(0, |first| first.reading.t_ns);
             let t_ns = now_ns.saturating_sub(*first_ns.get_or_insert(now_ns));
-            if mean.belongs_to_next(t_ns / period_ns) {
+            let slot = t_ns / period_ns;
+            if !mean.is_empty() && slot != mean.slot {
                 self.write(&mut mean)?;
             }
             if t_ns >= ends_after_ns {
                 break;
             }
-            mean.push(t_ns, t_ns / period_ns, &judged);
+            mean.push(t_ns, slot, &judged);
             if let Some(tracking) = &mut self.tracking {
                 tracking.push(t_ns, &judged, self.listener);
             }
