@@ -55,16 +55,3 @@ fn requests_about_a_server_are_refused() {
         ("serve --device twin: --listen 127.0.0.1:0 --folder noise.bin", 1, "--folder noise.bin: "),
     ]);
 }
-
-#[test]
-fn another_file_is_told_from_a_damaged_capture() {
-    let bench = bench();
-    let verdicts = bench.zerorate("verify noise.bin log.csv").ended_with(1).stdout;
-    assert!(
-        verdicts.contains("noise.bin: NOT A CAPTURE") && verdicts.contains("log.csv: NOT A CAPTURE"),
-        "{verdicts}"
-    );
-    assert!(verdicts.contains("it is not a calibration file either"), "{verdicts}");
-    assert!(verdicts.contains("a CSV of other software"), "{verdicts}");
-    assert!(verdicts.contains("no check lines, so it cannot be verified"), "{verdicts}");
-}

@@ -163,11 +163,18 @@ fn corrected_captures_and_calibrations_are_verified() {
     assert_eq!(verdict(&bench, "edited.csv").0, Some(1), "a derived cell was changed");
     let (code, by_hand) = verdict(&bench, "unit.toml");
     assert_eq!((code, &by_hand["checked"], &by_hand["form"]), (Some(0), &false.into(), &"calibration".into()));
-    bench.write("bad.toml", "[correction]\npbc_dps = x\n");
-    assert_eq!(verdict(&bench, "bad.toml").0, Some(1));
     bench.write("log.csv", "t_s,gz_dps\n0,1\n1,2\n");
-    let log = bench.zerorate("verify log.csv").ended_with(1).stdout;
-    assert!(log.starts_with("log.csv: NOT A CAPTURE\n") && log.contains("`zerorate allan` reads other logs"), "{log}");
+    bench.write("noise.bin", [0x5a; 100]);
+    let text = bench.zerorate("verify log.csv noise.bin").ended_with(1).stdout;
+    for said in [
+        "log.csv: NOT A CAPTURE\n",
+        "a CSV of other software, which has no check lines, so it cannot be verified",
+        "`zerorate allan` reads other logs",
+        "noise.bin: NOT A CAPTURE\n",
+        "it is not a calibration file either",
+    ] {
+        assert!(text.contains(said), "{said} in\n{text}");
+    }
     for line in ["stream --cal log.csv", "report log.csv", "export log.csv --format c", "stream --cal unit.arrows"] {
         bench.zerorate(line).fails(1, &[" is not a calibration file: give the TOML file"]);
     }
