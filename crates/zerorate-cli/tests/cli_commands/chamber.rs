@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::process::Command;
 
 /// A twin whose self-heating has a slow time constant of 10 s, with 223 samples per second (F-56).
-const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
+pub const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
 
 fn bench() -> Bench {
     let bench = Bench::new();

@@ -1,6 +1,7 @@
 //! Every fault of a chamber, with every ending of the measurement. The chamber must end at the safe temperature, or
 //! the last line must tell the user that its temperature is unknown.
 
+use super::chamber::UNIT;
 use crate::harness::script_chamber::{AT_END, FAULTS, ScriptChamber};
 use crate::harness::{Bench, Run, start};
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -12,8 +13,6 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A twin whose self-heating has a slow time constant of 10 s, with 223 samples per second (F-56).
-const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
 /// Two soak points, which take a few minutes of simulated time.
 const QUICK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 300\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
