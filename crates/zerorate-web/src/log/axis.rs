@@ -13,7 +13,6 @@ pub fn column(column: &Column) -> LogColumn {
     LogColumn { name: column.name.clone(), kind: quantity.and_then(Kind::of), unit, missing }
 }
 
-/// Converts the results of an analysed column to a message.
 pub fn message(record: &Record) -> LogAxis {
     let axis = AxisReport::new(record, None);
     let terms = term_rows(&axis.report).into_iter().map(term).collect();

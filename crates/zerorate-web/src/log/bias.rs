@@ -18,7 +18,6 @@ const PART: &str = "gyroscope";
 
 /// The averages of a log for curves of the bias over temperature, or the reason why there are none.
 pub enum Bias {
-    /// The sensors, with the means of their axes.
     Sensors(Vec<Sensor>),
     /// The reason why the page cannot make curves of this log.
     Elsewhere(String),

@@ -54,7 +54,6 @@ pub fn asked_for(text: &str) -> Vec<LogSetting> {
     named.into_iter().map(|(_, field)| field).collect()
 }
 
-/// The settings as options of the readers.
 pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
     let above_zero = |label: &str, number: Option<f64>| match number {
         Some(number) if !(number > 0.0 && number.is_finite()) => {

@@ -30,7 +30,6 @@ pub struct Block {
     pub temp_c: f64,
 }
 
-/// An axis that is being read.
 #[derive(Debug)]
 pub struct AxisState {
     pub axis: Axis,
@@ -166,7 +165,6 @@ impl AxisState {
         !matches!(self.rest.verdict, RestVerdict::Moving | RestVerdict::Noisy)
     }
 
-    /// Computes the verdict on the last 10 s.
     fn judged(&self) -> Rest {
         let rest = |verdict, text: String| Rest { verdict, text };
         let blocks = self.newest(JUDGED);
@@ -201,7 +199,6 @@ impl AxisState {
     }
 }
 
-/// The text of the verdict before there are 10 s of readings.
 const NOT_YET: &str = "it takes 10 s of readings";
 
 /// The mean of the values that are not NaN; `None` if there are none.

@@ -22,7 +22,6 @@ pub struct CalibrationStore {
 #[derive(Debug)]
 struct StoredCalibration {
     calibration: Calibration,
-    /// Warnings about the calibration's file.
     warnings: Vec<FileWarning>,
 }
 
@@ -51,7 +50,6 @@ impl CalibrationStore {
         Ok(id)
     }
 
-    /// Checks that `more` calibrations can be stored.
     pub fn has_room(&self, more: usize) -> Result<(), String> {
         match self.stored.len() + more <= MOST {
             true => Ok(()),
@@ -119,7 +117,6 @@ impl CalibrationStore {
         self.find(id).map(|stored| entry(&stored.calibration, self.is_applied(id)))
     }
 
-    /// Makes a file of a stored calibration, in the format `form`.
     pub fn download(&self, id: &str, form: &str) -> Result<Download, String> {
         let calibration = &self.known(id)?.calibration;
         let stem = calibration.serial.as_deref().map_or_else(|| id.to_owned(), plain);
@@ -169,7 +166,6 @@ fn other_content(id: &str) -> String {
     )
 }
 
-/// The entry of a calibration in the page's list.
 pub fn entry(calibration: &Calibration, applied: bool) -> CalibrationEntry {
     let correction = calibration.axes.first().map_or(Correction::line(0.0, 0.0, 0.0), |axis| axis.correction);
     CalibrationEntry {

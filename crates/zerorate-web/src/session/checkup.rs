@@ -6,7 +6,6 @@ use zerorate::health::Judged;
 use zerorate::{Checkup, Limits, Tally};
 use zerorate_record::{CaptureWarning, valid};
 
-/// Duration of the samples that are checked, s.
 const DURATION_S: f64 = 5.0;
 
 /// The check of the first `DURATION_S` seconds of samples.
@@ -17,7 +16,6 @@ pub struct Examination {
 }
 
 impl Examination {
-    /// Starts the check of `axes` axes, before the first sample.
     pub fn new(axes: usize, nominal_hz: Option<f64>) -> Self {
         Self { checkups: vec![Checkup::default(); axes], nominal_hz }
     }

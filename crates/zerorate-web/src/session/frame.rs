@@ -49,7 +49,6 @@ impl Session {
         }
     }
 
-    /// Completes a frame of the live view with the session's other fields.
     fn completed(&self, seen: Frame, changed: SessionChanges) -> Frame {
         let all = seen.snapshot;
         Frame {
@@ -68,7 +67,6 @@ impl Session {
 }
 
 impl LiveView {
-    /// True if anything changed since the last frame.
     pub fn is_changed(&self) -> bool {
         let ViewChanges { device, readings, notices, everything } = self.changed;
         device || readings || notices || everything
@@ -83,7 +81,6 @@ impl LiveView {
         news
     }
 
-    /// A complete frame: all values, changed or not.
     pub fn everything(&self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         self.told(ViewChanges { everything: true, ..ViewChanges::default() }, applied)
     }

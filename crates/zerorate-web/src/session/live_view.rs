@@ -8,7 +8,6 @@ use crate::message::{CheckResult, DeviceState};
 use zerorate::{Correction, Corrector, Reading, Scan, Tally};
 use zerorate_record::{Layout, Row};
 
-/// The live view of a device that is being read.
 #[derive(Debug)]
 pub struct LiveView {
     pub about: About,
@@ -38,7 +37,6 @@ pub(super) struct ViewChanges {
     pub everything: bool,
 }
 
-/// Observes the readings of all axes.
 pub trait ReadingObserver {
     /// Receives a reading of an axis; `None` if it was lost or invalid.
     fn reading(&mut self, axis: usize, code: Option<i32>);
@@ -47,7 +45,6 @@ pub trait ReadingObserver {
     fn block(&mut self, axis: usize, block: &Block, at_rest: bool);
 }
 
-/// Observes nothing.
 impl ReadingObserver for () {
     fn reading(&mut self, _: usize, _: Option<i32>) {}
 
@@ -60,7 +57,6 @@ const MOST_FILLED: u32 = 100_000;
 const MOST_BLOCKS: u64 = 36_000;
 
 impl LiveView {
-    /// Starts the view of a device that was just opened.
     pub fn new(about: About) -> Self {
         let axes: Vec<AxisState> = about.part.axes.iter().map(AxisState::new).collect();
         Self {
@@ -82,7 +78,6 @@ impl LiveView {
         }
     }
 
-    /// Starts a new view of the same device after it was opened again.
     pub fn reopened(&self, about: About) -> Self {
         Self { speed: self.speed, seq: self.seq, ..Self::new(about) }
     }
@@ -144,7 +139,6 @@ impl LiveView {
         self.axes.iter_mut().for_each(|axis| axis.angle = Angle::default());
     }
 
-    /// Closes the blocks that have ended before this time.
     #[cold]
     fn close_blocks(&mut self, at_ns: u64, observer: &mut impl ReadingObserver) {
         let over = (at_ns - self.block_ends_ns) / BLOCK_NS + 1;
@@ -173,12 +167,10 @@ impl LiveView {
         self.changed.notices = true;
     }
 
-    /// Replaces all lasting conditions of the readings.
     pub fn set_conditions(&mut self, findings: &[NoticeText]) {
         self.changed.notices |= self.notices.set_conditions(findings, self.now_s());
     }
 
-    /// Adds results of the connection check to the earlier ones.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
         self.about.checks.extend(checks);
         self.changed.device = true;

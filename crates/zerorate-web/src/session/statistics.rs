@@ -36,7 +36,6 @@ pub struct Statistics {
     fitted_s: f64,
 }
 
-/// Passes each reading and each block to the statistics of its axis.
 impl ReadingObserver for Vec<Statistics> {
     #[inline]
     fn reading(&mut self, axis: usize, code: Option<i32>) {
@@ -111,7 +110,6 @@ impl Statistics {
         true
     }
 
-    /// The results of the last computation.
     pub fn shown(&self) -> &Shown {
         &self.shown
     }

@@ -14,7 +14,6 @@ pub const KEPT: usize = 2048;
 /// Number of values in a bin: smallest and largest of rate, corrected rate and temperature.
 const COLUMNS: usize = 6;
 
-/// Length of a bin at each level, s.
 pub fn bins_s() -> impl Iterator<Item = f64> {
     (0..LEVELS).map(|level| bin_ns(level) as f64 * 1e-9)
 }
@@ -26,11 +25,8 @@ const fn bin_ns(level: u32) -> u64 {
 /// The values at one time; NaN means unknown.
 #[derive(Clone, Copy, Debug)]
 pub struct Values {
-    /// Rate, °/s.
     pub rate_dps: f64,
-    /// Corrected rate, °/s.
     pub corrected_dps: f64,
-    /// Temperature, °C.
     pub temp_c: f64,
 }
 

@@ -11,7 +11,6 @@ const MOST_BINS: usize = 400;
 /// The smallest number of points for a line.
 const FEWEST_POINTS: usize = 3;
 
-/// The rate over temperature of one axis.
 #[derive(Debug)]
 pub struct Temperatures {
     width_c: f64,
@@ -32,7 +31,6 @@ impl Default for Temperatures {
 }
 
 impl Temperatures {
-    /// Adds a block, if its rate and temperature are known.
     pub fn push(&mut self, block: &Block) {
         if block.rate_dps.is_nan() || block.temp_c.is_nan() {
             return;

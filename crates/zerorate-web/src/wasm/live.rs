@@ -37,22 +37,19 @@ fn opened(open: Open) -> Result<LiveSession, JsError> {
 
 #[wasm_bindgen]
 impl LiveSession {
-    /// A session with a unit of the twin.
     pub fn of_twin(keys: &str) -> Result<LiveSession, JsError> {
         opened(twin(keys))
     }
 
-    /// A session with a bridge. The page transfers the bridge's bytes by `received` and `to_send`.
+    /// The page transfers the bridge's bytes by `received` and `to_send`.
     pub fn of_bridge() -> Result<LiveSession, JsError> {
         opened(bridge())
     }
 
-    /// Continues the session with a unit of the twin.
     pub fn use_twin(&mut self, keys: &str) -> Result<(), JsError> {
         self.instead(twin(keys))
     }
 
-    /// Continues the session with a bridge.
     pub fn use_bridge(&mut self) -> Result<(), JsError> {
         self.instead(bridge())
     }
@@ -62,73 +59,60 @@ impl LiveSession {
         self.session().calibrations().map(|calibration| calibration.to_toml()).collect()
     }
 
-    /// Stores a calibration that the page kept, and returns its id.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, JsError> {
         self.session().add_calibration(toml).map_err(|why| JsError::new(&why))
     }
 
-    /// Applies a stored calibration.
     pub fn apply(&mut self, id: &str) -> Result<(), JsError> {
         self.session().apply(Some(id)).map_err(|why| JsError::new(&why))
     }
 
-    /// The id of the applied calibration; none if none is applied.
     pub fn applied(&mut self) -> Option<String> {
         self.session().applied().map(Calibration::id)
     }
 
-    /// True if a calibration is running.
     pub fn is_calibrating(&mut self) -> bool {
         self.session().method().is_some()
     }
 
-    /// Adds a notice with a text of the page.
     pub fn note(&mut self, text: &str) {
         self.session().note(NoticeText::plain(text));
     }
 
-    /// Adds a notice that a device cannot be opened.
     pub fn cannot_open(&mut self, why: &str) {
         self.session().note(NoticeText::new("cannot-open", why));
     }
 
-    /// Reads up to the time that a preview of the same unit has reached, `shown_s` after its first reading.
     pub fn catch_up(&mut self, shown_s: f64) {
         self.0.catch_up(shown_s, &mut now_ms);
     }
 
-    /// Reads the samples that are due, for about `budget_ms`.
     pub fn turn(&mut self, budget_ms: f64) {
         self.0.turn(&mut now_ms, budget_ms);
     }
 
-    /// Carries out a request. Request and answer are JSON.
+    /// Request and answer are JSON.
     pub fn ask(&mut self, request: &str) -> String {
         self.0.ask(request, now_ms())
     }
 
-    /// The frame with all changes, for every window; none if nothing changed.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.session().frame()
     }
 
-    /// A complete frame, for a newly opened window.
     pub fn snapshot(&mut self) -> Vec<u8> {
         self.session().snapshot()
     }
 
-    /// Passes on bytes that the serial port received.
     pub fn received(&mut self, bytes: &[u8]) {
         self.0.received(bytes, now_ms());
     }
 
-    /// Takes the bytes to write to the serial port.
     #[wasm_bindgen(js_name = to_send)]
     pub fn outgoing(&mut self) -> Vec<u8> {
         self.0.to_send()
     }
 
-    /// Reports that the serial port was disconnected, and why.
     pub fn unplugged(&mut self, why: &str) {
         self.0.unplugged(why);
     }
@@ -145,12 +129,10 @@ impl LiveSession {
 #[cfg(feature = "wasm-replay")]
 #[wasm_bindgen]
 impl LiveSession {
-    /// A session with a recording: the worker's file.
     pub fn of_replay(name: &str, length: f64) -> Result<LiveSession, JsError> {
         opened(replay(name, length))
     }
 
-    /// Continues the session with a recording.
     pub fn use_replay(&mut self, name: &str, length: f64) -> Result<(), JsError> {
         self.instead(replay(name, length))
     }

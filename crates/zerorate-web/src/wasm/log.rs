@@ -34,7 +34,6 @@ impl Log {
         self.looked.clone()
     }
 
-    /// Number of columns that remain to be analysed.
     pub fn left(&self) -> usize {
         self.reader.as_ref().map_or(0, LogReader::left)
     }

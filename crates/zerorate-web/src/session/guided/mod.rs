@@ -44,7 +44,6 @@ trait GuidedMethod: std::fmt::Debug + Send {
     fn finish(self: Box<Self>, source: &Measurement<'_>, origin: Origin) -> Result<GuidedResult, String>;
 }
 
-/// The progress of a procedure.
 struct Stage {
     steps: Vec<Step>,
     elapsed_s: f64,
@@ -69,7 +68,6 @@ struct GuidedAxis {
     span_c: (f64, f64),
 }
 
-/// A running calibration.
 #[derive(Debug)]
 pub struct GuidedCalibration {
     pub method: MethodName,
@@ -114,7 +112,6 @@ impl GuidedCalibration {
         self.procedure.take(scan)
     }
 
-    /// True if a reading was processed.
     pub const fn has_begun(&self) -> bool {
         self.begun
     }
@@ -154,7 +151,6 @@ impl GuidedCalibration {
         })
     }
 
-    /// Returns the result for the page, and the calibration itself.
     pub fn finish(self, source: &Measurement<'_>) -> Result<(CalibrationResult, Calibration), String> {
         let info = CaptureInfo { serial: self.serial.or_else(|| source.info.serial.clone()), ..source.info.clone() };
         let GuidedResult { calibration, axes, warnings } =

@@ -33,7 +33,6 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// Notes that the part was configured, with its registers.
     pub fn opened(&mut self, registers: Vec<Register>) {
         self.registers = registers;
         self.is_opened = true;
