@@ -39,7 +39,6 @@ impl Model {
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
 
-/// Averaging times, by name or in seconds.
 #[derive(FromPyObject)]
 pub enum Times {
     Named(String),

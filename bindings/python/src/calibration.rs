@@ -15,7 +15,6 @@ const OF_AXES: [&str; 7] = ["axis", "temperature", "correction", "measured", "un
 #[pyclass(frozen, module = "zerorate._zerorate")]
 pub struct Calibration {
     pub known: zerorate::Calibration,
-    /// The text of the file.
     #[pyo3(get)]
     text: String,
     /// Warnings about the file.
@@ -24,7 +23,6 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The calibration that a measurement found.
     pub fn of(known: zerorate::Calibration) -> Self {
         Self { text: known.to_toml(), known, notes: Vec::new() }
     }

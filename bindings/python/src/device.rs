@@ -62,7 +62,6 @@ impl Device {
         Ok(Setup { sampling: self.sampling, part: self.part(outputs)?, names: argument, ambient: None })
     }
 
-    /// Opens the device. `warn` receives its warnings.
     pub fn open(
         &self,
         setup: Setup,
@@ -110,7 +109,6 @@ pub fn text(warning: JobWarning) -> String {
     joined(&warning.coded(argument).to_string())
 }
 
-/// A function that passes the warnings of a device on to Python.
 pub fn sink(reporter: &Reporter) -> impl FnMut(String) + use<> {
     let reporter = reporter.clone();
     move |text| reporter.warn(text)

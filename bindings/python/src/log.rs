@@ -193,7 +193,6 @@ pub fn read_imu<'py>(
     Ok((columns.collect::<PyResult<_>>()?, topic, texts(&warnings)))
 }
 
-/// Converts the arguments about the axes of an IMU to options of the readers.
 pub fn imu_options(
     columns: Option<Vec<String>>,
     gyro: OfKind,
@@ -208,7 +207,6 @@ pub fn imu_options(
     Ok(ImuOptions { columns, gyro, accel, log, ..ImuOptions::default() })
 }
 
-/// Converts the arguments about the scales of integer codes to options of the readers.
 pub fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOptions> {
     let wrong = |why: String| refused("part", why);
     let read = |named: &String| {
@@ -300,7 +298,6 @@ pub enum OpenSource {
     File(PathBuf),
 }
 
-/// Converts a source to one that can be read without Python.
 pub fn opened(source: Source<'_>) -> PyResult<OpenSource> {
     let (name, columns) = match source {
         Source::File(path) => return Ok(OpenSource::File(path)),
@@ -326,7 +323,6 @@ impl Cells<'_> {
     }
 }
 
-/// The warnings as texts for `warnings.warn`.
 fn texts(warnings: &[LogWarning]) -> Vec<String> {
     warnings.iter().map(|warning| joined(&warning.coded())).collect()
 }

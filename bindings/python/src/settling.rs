@@ -64,7 +64,6 @@ pub fn input(column: &Column, phase: bool) -> Input<'_> {
     }
 }
 
-/// The warning about a record that stops changing.
 pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {
     match logs::stopped(input, rate_hz, Path::new(RECORD), name) {
         Ok(note) => note.map(|note| note.to_string()),

@@ -54,7 +54,6 @@ impl Listener for RowSender {
 /// The corrected rate of a device.
 #[pyclass(module = "zerorate._zerorate", frozen)]
 pub struct Stream {
-    /// Names of the axes of the part.
     #[pyo3(get)]
     axes: Vec<String>,
     stop: Stop,

@@ -73,7 +73,6 @@ pub struct Reporter {
     latest: Latest,
 }
 
-/// The progress that was not shown yet.
 #[derive(Clone, Default)]
 struct Latest(Arc<Mutex<Option<Step>>>);
 

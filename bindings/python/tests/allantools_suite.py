@@ -18,8 +18,6 @@ import pytest
 
 
 class Outcomes:
-    """Collects the outcome of each test."""
-
     def __init__(self, asked: list[str]) -> None:
         self.asked = asked
         self.passed: list[str] = []
@@ -54,7 +52,6 @@ class Outcomes:
 
 
 def noise_of(source: Path) -> ModuleType:
-    """Loads the noise generator of allantools."""
     spec = importlib.util.spec_from_file_location("allantools.noise", source / "allantools" / "noise.py")
     assert spec is not None and spec.loader is not None
     module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)

@@ -1,5 +1,3 @@
-"""Settings for all tests."""
-
 from __future__ import annotations
 
 import signal

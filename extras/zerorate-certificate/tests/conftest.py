@@ -83,7 +83,6 @@ def lab_file(example_lab: str, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 @pytest.fixture(scope="session")
 def lab(lab_file: Path) -> Lab:
-    """The laboratory of `lab_file`."""
     return Lab.load(lab_file)
 
 

@@ -27,7 +27,6 @@ def complaints(document: bytes, schematron: Path) -> list[tuple[str, str]]:
 
 
 def rules_of(schematron: Path) -> int:
-    """Number of rules in the file."""
     return len(list(etree.parse(str(schematron)).iter(f"{SCH}rule")))
 
 

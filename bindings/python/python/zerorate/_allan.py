@@ -260,7 +260,6 @@ def _of_arrays(
 
 
 def _guessed(found: Allan, stated: str | None) -> Allan:
-    """Marks the unit of the result as assumed if nothing stated it."""
     return found if stated else replace(found, _is_unit_assumed=True)
 
 
@@ -269,7 +268,6 @@ def _answer(found: Sequence[Allan], is_several: bool) -> Allan | AllanAxes:
 
 
 def _chosen(each: dict[str, Any], column: _log.Column | None) -> dict[str, Any]:
-    """The requested columns, by name or by number."""
     if column is None or _log.is_all(column):
         return each
     names = list(each)

@@ -47,8 +47,6 @@ def side_by_side(work: Callable[[_Of], _To], all_of: Sequence[_Of]) -> list[_To]
 
 @dataclass(frozen=True)
 class AnalysisOptions:
-    """Options for the analysis of records."""
-
     stat: str
     taus: Taus
     is_phase: bool
@@ -68,12 +66,10 @@ class AnalysisOptions:
         steps: str,
         max_freq_hz: float | None,
     ) -> AnalysisOptions:
-        """Converts the arguments of `allan`."""
         asked_fit = (*_cleaning(glitches, steps), _max_freq(max_freq_hz)) if fit else None
         return cls(stat, taus, _is_phase(data), confidence, asked_fit)
 
     def read(self, source: _records.Source, column: _log.Column | None, given: _zerorate._Options) -> list[Allan]:
-        """Analyses columns of a log or table."""
         label = given["unit"]
         is_other = label is not None and not isinstance(source, str) and _zerorate.unit_kind(label) is None
         if is_other:
@@ -89,7 +85,6 @@ class AnalysisOptions:
         return side_by_side(lambda of: self.of_column(of, temperature), found)
 
     def of_column(self, column: _zerorate._Column, temperature: Temperature | None = None) -> Allan:
-        """Analyses a column that was read."""
         found = self.analysed(
             column["values"],
             column["rate_hz"],
@@ -149,7 +144,6 @@ class AnalysisOptions:
         )
 
     def capture(self, capture: Capture, at: int, rate_hz: float | None, scale: float | None, unit: str) -> Allan:
-        """Analyses an axis of a capture."""
         codes, gaps = capture._codes(at)
         step = capture._dps_per_code(at) if scale is None else scale
         hz = capture.rate_hz if rate_hz is None else rate_hz

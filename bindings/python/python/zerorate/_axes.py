@@ -76,5 +76,4 @@ class AskedAxes:
 
 
 def number(given: float | None) -> float | None:
-    """A number in the form that the extension takes."""
     return None if given is None else float(given)

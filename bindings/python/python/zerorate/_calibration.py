@@ -317,7 +317,6 @@ class Calibration:
 
     @cached_property
     def _core(self) -> _zerorate.Calibration:
-        """The compiled calibration."""
         return _zerorate.Calibration(self.text)
 
     def __getstate__(self) -> dict[str, Any]:

@@ -50,5 +50,4 @@ def options(
 
 
 def showing(progress: OnProgress | None) -> Callable[[str, float, float], Any] | None:
-    """The callback in the form that the extension takes."""
     return None if progress is None else lambda *step: progress(Progress(*step))

@@ -7,7 +7,6 @@ from typing import Any
 
 
 def frame(columns: dict[str, Any], library: str) -> Any:
-    """Makes a DataFrame from columns of equal length."""
     if library not in ("pandas", "polars"):
         raise ValueError(f"library={library!r}: give 'pandas' or 'polars'")
     return needed(library, "to_frame()").DataFrame(columns)

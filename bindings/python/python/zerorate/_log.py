@@ -210,14 +210,12 @@ def with_time(source: _records.Source, given: _zerorate._Options) -> _zerorate._
 def columns_of(
     source: _records.Source, column: Column | None, points: bool, given: _zerorate._Options
 ) -> list[_zerorate._Column]:
-    """Reads the requested columns."""
     names = None if column is None or is_all(column) else [str(name) for name in listed(column)]
     given = with_time(source, given)
     return _zerorate.read_columns(source, names, column is not None and is_all(column), points, given)
 
 
 def is_all(column: Column) -> bool:
-    """True if all columns are requested."""
     return isinstance(column, str) and column == ALL
 
 
@@ -227,7 +225,6 @@ def is_several(column: Column | None) -> bool:
 
 
 def listed(column: Column) -> list[str | int]:
-    """The requested columns as a list."""
     return [column] if isinstance(column, (str, int, np.integer)) else list(column)
 
 

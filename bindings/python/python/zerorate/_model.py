@@ -182,12 +182,10 @@ def _coefficient(found: Any, unit: str) -> Coefficient | None:
 
 
 def cleaned(found: dict[str, Any]) -> Cleaned:
-    """Converts the glitches and steps of the extension."""
     return Cleaned(found["glitches"], [(step["at_s"], step["size"]) for step in found["steps"]])
 
 
 def detrended(found: dict[str, Any]) -> Detrended:
-    """Converts the polynomial over temperature of the extension."""
     return Detrended(**{name: found[name] for name in Detrended.__dataclass_fields__})
 
 

@@ -26,7 +26,6 @@ LETTERS = "xyz"
 
 
 def is_path(data: Any) -> bool:
-    """True if the data is the path of a log."""
     return isinstance(data, (str, os.PathLike))
 
 
@@ -110,13 +109,11 @@ def indexed(series: Any, name: str) -> Source:
 
 
 def _index(data: Any) -> tuple[str, Cells]:
-    """The time from the index."""
     index, name = data.index, str(data.index.name or TIME_INDEX)
     return name, _times(index) if index.dtype.kind in ("M", "m") else record(index, what=f"the index {name}")
 
 
 def _is_lazy(data: Any) -> bool:
-    """True if the data is a polars LazyFrame."""
     return hasattr(data, "collect_schema") and hasattr(data, "lazy") and not hasattr(data, "to_numpy")
 
 

@@ -33,7 +33,6 @@ class Settling:
 
     @classmethod
     def of(cls, temp_c: Any, detrend: int | None, skip: Seconds | None, is_phase: bool) -> Settling:
-        """Converts the arguments of `allan`."""
         if detrend is not None and detrend not in (1, 2, 3):
             raise ValueError(f"detrend={detrend!r}: give 1, 2 or 3, the order of a polynomial over temperature")
         if is_phase and (detrend is not None or temp_c is not None):
@@ -52,7 +51,6 @@ class Settling:
         return _OWN, temps
 
     def of_source(self, source: _records.Source, given: _zerorate._Options) -> Temperature | None:
-        """The temperature of a log or table."""
         name = self.temp_c if isinstance(self.temp_c, str) else None
         label = source if isinstance(source, str) else source[0]
         if self.temp_c is not None and name is None:

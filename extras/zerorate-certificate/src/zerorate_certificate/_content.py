@@ -31,7 +31,6 @@ class Content:
     validity: Validity
     lab: Lab
     simulated: bool
-    """True if the item was the software twin."""
     serial: str
     begin: date
     """First day of the measurement; the day of issue if the item was simulated."""

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 
 def html_of(content: Content) -> str:
-    """Makes the HTML page from the content."""
     environment = Environment(
         loader=PackageLoader("zerorate_certificate", "."),
         autoescape=True,

@@ -29,16 +29,12 @@ POINTS = 9
 
 @dataclass(frozen=True)
 class Point:
-    """The correction at a temperature."""
-
     temp: Quantity
     correction: Quantity
 
 
 @dataclass(frozen=True)
 class AxisResult:
-    """The results of one axis."""
-
     name: str | None
     """None for the only axis of a part."""
     coefficients: list[Quantity]

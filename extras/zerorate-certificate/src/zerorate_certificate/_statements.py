@@ -39,8 +39,6 @@ METHODS = {
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement of the certificate."""
-
     name: str
     text: str
     traceable: bool | None = None
@@ -50,7 +48,6 @@ class Statement:
 
 
 def method_of(calibration: Calibration) -> tuple[str, str]:
-    """Name and description of the method."""
     method = calibration.method or ""
     return METHODS.get(method, (f"zerorate, method {method}", "The part rests."))
 
@@ -58,7 +55,6 @@ def method_of(calibration: Calibration) -> tuple[str, str]:
 def statements_of(
     calibration: Calibration, run: Run, validity: Validity, lab: Lab, simulated: bool
 ) -> list[Statement]:
-    """All statements, for the page and for the XML."""
     return [
         *_of_simulation(simulated),
         *_of_amendment(lab),

@@ -67,7 +67,6 @@ class Table:
         return value.strip()
 
     def text_or_none(self, key: str) -> str | None:
-        """A text that may be absent."""
         return self.text(key) if self._offered(key) else None
 
     def choice(self, key: str, options: list[str]) -> str:
@@ -83,7 +82,6 @@ class Table:
         return value if isinstance(value, date) else date.min
 
     def day_or_none(self, key: str) -> date | None:
-        """A date that may be absent."""
         return self.day(key) if self._offered(key) else None
 
     def number(self, key: str) -> float:
@@ -105,7 +103,6 @@ class Table:
         return Table(value if isinstance(value, dict) else {}, self._name(key) + ".", self._problems)
 
     def table_or_none(self, key: str) -> Table | None:
-        """A table that may be absent."""
         return self.table(key) if self._offered(key) else None
 
     def tables(self, key: str) -> list[Table]:
@@ -119,7 +116,6 @@ class Table:
         return [Table(row, name, self._problems) for row, name in zip(value, names)]
 
     def missing(self, key: str) -> None:
-        """Notes that this key is missing."""
         self._problems["missing"].append(self._name(key))
 
     def finish(self) -> None:

@@ -38,7 +38,6 @@ Element = Any
 
 
 def xml_of(content: Content) -> bytes:
-    """Makes the XML from the content."""
     root = D.digitalCalibrationCertificate(
         _administrative(content), D.measurementResults(_measurement(content)), schemaVersion="3.3.0"
     )

@@ -36,7 +36,6 @@ A run that is started again does what has no row. Keys of a store come from its 
 
 
 def main(arguments: list[str]) -> int:
-    """Runs ``zerorate fleet …``. Returns the exit code."""
     args = _parser().parse_args(arguments)
     try:
         return int(args.run(args))

@@ -104,7 +104,7 @@ class OtherProgram(Exception):
 
 
 def nothing() -> None:
-    """Does nothing. A worker runs it to show that it works."""
+    """A worker runs this function to show that it works."""
 
 
 class NotEnoughMemory(Exception):
@@ -123,7 +123,6 @@ class Replaced(Exception):
 
 
 def put(task: Task, row: dict[str, Any]) -> None:
-    """Writes the row of a task."""
     url = _plain.utf8(task.file.url)
     stated = {"key": task.key, "url": url, "version": task.file.version, "bytes": task.file.size}
     made = {"recipe": task.digest, "program": _program.version(), "host": socket.gethostname(), "ended": time.time()}
@@ -243,7 +242,6 @@ def _noise(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _judge(row: dict[str, Any], answer: Answer) -> None:
-    """Sets the state of the row by the first command that does not succeed."""
     if row["state"] == "ok" and answer.state != "ok":
         row.update(state=answer.state, code=answer.code, error=answer.error)
 

@@ -16,7 +16,6 @@ SHORT = {"\t": "\\t", "\n": "\\n", "\r": "\\r"}
 
 
 def is_utf8(name: str) -> bool:
-    """True if a file name is UTF-8."""
     return not any(_is_surrogate(letter) for letter in name)
 
 

@@ -31,11 +31,9 @@ class Trend:
 
     slope: float
     u_slope: float
-    """Standard uncertainty of the slope."""
 
     @property
     def is_seen(self) -> bool:
-        """True if the slope is larger than 1.96 standard uncertainties."""
         return abs(self.slope) > 1.96 * self.u_slope
 
 

@@ -37,8 +37,6 @@ class Stopped(Exception):
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer of a command."""
-
     found: Optional[dict[str, Any]]
     """The JSON object that the command printed; None if it printed none."""
     state: str
@@ -59,13 +57,11 @@ def stop() -> None:
 
 
 def resume() -> None:
-    """Lets commands begin again after `stop`."""
     _stopping.clear()
 
 
 @cache
 def version() -> str:
-    """The line that the program prints for ``--version``."""
     done = subprocess.run([*_command(), "--version"], capture_output=True, text=True, check=True)
     return done.stdout.strip()
 

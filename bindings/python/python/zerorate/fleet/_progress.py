@@ -43,7 +43,6 @@ class Progress:
             self.bar.stop()
 
     def advance(self) -> None:
-        """Counts a finished file, and shows it."""
         self.done += 1
         now = time.monotonic()
         rate = self.done / max(now - self.began, 1e-9)

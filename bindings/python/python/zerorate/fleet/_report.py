@@ -52,8 +52,6 @@ QUANTITIES = [
 
 @dataclass(frozen=True)
 class Outlier:
-    """A row that differs strongly from the others."""
-
     serial: str
     url: str
     quantity: str

@@ -49,7 +49,6 @@ class Ended:
     seconds: float = 0.0
 
     def count(self, state: str, more: int = 1) -> None:
-        """Adds rows to the count of a state."""
         self.states[state] = self.states.get(state, 0) + more
 
 

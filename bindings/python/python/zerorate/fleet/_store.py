@@ -36,7 +36,6 @@ def opened(url: str) -> tuple[Any, str]:
 
 
 def is_local(filesystem: Any) -> bool:
-    """True if the files are on this machine."""
     protocol = filesystem.protocol
     return "file" in ((protocol,) if isinstance(protocol, str) else protocol)
 
@@ -91,7 +90,6 @@ def inside(url: str) -> str:
 
 
 def remove_path(out: str, path: str) -> None:
-    """Removes a file in the file system of `out`."""
     opened(out)[0].rm_file(path)
 
 
@@ -150,13 +148,11 @@ def row_url(out: str, key: str) -> str:
 
 
 def exists(url: str) -> bool:
-    """True if there is such a file."""
     filesystem, path = opened(url)
     return bool(filesystem.exists(path))
 
 
 def read(url: str) -> bytes:
-    """The content of a file."""
     filesystem, path = opened(url)
     return _bytes(filesystem, path)
 
@@ -167,7 +163,6 @@ def row_paths(out: str) -> list[str]:
 
 
 def part_paths(out: str, folder: str) -> list[str]:
-    """The paths of the Parquet files in a subfolder of `out`."""
     return _found(out, folder, ".parquet")
 
 

@@ -56,14 +56,12 @@ def read(out: str) -> pa.Table:
 
 
 def keys(out: str) -> set[str]:
-    """The keys of all rows."""
     loose = {path.rsplit("/", 1)[-1][: -len(".json")] for path in _store.row_paths(out)}
     packed = (pq.read_table(io.BytesIO(data), columns=["key"]).column("key") for data in _part_contents(out))
     return loose.union(*(column.to_pylist() for column in packed))
 
 
 def keys_in_state(out: str, states: set[str]) -> set[str]:
-    """The keys of the rows in one of these states."""
     rows = read(out)
     chosen = rows.filter(pc.is_in(rows.column("state"), value_set=pa.array(sorted(states), pa.string())))
     return set(chosen.column("key").to_pylist())
