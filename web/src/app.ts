@@ -15,7 +15,6 @@ export interface App {
   tell(text: string, kind?: "said" | "wrong"): void;
 }
 
-/** One of the four pages. */
 export interface Page {
   readonly element: HTMLElement;
   /** Shows changes, at most once per animation frame and only while the page is visible. `all`: shows everything. */

@@ -56,7 +56,6 @@ export function significant(value: number | null | undefined, digits: number): s
   return `${mantissa} × 10${superscript(power)}`;
 }
 
-/** Formats a power as a superscript: `⁻³`. */
 export function superscript(power: number): string {
   return [...String(power)].map((sign) => (sign === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(sign)]!)).join("");
 }

@@ -14,7 +14,7 @@ function fill(element: Element, attributes: Attributes, children: Child[]): void
   element.append(...children);
 }
 
-/** Makes an element of the page. A function among the attributes becomes a listener. */
+/** Makes an element. A function among the attributes becomes a listener. */
 export function h<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   attributes: Attributes = {},
@@ -31,19 +31,17 @@ export function svg(tag: string, attributes: Attributes = {}, ...children: Child
   return element;
 }
 
-/** Sets a text; the element is not touched if it has that text already. */
 export function say(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Sets an attribute, or removes it for null. The element is not touched if nothing changes. */
 export function mark(element: Element, name: string, value: string | null): void {
   if (element.getAttribute(name) === value) return;
   if (value === null) element.removeAttribute(name);
   else element.setAttribute(name, value);
 }
 
-/** A button with a text. If the text is only a sign, `aria-label` must have words for screen readers. */
+/** If `words` is only a sign, the attribute `aria-label` must have words for screen readers. */
 export function button(words: string, does: () => void, attributes: Attributes = {}): HTMLButtonElement {
   return h("button", { type: "button", click: () => does(), ...attributes }, words);
 }
@@ -90,7 +88,6 @@ export function sure(question: string, yes: string, no: string): Promise<boolean
   });
 }
 
-/** Offers a text to the user as a file. */
 export function save(name: string, type: string, text: string): void {
   const url = URL.createObjectURL(new Blob([text], { type }));
   const link = h("a", { href: url, download: name });

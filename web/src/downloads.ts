@@ -2,7 +2,6 @@ import type { App } from "./app";
 import { button, h, save } from "./dom";
 import { FORMS, type Form } from "./protocol";
 
-/** Buttons that download a calibration in every form. */
 export function downloads(app: App, calibration: string): HTMLElement {
   const hand = async (form: Form) => {
     const reply = await app.ask({ do: "download", calibration, form });

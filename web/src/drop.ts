@@ -1,6 +1,5 @@
 import { h } from "./dom";
 
-/** A place to drop files. A click opens the browser's file dialog. */
 export function droppable(words: string, accept: string, take: (files: File[]) => void): HTMLElement {
   const input = h("input", { type: "file", accept, multiple: accept === ".toml" });
   const zone = h(

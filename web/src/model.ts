@@ -2,7 +2,6 @@ import type { Framed } from "./frame";
 import { Ring } from "./ring";
 import type { Calibrating, CalibrationEntry, Device, Frame, Notice, Now, SampleCounts, Statistics } from "./protocol";
 
-/** A part of the model that can change. */
 export type Part =
   "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
 const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"];
@@ -22,7 +21,6 @@ export class Model {
   frames = 0;
   #changed = new Set<Part>();
 
-  /** Updates the state by a frame, and notes which parts changed. */
   take({ frame, payload }: Framed): void {
     this.frames += 1;
     if (frame.snapshot) this.#forget();

@@ -55,7 +55,6 @@ export class PageFrame {
     );
   }
 
-  /** Shows this page in place of the one before. */
   show(name: PageName, element: HTMLElement): void {
     for (const [of, link] of this.#links) mark(link, "aria-current", of === name ? "page" : null);
     document.title = `${PAGES[name]} · zerorate`;
@@ -63,7 +62,6 @@ export class PageFrame {
     scrollTo(0, 0);
   }
 
-  /** Shows the state of the connection to the session. */
   link(state: LinkState, served: Served | undefined): void {
     const words: Record<LinkState["is"], string> = {
       connecting: "Connecting …",
@@ -78,7 +76,6 @@ export class PageFrame {
     if (state.is === "locked" && served) this.#ask(served, state.wrong);
   }
 
-  /** Shows the device and its state. */
   device(): void {
     const { device } = this.app().model;
     say(this.#device, device?.name ?? "");
@@ -104,7 +101,7 @@ export class PageFrame {
     this.#toastEnds = window.setTimeout(() => say(this.#toast, ""), kind === "wrong" ? 12_000 : 5000);
   }
 
-  /** Shows the banner. An error of the connection comes before an error of the device. */
+  /** An error of the connection comes before an error of the device. */
   #announce(): void {
     say(this.#banner, this.#linkWords || this.#deviceWords);
   }

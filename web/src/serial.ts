@@ -1,12 +1,10 @@
 // A bridge at a serial port of this window. Bytes go from the bridge to the worker, and from the worker to the bridge.
 
-/** The error of a port that cannot be opened. */
 export class NoPort extends Error {}
 
 /** True if this browser can read serial ports: one based on Chromium, on a computer, over https or localhost. */
 export const canReadPorts = (): boolean => "serial" in navigator;
 
-/** The message for a browser that cannot read serial ports. */
 export const NO_SERIAL =
   "This browser does not give pages a serial port. Use Chrome, Edge or Opera on a computer, over https or from " +
   "localhost, or run `zerorate serve --device bridge:/dev/ttyACM0`.";
@@ -14,7 +12,6 @@ export const NO_SERIAL =
 /** Baud rate of a UART, enough for the full rate with every temperature. USB ignores it. */
 export const DEFAULT_BAUD = 3_000_000;
 
-/** The callbacks of an open port: bytes arrived, or the port is gone. */
 export interface PortEvents {
   received(bytes: Uint8Array): void;
   gone(why: string): void;
@@ -38,7 +35,6 @@ export async function knownPort(): Promise<SerialPort | null> {
   return ports.length === 1 ? (ports[0] ?? null) : null;
 }
 
-/** An open serial port, with the loop that reads it. */
 export class OpenPort {
   private reader: ReadableStreamDefaultReader<Uint8Array> | undefined;
   private writing: Promise<void> = Promise.resolve();
@@ -66,7 +62,6 @@ export class OpenPort {
     this.writing = this.writing.then(() => this.write(bytes)).catch((why: unknown) => this.end(why));
   }
 
-  /** Closes the port, so that others can open it. */
   async close(): Promise<void> {
     this.ended = true;
     await this.reader?.cancel().catch(() => {});

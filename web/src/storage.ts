@@ -36,7 +36,6 @@ export const storage = {
     write(CALIBRATIONS, { calibrations: [...all], applied });
   },
 
-  /** Forgets a calibration that is no longer on file. */
   forgetCalibration(toml: string): void {
     const { calibrations, applied } = storage.calibrations();
     write(CALIBRATIONS, { calibrations: calibrations.filter((one) => one !== toml), applied });

@@ -5,7 +5,6 @@ import { PATIENCE } from "./world.mjs";
 
 const FIXTURES = new URL("../../crates/zerorate-logs/fixtures/", import.meta.url).pathname;
 
-/** Samples per second, Hz. */
 export const RATE_HZ = 100;
 /** Standard deviation of a sample, °/s. Divided by √RATE_HZ, it is N = 0.01 °/√s. */
 export const SD_DPS = 0.1;
@@ -44,7 +43,6 @@ export function warming() {
   return Buffer.from([`${STATED},temp_c`, ...rows].join("\n"));
 }
 
-/** A file in NumPy's format: a header and numbers. */
 function npy(count) {
   const table = rows(count).flatMap((row) => row.slice(1));
   return Buffer.concat([npyHead(count, 3), Buffer.from(Float64Array.from(table).buffer)]);

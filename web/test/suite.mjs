@@ -24,7 +24,6 @@ export async function everyPage(browser, url) {
   }
 }
 
-/** Checks that the numbers of the bench come and that the charts are drawn. */
 export async function liveBench(page) {
   await becomes(page, ".tile.raw .value", /^−?\d+\.\d+$/);
   await becomes(page, ".tile.temp .value", /^2\d\.\d+$/);
@@ -56,7 +55,6 @@ export async function finishCalibration(page, timeout = 3 * PATIENCE) {
   await becomes(page, ".result button.primary", /^Applied$/);
 }
 
-/** Downloads a calibration in every form. */
 export async function downloads(page) {
   const forms = {
     TOML: /pbc_dps/,

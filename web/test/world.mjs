@@ -84,7 +84,6 @@ export function recorded(path, keys, ...more) {
   return path;
 }
 
-/** Waits until the text of an element matches. */
 export async function becomes(page, selector, pattern, timeout = PATIENCE) {
   await page.waitForFunction(
     ([where, source]) => new RegExp(source, "s").test(document.querySelector(where)?.textContent ?? ""),
@@ -124,7 +123,6 @@ export async function firstTrace(page, timeout = PATIENCE) {
   return (await page.waitForFunction(isDrawn, null, { timeout })).jsonValue();
 }
 
-/** Returns a free port of this machine. */
 export function freePort() {
   return new Promise((done) => {
     const server = createServer().listen(0, "127.0.0.1", () => {

@@ -102,7 +102,6 @@ export class Bench implements Page {
     this.#marks.update(found?.marks ?? []);
   }
 
-  /** Offers a switch between axes if there are several. */
   #choose(): void {
     const { device } = this.app.model;
     if (device) say(this.#seen, `This is ${device.simulated ? "a simulated gyroscope" : "a gyroscope"}, ${SEEN}`);

@@ -33,7 +33,6 @@ const HELP =
   "Drag, or turn the wheel with Ctrl, to zoom; the wheel with Shift moves. A click sets cursor A, with Shift cursor B. " +
   "Keys: arrows move, + and − zoom, space holds, Escape follows, A and B set cursors.";
 
-/** The strip charts and their controls. */
 export class Strips {
   readonly element: HTMLElement;
   axis = 0;
@@ -81,7 +80,6 @@ export class Strips {
     );
   }
 
-  /** Draws the strips if there is something new. */
   update(isNew: boolean): void {
     const levels = this.app.model.rings[this.axis] ?? [];
     const finest = levels[0];

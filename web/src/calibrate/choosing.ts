@@ -14,7 +14,6 @@ const DURATIONS: readonly (readonly [Duration, string])[] = [
   ["offset_s", "Average for the offset, s"],
 ];
 
-/** The choice of a method and its settings. */
 export class Choosing implements Stage {
   readonly element: HTMLElement;
   readonly #durations = new Map<Duration, HTMLInputElement>();
@@ -65,7 +64,6 @@ export class Choosing implements Stage {
 
   leave(): void {}
 
-  /** Shows the preparation and the settings of a method. */
   #choose(method: Method): void {
     this.#method = method;
     const before = [...method.before, meanwhile(this.app.inside !== undefined)];

@@ -1,6 +1,5 @@
 import type { MethodName } from "../protocol";
 
-/** A calibration method, described in plain words. */
 export interface Method {
   name: MethodName;
   title: string;

@@ -54,7 +54,6 @@ export abstract class Figure<T> {
     this.#resized.observe(this.#box);
   }
 
-  /** Draws the data, or a note if there is nothing to draw. */
   show(data: T | undefined): void {
     this.#data = data;
     this.#draw();
@@ -73,7 +72,6 @@ export abstract class Figure<T> {
     this.#plot = undefined;
   }
 
-  /** True if there is something to draw. */
   protected abstract isThere(data: T): boolean;
   protected abstract drawing(colours: Palette): Drawing;
   protected abstract columns(data: T): (number | null)[][];
@@ -117,7 +115,6 @@ export abstract class Figure<T> {
   }
 }
 
-/** An axis in the colours of the theme. */
 export function axis(colours: Palette, label: string, more: uPlot.Axis = {}): uPlot.Axis {
   return {
     stroke: colours.muted,
@@ -138,17 +135,14 @@ export function banded(fill: string, ...lines: uPlot.Series[]): Pick<Drawing, "s
   return { series: [{}, edge(), edge(), ...lines], bands: [{ series: [1, 2], fill }] };
 }
 
-/** A line with a point at each of its numbers. */
 export function dotted(colour: string, width: number): uPlot.Series {
   return { stroke: colour, width, points: { show: true, size: 5, fill: colour } };
 }
 
-/** The dashed line of expected values. */
 export function expected(colours: Palette): uPlot.Series {
   return { stroke: colours.model, width: 1.5, dash: [6, 4], points: { show: false } };
 }
 
-/** Scales and axes of a rate over temperature. */
 export function overTemperature(colours: Palette, label: string): Pick<Drawing, "scales" | "axes"> {
   const values = (_: uPlot, splits: number[]) => splits.map(tick);
   return {
@@ -171,7 +165,6 @@ export function decades(least: number, largest: number): [number, number] {
   return [10 ** low, 10 ** Math.max(high, low + 1)];
 }
 
-/** The whole decades of an axis, and only these. */
 function wholeDecades(_: uPlot, __: number, least: number, largest: number): number[] {
   const first = Math.ceil(Math.log10(least) - 1e-9);
   const last = Math.floor(Math.log10(largest) + 1e-9);
@@ -195,7 +188,6 @@ function tick(value: number | null): string {
   return value === null ? "" : String(Number(value.toPrecision(6))).replace("-", "\u2212");
 }
 
-/** A range with some room at both ends. */
 function padded(least: number | null, largest: number | null, floor: number): [number, number] {
   if (least === null || largest === null) return [0, 1];
   const by = Math.max((largest - least) * 0.08, floor);

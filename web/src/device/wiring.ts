@@ -19,7 +19,6 @@ const CARE =
   "Use ribbon cable up to 12 inches, and shielded twisted pairs beyond. Tie the self-test pins 1–7 and 9 together. " +
   "Drill holes under the mating pads, so that the pins do not bottom out, which would shift the bias.";
 
-/** The wiring as a picture and as a table. */
 export function wiring(): HTMLElement {
   const numbers = table(
     "Wiring",

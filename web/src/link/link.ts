@@ -5,7 +5,6 @@ type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
 /** A request to the session, without its number. */
 export type Command = Without<Request, "id">;
 
-/** The state of the connection to the session. */
 export type LinkState =
   | { is: "connecting" }
   | { is: "open" }

@@ -34,7 +34,6 @@ export class About {
   }
 }
 
-/** A list of warnings, which may be empty. */
 export function warnings(texts: string[]): HTMLElement {
   return h("ul", { class: "warnings" }, ...texts.map((text) => h("li", {}, ...coded(text))));
 }

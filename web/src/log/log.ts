@@ -66,7 +66,6 @@ export class Log implements Page {
     this.#axes.restyle();
   }
 
-  /** Shows a new log, which the worker reads. */
   open(file: File): void {
     this.#file = file;
     this.#axes.begin();
@@ -116,7 +115,7 @@ export class Log implements Page {
     else this.#failed(told.why);
   }
 
-  /** Shows an error. A refused command leaves the results; any other error ends the work. */
+  /** A refused command leaves the results; any other error ends the work. */
   #failed(why: string): void {
     if (this.#cancel.hidden) this.app.tell(why, "wrong");
     else this.#end(why);

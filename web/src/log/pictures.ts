@@ -1,7 +1,6 @@
 import { button, h, save } from "../dom";
 import type { LogPicture } from "../protocol";
 
-/** The pictures of a log, as the program draws them. */
 export class Pictures {
   readonly element = h("section", { class: "card pictures", "aria-label": "Pictures", hidden: true });
 
@@ -11,7 +10,6 @@ export class Pictures {
   }
 }
 
-/** A picture with its title and a button to save it. */
 export function picture({ name, title, svg }: LogPicture): HTMLElement {
   // an image runs no script, even if the name of a column contains one
   const image = () => h("img", { alt: title, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}` });

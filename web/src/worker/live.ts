@@ -175,7 +175,6 @@ function leave(window: Window): void {
   session?.unplugged("its window was closed");
 }
 
-/** Sends the session's bytes to the bridge. */
 function send(): void {
   const bytes = serial === undefined ? undefined : session?.to_send();
   if (bytes !== undefined && bytes.length > 0) serial?.postMessage({ is: "serial-send", bytes });
