@@ -150,7 +150,6 @@ fn a_minute_of_the_twin_fills_the_frames() {
     assert!(all["snapshot"] == true && all["device"]["part"] == "ADIS16130" && all["calibration"]["is"] == "idle");
 }
 
-/// A forecast after 10 minutes agrees with the uncertainties of a calibration that is finished then.
 #[test]
 fn the_forecast_agrees_with_the_result() {
     let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "warmup" }));
@@ -316,7 +315,6 @@ fn a_device_that_fails_ends_its_calibration() {
     assert_eq!((&ended["is"], &ended["text"]), (&json!("aborted"), &json!("the cable was pulled")));
 }
 
-/// Ends a recording early, when the temperatures suffice.
 #[test]
 fn a_cycle_is_finished_by_hand() {
     let mut session = calibrating(json!({ "id": 1, "do": "calibrate", "method": "cycle" }));

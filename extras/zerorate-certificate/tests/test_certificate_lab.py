@@ -11,7 +11,6 @@ from zerorate_certificate import Lab
 
 
 def refusal(path: Path, text: str | bytes) -> str:
-    """The reason why this file is refused."""
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError) as caught:
         Lab.load(path)

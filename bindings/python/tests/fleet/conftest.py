@@ -29,7 +29,6 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture()
 def captures(recorded: Path, tmp_path: Path) -> Path:
-    """A folder with copies of the recorded captures."""
     folder = tmp_path / "captures"
     folder.mkdir()
     for path in recorded.glob("*.arrows"):

@@ -1,5 +1,3 @@
-"""Helpers for the tests of the fleet."""
-
 from __future__ import annotations
 
 import threading

@@ -157,7 +157,6 @@ def test_every_axis_of_a_capture_by_the_default_commands(tmp_path: Path) -> None
 
 
 def noise(samples: int = 2000) -> str:
-    """A log of white noise."""
     values = np.random.default_rng(4).normal(0.3, 0.05, samples)
     return "t_s,gz_dps\n" + "".join(f"{n / 100:.2f},{value:.6f}\n" for n, value in enumerate(values))
 

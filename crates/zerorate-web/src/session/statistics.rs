@@ -10,7 +10,7 @@ use zerorate_allan::{self as allan, FitOptions, Input, Options, Stream, interval
 
 /// Number of readings in the spectrum: the last 23 s at the full rate of an ADIS16130.
 const SPECTRUM: usize = 1 << 17;
-/// Number of octaves of averaging times that use single readings. Longer averages use blocks.
+/// Number of octaves of averaging times that are computed from single readings. The page gets those below a block.
 const OCTAVES: usize = 16;
 /// Number of block means at which adjacent means are merged in pairs.
 const MOST_MEANS: usize = 1 << 19;
@@ -118,7 +118,7 @@ impl Statistics {
         allan::fit(&Input::Rate(&self.means.values), self.means.rate_hz(), &FitOptions::default()).ok()
     }
 
-    /// The deviations. Averages shorter than a block use adjacent readings; longer ones use overlapping blocks.
+    /// The deviations. Averages below 0.7 blocks are of adjacent readings; longer ones are of overlapping blocks.
     fn allan(&self, rate_hz: f64) -> Vec<AllanPoint> {
         let scale = 1.0 / self.axis.rate.lsb_per_unit;
         let longest = self.means.length_s();
