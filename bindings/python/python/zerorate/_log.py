@@ -229,13 +229,7 @@ def listed(column: Column) -> list[str | int]:
 
 
 def by_name(found: Iterable[tuple[str, _T]]) -> dict[str, _T]:
-    """A dictionary by name.
-
-    Raises
-    ------
-    ValueError
-        If two items have the same name.
-    """
+    """A dictionary by name. Raises ValueError if two items have the same name."""
     named: dict[str, _T] = {}
     for name, one in found:
         if name in named:
