@@ -1,7 +1,7 @@
 //! A calibration in a chamber that a person sets by hand, step by step.
 
-use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, Stage};
-use crate::message::{CalibrateCommand, Step};
+use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement};
+use crate::message::{CalibrateCommand, MethodName, Running, Step};
 use zerorate::calibration::{ChamberRun, Origin};
 use zerorate::chamber::{
     ChamberAction, ChamberOutcome, ChamberPlan, ChamberProcedure, ChamberRefusal, SHIPPED, StepEnd,
@@ -89,7 +89,7 @@ impl GuidedMethod for ByHand {
         Ok(self.procedure.next() == ChamberAction::Done)
     }
 
-    fn stage(&self, _: Option<[f64; 4]>) -> Stage {
+    fn running(&self, method: MethodName, temps_c: Option<[f64; 4]>) -> Running {
         let elapsed_s = self.procedure.progress().elapsed_s;
         let mut at_s = 0.0;
         let step = |(index, to_c): (usize, f64)| {
@@ -99,12 +99,14 @@ impl GuidedMethod for ByHand {
         };
         let steps: Vec<Step> =
             self.procedure.plan().steps.iter().map(|step| step.to_c).enumerate().map(step).collect();
-        Stage {
+        Running {
+            method,
             steps,
             elapsed_s,
             left_s: (at_s - elapsed_s).max(0.0),
             advice: self.advice(),
             pending_refusals: Vec::new(),
+            temps_c,
             forecast: None,
             can_finish: false,
             is_enough: false,

@@ -1,7 +1,7 @@
 //! The methods without a chamber: the procedure of AN-1042, a warm-up, and a temperature cycle.
 
-use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, Stage, label};
-use crate::message::{CalibrateCommand, Forecast, MethodName, Step};
+use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, label};
+use crate::message::{CalibrateCommand, Forecast, MethodName, Running, Step};
 use zerorate::calibration::Origin;
 use zerorate::health::resonance;
 use zerorate::{
@@ -76,18 +76,20 @@ impl GuidedMethod for Hour {
         self.pending_refusals = refusals;
     }
 
-    fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage {
+    fn running(&self, method: MethodName, temps_c: Option<[f64; 4]>) -> Running {
         let progress = self.procedure.progress();
         let step = |(state, from_s, to_s): (State, f64, f64)| Step { name: state.to_string(), from_s, to_s };
         let reached = self.reached.as_ref().and_then(|reached| reached.as_ref().ok());
         // a cycle has no natural end: the user decides how long it lasts
         let has_settled = |reached: &Reached| reached.settled || self.procedure.plan().method == Method::Cycle;
-        Stage {
+        Running {
+            method,
             steps: self.procedure.plan().steps().map(step).collect(),
             elapsed_s: progress.elapsed_s,
             left_s: (progress.total_s - progress.elapsed_s).max(0.0),
             advice: self.advice(progress.state, temps_c),
             pending_refusals: self.pending_refusals.clone(),
+            temps_c,
             forecast: reached.map(|&Reached { u_pbc_dps, u_btc_dps_per_c, .. }| Forecast {
                 at_s: self.reached_s,
                 u_pbc_dps,

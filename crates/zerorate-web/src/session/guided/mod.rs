@@ -6,9 +6,7 @@ mod hour;
 use super::axis::AxisState;
 use super::calibration_store::entry;
 use super::notices::NoticeText;
-use crate::message::{
-    AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, Forecast, MethodName, Running, Step,
-};
+use crate::message::{AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, MethodName, Running};
 use adis16130_twin::Truth;
 use chamber::ByHand;
 use hour::Hour;
@@ -39,20 +37,9 @@ trait GuidedMethod: std::fmt::Debug + Send {
     /// Does periodic work that takes too long to be done with each reading.
     fn look(&mut self) {}
 
-    fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage;
+    fn running(&self, method: MethodName, temps_c: Option<[f64; 4]>) -> Running;
 
     fn finish(self: Box<Self>, source: &Measurement<'_>, origin: Origin) -> Result<GuidedResult, String>;
-}
-
-struct Stage {
-    steps: Vec<Step>,
-    elapsed_s: f64,
-    left_s: f64,
-    advice: String,
-    pending_refusals: Vec<String>,
-    forecast: Option<Forecast>,
-    can_finish: bool,
-    is_enough: bool,
 }
 
 struct GuidedResult {
@@ -127,7 +114,7 @@ impl GuidedCalibration {
             let [first, _, low, high] = self.temps_c.unwrap_or([now_c; 4]);
             self.temps_c = Some([first, now_c, low.min(now_c), high.max(now_c)]);
         }
-        let elapsed_s = self.procedure.stage(None).elapsed_s;
+        let elapsed_s = self.procedure.running(self.method, None).elapsed_s;
         if elapsed_s >= self.look_s {
             self.look_s = elapsed_s + LOOK_EVERY_S.max(elapsed_s / 100.0);
             self.procedure.look();
@@ -135,20 +122,7 @@ impl GuidedCalibration {
     }
 
     pub fn shown(&self) -> Calibrating {
-        let Stage { steps, elapsed_s, left_s, advice, pending_refusals, forecast, can_finish, is_enough } =
-            self.procedure.stage(self.temps_c);
-        Calibrating::Running(Running {
-            method: self.method,
-            steps,
-            elapsed_s,
-            left_s,
-            advice,
-            pending_refusals,
-            temps_c: self.temps_c,
-            forecast,
-            can_finish,
-            is_enough,
-        })
+        Calibrating::Running(self.procedure.running(self.method, self.temps_c))
     }
 
     pub fn finish(self, source: &Measurement<'_>) -> Result<(CalibrationResult, Calibration), String> {
