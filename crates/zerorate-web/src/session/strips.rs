@@ -100,7 +100,7 @@ impl Strips {
     }
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Level {
     bins: VecDeque<Bin>,
     /// Number of the oldest bin that is kept.
@@ -109,12 +109,6 @@ struct Level {
     given: u64,
     /// The bin that is being filled, with its number.
     open: Option<(u64, Bin)>,
-}
-
-impl Default for Level {
-    fn default() -> Self {
-        Self { bins: VecDeque::with_capacity(KEPT), first: 0, given: 0, open: None }
-    }
 }
 
 impl Level {
