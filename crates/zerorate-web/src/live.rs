@@ -63,19 +63,15 @@ impl Live {
             self.session.state(DeviceState::Reading);
         }
         let take = |row: &Row| self.session.take(row);
-        match self.pace.readings(&mut *source, clock, began_ms + budget_ms, take) {
+        let read = self.pace.readings(&mut *source, clock, began_ms + budget_ms, take);
+        source.notes().into_iter().for_each(|note| self.session.note(note));
+        match read {
             Ok(true) => {
                 self.session.truths(&source.truths());
                 self.source = Some(source);
             }
-            Ok(false) => {
-                source.notes().into_iter().for_each(|note| self.session.note(note));
-                self.session.state(DeviceState::Ended);
-            }
+            Ok(false) => self.session.state(DeviceState::Ended),
             Err(why) => self.session.state(DeviceState::Failed { why }),
-        }
-        if let Some(source) = &mut self.source {
-            source.notes().into_iter().for_each(|note| self.session.note(note));
         }
     }
 
