@@ -140,7 +140,7 @@ impl Page {
         let open: Open = Box::new(|now_ms| Ok(Box::new(Bridge::open(now_ms)) as Box<dyn Source>));
         let live = Live::open(open, 0.0).expect("a bridge that is not there yet");
         let (to_bridge, held) = (VecDeque::new(), Vec::new());
-        Self { live, now_ms: 0.0, until_ms: 10_000.0, to_bridge, to_lose, blocked_ms: 0.0..0.0, held }
+        Self { live, now_ms: 0.0, until_ms: 0.0, to_bridge, to_lose, blocked_ms: 0.0..0.0, held }
     }
 
     /// Reads the part behind the bridge up to a time.
@@ -153,10 +153,6 @@ impl Page {
 
     fn is_blocked(&self) -> bool {
         self.blocked_ms.contains(&self.now_ms)
-    }
-
-    fn samples(&mut self) -> u64 {
-        seen(&mut self.live)["ledger"]["samples"].as_u64().unwrap_or(0)
     }
 }
 
@@ -198,27 +194,21 @@ impl firmware::Port for Page {
 
 #[test]
 fn a_bridge_is_opened_and_read_though_answers_are_lost() {
-    let mut page = Page::new(2);
-    page.until_ms = 2500.0;
-    assert!(firmware::serve(&Twin::new(Spec::from_seed(7)), "test 1.0", &mut page).is_err());
-    let seen = seen(&mut page.live);
+    let seen = Page::new(2).read_until(&Twin::new(Spec::from_seed(7)), 2500.0);
     assert_eq!(seen["device"]["name"], "bridge: test 1.0");
     assert_eq!((&seen["device"]["state"]["is"], &seen["ledger"]["lost"]), (&"reading".into(), &0.into()), "{seen}");
     assert_eq!(seen["device"]["registers"][0]["name"], "IOP", "{seen}");
-    assert!(page.samples() > 5000, "{}", page.samples());
+    assert!(seen["ledger"]["samples"].as_u64() > Some(5000), "{seen}");
 }
 
 #[test]
 fn a_dead_part_and_a_silent_bridge_are_reported() {
-    let mut page = Page::new(0);
     let spec = Spec { fault: Fault::Unplug, fault_at_s: Some(0.5), ..Spec::from_seed(7) };
-    assert!(firmware::serve(&Twin::new(spec), "test 1.0", &mut page).is_err());
-    let state = seen(&mut page.live)["device"]["state"].clone();
+    let state = Page::new(0).read_until(&Twin::new(spec), 10_000.0)["device"]["state"].clone();
     assert!(state["why"].as_str().is_some_and(|why| why.contains("SDO")), "{state}");
 
     let mut page = Page::new(u32::MAX);
-    assert!(firmware::serve(&Twin::new(Spec::from_seed(7)), "test 1.0", &mut page).is_err());
-    let state = seen(&mut page.live)["device"]["state"].clone();
+    let state = page.read_until(&Twin::new(Spec::from_seed(7)), 10_000.0)["device"]["state"].clone();
     assert!(state["why"].as_str().is_some_and(|why| why.contains("does not answer")), "{state}");
     page.live.unplugged("NetworkError");
 }
