@@ -5,6 +5,7 @@ import type { Calibrating, CalibrationEntry, Device, Frame, Notice, Now, SampleC
 export type Part =
   "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
 const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"];
+export const ALL: ReadonlySet<Part> = new Set<Part>(["strips", ...PARTS]);
 
 /** The state that the session has sent so far. Its memory is bounded by the rings and the size of a frame. */
 export class Model {
@@ -46,8 +47,7 @@ export class Model {
     this.calibration = { is: "idle" };
     this.calibrations = [];
     this.rings = [];
-    for (const part of PARTS) this.#changed.add(part);
-    this.#changed.add("strips");
+    this.#changed = new Set(ALL);
   }
 
   #overwrite(frame: Frame): void {

@@ -1,6 +1,6 @@
 import type { App, Page } from "../app";
 import { h } from "../dom";
-import type { Part } from "../model";
+import { ALL, type Part } from "../model";
 import type { Calibrating } from "../protocol";
 import { Choosing } from "./choosing";
 import { Ended } from "./ended";
@@ -17,16 +17,6 @@ export interface Stage {
 }
 
 const STAGES = { idle: Choosing, running: Run, done: Result, refused: Ended, aborted: Ended };
-const ALL: ReadonlySet<Part> = new Set<Part>([
-  "strips",
-  "device",
-  "now",
-  "ledger",
-  "notices",
-  "statistics",
-  "calibration",
-  "calibrations",
-]);
 
 /**
  * The guided calibration: choose, run, result. The view follows the session, so that it is the same in every window
