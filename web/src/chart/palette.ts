@@ -1,16 +1,3 @@
-/** The colours of the charts, taken from the style sheet for the current theme. */
-export interface Palette {
-  muted: string;
-  grid: string;
-  raw: string;
-  corrected: string;
-  temp: string;
-  noise: string;
-  model: string;
-  cursor: string;
-  warn: string;
-}
-
 const NAMES = [
   "muted",
   "grid",
@@ -22,6 +9,9 @@ const NAMES = [
   "cursor",
   "warn",
 ] as const;
+
+/** The colours of the charts, taken from the style sheet for the current theme. */
+export type Palette = Record<(typeof NAMES)[number], string>;
 
 /** Reads the colours; the theme may have changed since the last time. */
 export function palette(): Palette {
