@@ -1,7 +1,5 @@
 // A bridge at a serial port of this window. Bytes go from the bridge to the worker, and from the worker to the bridge.
 
-export class NoPort extends Error {}
-
 /** True if this browser can read serial ports: one based on Chromium, on a computer, over https or localhost. */
 export const canReadPorts = (): boolean => "serial" in navigator;
 
@@ -19,7 +17,7 @@ export interface PortEvents {
 
 /** Asks the user for a port, which the browser allows only in a click. Null if the user chose none. */
 export async function choosePort(): Promise<SerialPort | null> {
-  if (!canReadPorts()) throw new NoPort(NO_SERIAL);
+  if (!canReadPorts()) throw new Error(NO_SERIAL);
   try {
     return await navigator.serial.requestPort();
   } catch (why) {
@@ -50,7 +48,7 @@ export class OpenPort {
       await port.open({ baudRate, bufferSize: 65_536 });
     } catch (why) {
       const reason = why instanceof Error ? why.message : String(why);
-      throw new NoPort(`The port cannot be opened (${reason}). Check that no other program or window uses it.`);
+      throw new Error(`The port cannot be opened (${reason}). Check that no other program or window uses it.`);
     }
     const opened = new OpenPort(port, events);
     void opened.read();
