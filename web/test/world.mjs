@@ -164,8 +164,6 @@ export async function serve(args = [], port = undefined) {
   return {
     url: `http://${listen}/`,
     port: Number(listen.split(":")[1]),
-    child,
-    said: () => said,
     stop: () => {
       child.kill("SIGINT");
       return ended;
