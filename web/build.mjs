@@ -18,8 +18,7 @@ const common = {
   target: ["es2022"],
   legalComments: "none",
 };
-const sources = { main: "src/main.ts", live: "src/worker/live.ts", log: "src/worker/log.ts" };
-const entryPoints = Object.fromEntries(Object.entries(sources).filter(([, source]) => existsSync(source)));
+const entryPoints = { main: "src/main.ts", live: "src/worker/live.ts", log: "src/worker/log.ts" };
 await build({ ...common, entryPoints, splitting: true, chunkNames: "part-[hash]" });
 
 for (const file of existsSync("gen") ? readdirSync("gen") : []) {
@@ -30,15 +29,13 @@ copyFileSync("node_modules/uplot/LICENSE", `${out}/uplot-licence.txt`);
 writeFileSync(`${out}/home.json`, `${JSON.stringify({ home: "static" })}\n`);
 
 // The cache is named by the hash of all files, so that a page is never made of two versions.
-if (existsSync("src/sw.ts")) {
-  const files = readdirSync(out).sort();
-  const sha256 = (file) => createHash("sha256").update(readFileSync(`${out}/${file}`)).digest("hex");
-  const hashes = Object.fromEntries(files.map((file) => [file, sha256(file)]));
-  const later = Object.fromEntries(Object.entries(hashes).filter(([file]) => LATER.test(file)));
-  const define = {
-    FILES: JSON.stringify(["./", ...files.filter((file) => !(file in later))]),
-    LATER: JSON.stringify(later),
-    VERSION: JSON.stringify(createHash("sha256").update(JSON.stringify(hashes)).digest("hex").slice(0, 16)),
-  };
-  await build({ ...common, entryPoints: { sw: "src/sw.ts" }, define });
-}
+const files = readdirSync(out).sort();
+const sha256 = (file) => createHash("sha256").update(readFileSync(`${out}/${file}`)).digest("hex");
+const hashes = Object.fromEntries(files.map((file) => [file, sha256(file)]));
+const later = Object.fromEntries(Object.entries(hashes).filter(([file]) => LATER.test(file)));
+const define = {
+  FILES: JSON.stringify(["./", ...files.filter((file) => !(file in later))]),
+  LATER: JSON.stringify(later),
+  VERSION: JSON.stringify(createHash("sha256").update(JSON.stringify(hashes)).digest("hex").slice(0, 16)),
+};
+await build({ ...common, entryPoints: { sw: "src/sw.ts" }, define });
