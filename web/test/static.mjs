@@ -1,7 +1,8 @@
 // A file server for tests. It serves a folder, and connects WebSockets to a TCP port if one is given.
-import { readFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createServer } from "node:http";
 import { connect } from "node:net";
+import { tmpdir } from "node:os";
 import { after, before } from "node:test";
 import { WebSocketServer } from "ws";
 import { launch, PAGE, stopAll } from "./world.mjs";
@@ -16,16 +17,18 @@ const TYPES = {
   webmanifest: "application/manifest+json",
 };
 
-/** A browser and the static page for all tests of a file. */
+/** A browser, the static page and a folder for all tests of a file. */
 export function staticHome() {
-  const home = { browser: undefined, site: undefined };
+  const home = { browser: undefined, site: undefined, folder: undefined };
   before(async () => {
+    home.folder = mkdtempSync(`${tmpdir()}/zerorate-page-`);
     home.browser = await launch();
     home.site = await serveFolder(PAGE);
   });
   after(async () => {
     await home.browser?.close();
     home.site?.stop();
+    if (home.folder) rmSync(home.folder, { recursive: true });
     stopAll();
   });
   return home;

@@ -1,19 +1,12 @@
 // The charts, compared with the truth of the twin or with the samples of a recording.
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { after, before, test } from "node:test";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
 import { staticHome } from "../static.mjs";
 import { liveBench } from "../suite.mjs";
 import { becomes, PATIENCE, recorded, twinOf, visit, without } from "../world.mjs";
 
 const home = staticHome();
-let folder;
-
-before(() => {
-  folder = mkdtempSync(`${tmpdir()}/zerorate-charts-`);
-});
-after(() => rmSync(folder, { recursive: true }));
 
 /** Value and half width of `a ± b`. */
 function numbers(text) {
@@ -37,7 +30,7 @@ function drawn(page, strip) {
 
 test("a part that is slower than the bins is on the strips", { skip: without.program }, async (t) => {
   // about 220 samples per second in bins of 1 ms: seven of nine bins are empty
-  const path = recorded(`${folder}/slow.arrows`, "seed=7", "--duration", "2m");
+  const path = recorded(`${home.folder}/slow.arrows`, "seed=7", "--duration", "2m");
   const { page } = await visit(t, home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
   await becomes(page, ".device .name", /slow\.arrows/);
@@ -108,7 +101,7 @@ test("the rate over temperature has the slope of the twin", async (t) => {
 });
 
 test("several axes: each has its own rate, by the switch", { skip: without.program }, async (t) => {
-  const path = recorded(`${folder}/axes.csv`, "seed=7,axes=3", "--duration", "20s");
+  const path = recorded(`${home.folder}/axes.csv`, "seed=7,axes=3", "--duration", "20s");
   const lines = readFileSync(path, "utf8").split(/\r?\n/).filter((line) => /^\d/.test(line));
   const rows = lines.map((line) => line.split(",").map(Number));
   const last = rows.filter(([t_ns]) => t_ns > rows.at(-1)[0] - 1e9);

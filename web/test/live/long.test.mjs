@@ -1,8 +1,7 @@
 // Long tests: memory over minutes at high speed, and a log of 20 million samples.
 import assert from "node:assert/strict";
-import { closeSync, mkdtempSync, openSync, rmSync, writeSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { after, before, test } from "node:test";
+import { closeSync, openSync, writeSync } from "node:fs";
+import { test } from "node:test";
 import { giveLog, logIsDone, npyHead } from "../logs.mjs";
 import { staticHome } from "../static.mjs";
 import { liveBench } from "../suite.mjs";
@@ -15,12 +14,6 @@ const RATE_HZ = 1000;
 const SD_DPS = 0.1;
 
 const home = staticHome();
-let folder;
-
-before(() => {
-  folder = mkdtempSync(`${tmpdir()}/zerorate-long-`);
-});
-after(() => rmSync(folder, { recursive: true }));
 
 test("the heap of the page does not grow, however fast the samples come", async (t) => {
   const { page, context } = await visit(t, home.browser, home.site.url);
@@ -65,7 +58,7 @@ function writeNoise(path) {
 }
 
 test("20 million samples: the page stays alive, and finds the noise that they were made of", async (t) => {
-  const path = `${folder}/long.npy`;
+  const path = `${home.folder}/long.npy`;
   writeNoise(path);
   const { page } = await visit(t, home.browser, `${home.site.url}#log`);
   assert.match(await giveLog(page, "long.npy", path), /does not say enough/);

@@ -1,7 +1,5 @@
 // The page of a static site: the session runs in a worker of the browser.
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
 import { test } from "node:test";
 import { giveLog, LOGS } from "../logs.mjs";
 import { serveFolder, staticHome } from "../static.mjs";
@@ -147,8 +145,7 @@ test("a calibration that is dropped, one that is damaged, and a device of other 
 });
 
 test("a recording that is dropped is played", { skip: without.program }, async (t) => {
-  const folder = mkdtempSync(`${tmpdir()}/zerorate-capture-`);
-  const path = recorded(`${folder}/twin.arrows`, "seed=7,bias_dps=1.5", "--duration", "2m");
+  const path = recorded(`${home.folder}/twin.arrows`, "seed=7,bias_dps=1.5", "--duration", "2m");
   const { page } = await visit(t, home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
   await becomes(page, ".device .name", /twin\.arrows/);
@@ -156,7 +153,6 @@ test("a recording that is dropped is played", { skip: without.program }, async (
   await becomes(page, "header .state", /ended/);
   await page.click('nav a[href="#bench"]');
   await becomes(page, ".tile.raw .value", /^1\.\d/);
-  rmSync(folder, { recursive: true });
 });
 
 test("a chamber by hand: a plan that is dropped and refused, and the profile of the facts to its result", async () => {
