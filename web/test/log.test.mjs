@@ -102,12 +102,11 @@ test("a picture opens large, and closes", async () => {
 
 test("a file for a filter", async () => {
   await give("rest.csv", LOGS["rest.csv"].bytes());
-  const { kalibr, openvins } = { kalibr: /gyroscope_noise_density/, openvins: /gyroscope_noise_density|noise/ };
   await page.check("#accept-rejected");
-  for (const [format, pattern] of Object.entries({ kalibr, openvins })) {
+  for (const format of ["kalibr", "openvins"]) {
     await page.selectOption("#format", format);
     await page.click(".noise button.primary");
-    await becomes(page, ".noise pre", pattern);
+    await becomes(page, ".noise pre", /gyroscope_noise_density/);
   }
   await give("short.csv", LOGS["rest.csv"].bytes().subarray(0, 20_000));
   await page.click(".noise button.primary");
@@ -148,17 +147,6 @@ test("captures of this program, whole and cut off", { skip: without.program }, a
     assert.ok(Math.abs(Number(value) / walk - 1) < 0.03, `${name}: ${found}, and not ${walk}`);
     const said = await give(name, bytes.subarray(0, Math.floor(bytes.length / 2)));
     assert.ok(!/RuntimeError|unreachable/.test(said), said);
-  }
-});
-
-test("what is no log, what is empty, and an SQLite bag", async () => {
-  for (const [name, bytes] of [
-    ["noise.bin", Buffer.alloc(5000, 0xa7)],
-    ["empty.csv", Buffer.alloc(0)],
-    ["bag.db3", Buffer.from("SQLite format 3\0".padEnd(4096))],
-  ]) {
-    const said = await give(name, bytes);
-    assert.ok(said.length > 20 && !/done|RuntimeError/.test(said), `${name}: ${said}`);
   }
 });
 
