@@ -64,14 +64,18 @@ def axes(log: Path) -> list[tuple[float, float]]:
     return found
 
 
-def worst(axes: list[tuple[float, float]], which: int) -> tuple[float, float]:
-    gyroscope, accelerometer = ([axis[which] for axis in kind] for kind in (axes[:3], axes[3:]))
-    return max(gyroscope), max(accelerometer)
+KALIBR = ["gyroscope_noise_density", "accelerometer_noise_density"]
+KALIBR += ["gyroscope_random_walk", "accelerometer_random_walk"]
 
 
-def close(value: float) -> Any:
-    """Approximately `value`, because the numbers in the files are rounded."""
-    return pytest.approx(value, rel=2e-6)
+def worst(axes: list[tuple[float, float]]) -> list[float]:
+    """N of the worst gyroscope and accelerometer, then K of the worst ones."""
+    return [max(axis[which] for axis in kind) for which in (0, 1) for kind in (axes[:3], axes[3:])]
+
+
+def close(values: list[float]) -> Any:
+    """Approximately `values`, because the numbers in the files are rounded."""
+    return pytest.approx(values, rel=2e-6)
 
 
 def of_pyyaml(path: Path) -> Any:
@@ -107,46 +111,29 @@ def test_every_parser_reads_the_same(log: Path, name: str) -> None:
 
 def test_kalibr(log: Path, axes: list[tuple[float, float]]) -> None:
     read = of_pyyaml(log / "kalibr.yaml")
-    (gyro_n, accel_n), (gyro_k, accel_k) = worst(axes, 0), worst(axes, 1)
-    assert read["gyroscope_noise_density"] == close(gyro_n) and gyro_n == pytest.approx(math.radians(0.02), rel=0.03)
-    assert read["accelerometer_noise_density"] == close(accel_n) and accel_n == pytest.approx(3e-3, rel=0.03)
-    assert (read["gyroscope_random_walk"], read["accelerometer_random_walk"]) == (close(gyro_k), close(accel_k))
+    assert [read[key] for key in KALIBR] == close(worst(axes))
+    assert worst(axes)[:2] == pytest.approx([math.radians(0.02), 3e-3], rel=0.03)
     assert read["update_rate"] == pytest.approx(RATE_HZ, rel=1e-6) and read["rostopic"] == "/imu0"
 
 
 def test_openvins(log: Path, axes: list[tuple[float, float]]) -> None:
     root = opened(log / "openvins.yaml")
     node = root("imu0")
-    for key, expected in [
-        ("gyroscope_noise_density", worst(axes, 0)[0]),
-        ("accelerometer_noise_density", worst(axes, 0)[1]),
-        ("gyroscope_random_walk", worst(axes, 1)[0]),
-        ("accelerometer_random_walk", worst(axes, 1)[1]),
-    ]:
-        assert node.getNode(key).real() == close(expected), key
+    assert [node.getNode(key).real() for key in KALIBR] == close(worst(axes))
     assert (node.getNode("model").string(), node.getNode("rostopic").string()) == ("kalibr", "/imu0")
     rotation = node.getNode("T_i_b")
     assert [rotation.at(row).at(row).real() for row in range(4)] == [1.0] * 4
 
 
 def test_vins(log: Path, axes: list[tuple[float, float]]) -> None:
-    node, root = opened(log / "vins.yaml"), math.sqrt(RATE_HZ)
-    gyro = [worst(axes, which)[0] * root for which in (0, 1)]
-    accel = [worst(axes, which)[1] * root for which in (0, 1)]
-    assert [node(key).real() for key in ("gyr_n", "gyr_w")] == [close(value) for value in gyro]
-    assert [node(key).real() for key in ("acc_n", "acc_w")] == [close(value) for value in accel]
+    node, keys = opened(log / "vins.yaml"), ("gyr_n", "acc_n", "gyr_w", "acc_w")
+    assert [node(key).real() for key in keys] == close([value * math.sqrt(RATE_HZ) for value in worst(axes)])
     assert node("g_norm").real() == 9.80665
 
 
 def test_orbslam3(log: Path, axes: list[tuple[float, float]]) -> None:
-    node = opened(log / "orbslam3.yaml")
-    for key, expected in [
-        ("IMU.NoiseGyro", worst(axes, 0)[0]),
-        ("IMU.NoiseAcc", worst(axes, 0)[1]),
-        ("IMU.GyroWalk", worst(axes, 1)[0]),
-        ("IMU.AccWalk", worst(axes, 1)[1]),
-    ]:
-        assert node(key).real() == close(expected), key
+    node, keys = opened(log / "orbslam3.yaml"), ("IMU.NoiseGyro", "IMU.NoiseAcc", "IMU.GyroWalk", "IMU.AccWalk")
+    assert [node(key).real() for key in keys] == close(worst(axes))
     # ORB-SLAM3 reads the rate with or without a decimal point
     assert node("IMU.Frequency").real() == pytest.approx(RATE_HZ, rel=1e-6)
 
@@ -154,8 +141,8 @@ def test_orbslam3(log: Path, axes: list[tuple[float, float]]) -> None:
 def test_kf_gins(log: Path, axes: list[tuple[float, float]]) -> None:
     noise = of_yaml_12(log / "kf-gins.yaml")["imunoise"]
     # rad/√s to °/√h, m/s/√s to m/s/√h
-    assert noise["arw"] == [close(math.degrees(n) * 60) for n, _ in axes[:3]]
-    assert noise["vrw"] == [close(n * 60) for n, _ in axes[3:]]
+    assert noise["arw"] == close([math.degrees(n) * 60 for n, _ in axes[:3]])
+    assert noise["vrw"] == close([n * 60 for n, _ in axes[3:]])
     for key in ("gbstd", "abstd", "gsstd", "asstd"):
         assert len(noise[key]) == 3 and all(value > 0 for value in noise[key]), key
     assert 0 < noise["corrtime"] < 15_000 / RATE_HZ / 3600
