@@ -185,8 +185,6 @@ def test_missing_samples_are_gaps() -> None:
         ("glitches='drop'", [1.0, 2.0], {"glitches": "drop"}),
         ("steps='cut'", [1.0, 2.0], {"steps": "cut"}),
         ("one column", [[1.0, 2.0]], {}),
-        ("not real numbers", ["a", "b"], {}),
-        ("not real numbers", [1j, 2j], {}),
     ],
 )
 def test_each_error_is_named(match: str, values: Any, options: dict[str, Any]) -> None:

@@ -68,6 +68,7 @@ def test_an_array_of_columns_has_a_result_for_each() -> None:
         ("infinite at sample 1", np.array([0.0, np.inf, 1.0]), {}),
         ("not real numbers", np.array([True, False]), {}),
         ("not real numbers", np.array(["2026-01-01"], dtype="datetime64[s]"), {}),
+        ("not real numbers", [1j, 2j], {}),
         ("not real numbers", np.array([1, "x"], dtype=object), {}),
         ("infinite at sample 0", np.array([[np.inf], [1.0]]), {}),
     ],
