@@ -6,7 +6,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import sysconfig
 import time
 from pathlib import Path
@@ -59,16 +58,3 @@ def test_ctrl_c_ends_a_command() -> None:
     _, stderr = running.communicate(timeout=10)
     assert running.returncode == 1
     assert b"interrupted after" in stderr
-
-
-@pytest.mark.skipif(os.name == "nt", reason="signals")
-def test_ctrl_c_ends_a_calibration_in_python() -> None:
-    program = "import zerorate; print('ready', flush=True); zerorate.calibrate(zerorate.Twin(), settle='24h')"
-    running = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert running.stdout is not None
-    assert running.stdout.readline() == b"ready\n"
-    time.sleep(0.5)
-    running.send_signal(signal.SIGINT)
-    _, stderr = running.communicate(timeout=10)
-    assert running.returncode != 0
-    assert b"KeyboardInterrupt" in stderr
