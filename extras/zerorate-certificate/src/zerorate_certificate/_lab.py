@@ -125,12 +125,13 @@ class Lab:
 
 def _lab(root: Table) -> Lab:
     dates, place, replaces = root.table("dates"), root.choice("place", list(PLACES)), root.table_or_none("replaces")
+    item = root.table("item")
     lab = Lab(
         number=root.text("number", limit=MAX_NUMBER),
         laboratory=_contact(root.table("laboratory")),
         customer=_contact(root.table("customer")),
         persons=_persons(root),
-        item=_item(root.table("item")),
+        item=Item(item.text("manufacturer"), item.text("condition"), item.text_or_none("serial")),
         place=place,
         place_address=_place_address(root, place),
         issued=dates.day("issued"),
@@ -138,11 +139,10 @@ def _lab(root: Table) -> Lab:
         deviations=root.text("deviations"),
         remarks=root.text_or_none("remarks"),
         customer_data=root.text_or_none("customer_data"),
-        equipment=[_equipment(row) for row in root.tables("equipment")],
+        equipment=[Equipment(row.text("name"), row.text("id")) for row in root.tables("equipment")],
         conditions=[_condition(row) for row in root.tables("conditions")],
-        replaces=None if replaces is None else _replaced(replaces),
+        replaces=None if replaces is None else Replaced(replaces.text("number"), replaces.text("reason")),
     )
-    dates.finish()
     root.finish()
     return lab
 
@@ -156,7 +156,7 @@ def _place_address(root: Table, place: str) -> str | None:
 
 
 def _contact(table: Table) -> Contact:
-    contact = Contact(
+    return Contact(
         name=table.text("name", limit=MAX_NAME),
         street=table.text("street"),
         postcode=table.text("postcode"),
@@ -165,41 +165,16 @@ def _contact(table: Table) -> Contact:
         email=table.text_or_none("email"),
         phone=table.text_or_none("phone"),
     )
-    table.finish()
-    return contact
 
 
 def _persons(root: Table) -> list[Person]:
     rows = root.tables("persons")
     if not rows:
         root.missing("persons")
-    persons = []
-    for row in rows:
-        persons.append(Person(row.text("name"), row.text("role")))
-        row.finish()
-    return persons
-
-
-def _item(table: Table) -> Item:
-    item = Item(table.text("manufacturer"), table.text("condition"), table.text_or_none("serial"))
-    table.finish()
-    return item
-
-
-def _equipment(row: Table) -> Equipment:
-    equipment = Equipment(row.text("name"), row.text("id"))
-    row.finish()
-    return equipment
+    return [Person(row.text("name"), row.text("role")) for row in rows]
 
 
 def _condition(row: Table) -> Quantity:
     name, value = row.text("name"), row.number("value")
     unit = row.choice("unit", list(CONDITION_UNITS))
-    row.finish()
     return Quantity(name, value, CONDITION_UNITS.get(unit, CONDITION_UNITS["1"]))
-
-
-def _replaced(table: Table) -> Replaced:
-    replaced = Replaced(table.text("number"), table.text("reason"))
-    table.finish()
-    return replaced

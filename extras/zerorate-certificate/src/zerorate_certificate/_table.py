@@ -37,6 +37,7 @@ class Table:
         self._path = path
         self._problems = problems
         self._asked: list[str] = []
+        self._inner: list[Table] = []
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Table:
@@ -100,7 +101,7 @@ class Table:
         value = self._content.get(key, {})
         if not isinstance(value, dict):
             self._wrong(key, f"must be a table: [{key}]")
-        return Table(value if isinstance(value, dict) else {}, self._name(key) + ".", self._problems)
+        return self._open(value if isinstance(value, dict) else {}, f"{self._name(key)}.")
 
     def table_or_none(self, key: str) -> Table | None:
         return self.table(key) if self._offered(key) else None
@@ -113,13 +114,15 @@ class Table:
             self._wrong(key, f"must be a list of tables: [[{key}]]")
             return []
         names = [f"{self._name(key)}[{number}]." for number in range(1, len(value) + 1)]
-        return [Table(row, name, self._problems) for row, name in zip(value, names)]
+        return [self._open(row, name) for row, name in zip(value, names)]
 
     def missing(self, key: str) -> None:
         self._problems["missing"].append(self._name(key))
 
     def finish(self) -> None:
-        """Notes the keys that were never asked for, which are unknown."""
+        """Notes the keys of this table and of its tables that were never asked for, which are unknown."""
+        for table in self._inner:
+            table.finish()
         for key in self._content:
             if key not in self._asked:
                 near = difflib.get_close_matches(key, self._asked, n=1)
@@ -132,6 +135,10 @@ class Table:
         if lists:
             texts = [f"{kind}: {', '.join(found)}" if kind else "; ".join(found) for kind, found in lists]
             raise Problems("; ".join(texts))
+
+    def _open(self, content: dict[str, Any], path: str) -> Table:
+        self._inner.append(Table(content, path, self._problems))
+        return self._inner[-1]
 
     def _offered(self, key: str) -> bool:
         self._asked.append(key)
