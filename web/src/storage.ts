@@ -42,7 +42,7 @@ export const storage = {
   },
 
   /** The device to open if no other is: the twin with its last keys. */
-  opening(): Opening {
+  opening(): Opening & { is: "twin" } {
     return { is: "twin", keys: read(TWIN, DEFAULT_KEYS) };
   },
 

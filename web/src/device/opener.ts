@@ -30,8 +30,7 @@ export class Opener {
     readonly app: App,
     readonly inside: Inside,
   ) {
-    const opening = storage.opening();
-    this.#keys.value = opening.is === "twin" ? opening.keys : "";
+    this.#keys.value = storage.opening().keys;
     this.element = h(
       "section",
       { class: "card", "aria-label": "Choose a device" },
