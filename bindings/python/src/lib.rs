@@ -26,29 +26,20 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _zerorate {
     #[pymodule_export]
-    use super::allan::{Model, analyse, deviations, statistics};
-    #[pymodule_export]
-    use super::calibrate::calibrate;
-    #[pymodule_export]
-    use super::calibration::Calibration;
-    #[pymodule_export]
-    use super::capture::{rate_dps, read_capture, temp_c};
-    #[pymodule_export]
-    use super::correction::{Corrector, correct};
-    #[pymodule_export]
-    use super::imu::{column_unit, imu_file, is_time, motion, save_text, unit_kind};
-    #[pymodule_export]
-    use super::log::{read_columns, read_imu, read_temperature, temperatures};
-    #[pymodule_export]
-    use super::main;
-    #[pymodule_export]
-    use super::recording::capture;
-    #[pymodule_export]
-    use super::stream::Stream;
-    #[pymodule_export]
-    use super::tempcal::tempcal;
-    #[pymodule_export]
-    use super::twin::{twin_device, twin_keys};
+    use super::{
+        allan::{Model, analyse, deviations, statistics},
+        calibrate::calibrate,
+        calibration::Calibration,
+        capture::{rate_dps, read_capture, temp_c},
+        correction::{Corrector, correct},
+        imu::{column_unit, imu_file, is_time, motion, save_text, unit_kind},
+        log::{read_columns, read_imu, read_temperature, temperatures},
+        main,
+        recording::capture,
+        stream::Stream,
+        tempcal::tempcal,
+        twin::{twin_device, twin_keys},
+    };
 }
 
 /// Runs the command line ``args``, program name first. Returns the exit code: 0 done, 1 failed, 2 usage, 3 refused.
