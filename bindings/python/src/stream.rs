@@ -3,7 +3,7 @@
 use crate::calibration::Calibration;
 use crate::device::{Device, DeviceOptions, Duration, text};
 use crate::worker::{OF_CALLER, Worker, warn};
-use anyhow::bail;
+use anyhow::anyhow;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::path::Path;
@@ -31,10 +31,7 @@ struct RowSender(SyncSender<Item>);
 
 impl Listener for RowSender {
     fn row(&mut self, row: &StreamRow) -> anyhow::Result<()> {
-        match self.0.send(Item::Row(row.clone())) {
-            Ok(()) => Ok(()),
-            Err(_) => bail!("the stream is closed"),
-        }
+        self.0.send(Item::Row(row.clone())).map_err(|_| anyhow!("the stream is closed"))
     }
 
     fn end(&mut self) -> anyhow::Result<()> {
