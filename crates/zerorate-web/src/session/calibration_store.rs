@@ -129,12 +129,8 @@ impl CalibrationStore {
         Ok(match form {
             "toml" => file("toml", "application/toml", calibration.to_toml()),
             "report" => {
-                let name = format!("{stem}.toml");
-                file(
-                    "html",
-                    "text/html",
-                    report::calibration_page(&[(calibration.clone(), name)], None).map_err(failed)?,
-                )
+                let page = report::calibration_page(&[(calibration.clone(), format!("{stem}.toml"))], None);
+                file("html", "text/html", page.map_err(failed)?)
             }
             name => {
                 let form = ExportForm::named(name).filter(|form| !form.is_autopilot());
