@@ -112,14 +112,11 @@ class NotEnoughMemory(Exception):
 
 
 class Replaced(Exception):
-    """The file changed between the listing and the analysis. The argument is the file as it is now."""
+    """The file changed between the listing and the analysis. `file` is the file as it is now."""
 
-    @property
-    def file(self) -> _store.File:
-        """The file as it is now."""
-        found = self.args[0]
-        assert isinstance(found, _store.File)
-        return found
+    def __init__(self, file: _store.File) -> None:
+        super().__init__(file)
+        self.file = file
 
 
 def put(task: Task, row: dict[str, Any]) -> None:
