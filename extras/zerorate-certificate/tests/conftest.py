@@ -64,9 +64,8 @@ def simulated(made: dict[str, Made]) -> Path:
 @pytest.fixture(scope="session")
 def measured(made: dict[str, Made], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The calibration by AN-1042, edited as if a real part had been measured around midnight."""
-    path = tmp_path_factory.mktemp("measured") / "unit.toml"
-    path.write_text(as_measured(made["an1042"].path.read_text(encoding="utf-8")), encoding="utf-8")
-    return path
+    text = as_measured(made["an1042"].path.read_text(encoding="utf-8"))
+    return write(tmp_path_factory.mktemp("measured") / "unit.toml", text)
 
 
 @pytest.fixture(scope="session")
@@ -78,7 +77,7 @@ def example_lab() -> str:
 @pytest.fixture(scope="session")
 def lab_file(example_lab: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The file of the example laboratory, with every optional key."""
-    return _write(tmp_path_factory.mktemp("lab") / "lab.toml", full(example_lab))
+    return write(tmp_path_factory.mktemp("lab") / "lab.toml", full(example_lab))
 
 
 @pytest.fixture(scope="session")
@@ -91,7 +90,7 @@ def full(example: str) -> str:
     return re.sub(r"^# (?=\[|\w+ = )", "", example, flags=re.MULTILINE)
 
 
-def _write(path: Path, text: str) -> Path:
+def write(path: Path, text: str) -> Path:
     path.write_text(text, encoding="utf-8")
     return path
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from conftest import Made
+from conftest import Made, write
 from sealing import as_measured, sealed
 
 from zerorate_certificate import Lab, certificate_html
@@ -108,21 +108,18 @@ def test_a_calibration_that_says_too_little_is_refused(
 ) -> None:
     text, changes = re.subn(old, new, measured.read_text(encoding="utf-8"))
     assert changes == 1
-    path = tmp_path / "unit.toml"
-    path.write_text(sealed(text), encoding="utf-8")
+    path = write(tmp_path / "unit.toml", sealed(text))
     with pytest.raises(ValueError, match=why):
         certificate_html(path, lab)
 
 
 def test_a_twin_is_simulated_whatever_the_time_says(simulated: Path, lab: Lab, tmp_path: Path) -> None:
     text = simulated.read_text(encoding="utf-8").replace('"SIMULATED"', '"2026-02-27T12:00:00Z"')
-    path = tmp_path / "unit.toml"
-    path.write_text(sealed(text), encoding="utf-8")
+    path = write(tmp_path / "unit.toml", sealed(text))
     assert "SIMULATED: the software twin" in certificate_html(path, lab)
 
 
 def test_an_assumed_straight_line_is_said(simulated: Path, lab: Lab, tmp_path: Path) -> None:
     text = simulated.read_text(encoding="utf-8").replace("assume_linear = false", "assume_linear = true")
-    path = tmp_path / "unit.toml"
-    path.write_text(as_measured(text), encoding="utf-8")
+    path = write(tmp_path / "unit.toml", as_measured(text))
     assert "Curvature is not part of the uncertainty" in certificate_html(path, lab)
