@@ -77,29 +77,23 @@ pub enum Command {
 /// A guided calibration: its method, and settings that differ from the defaults.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "types", derive(TS))]
+#[cfg_attr(feature = "types", ts(optional_fields))]
 pub struct CalibrateCommand {
     /// The procedure to run.
     pub method: MethodName,
     /// Duration of steps 4 and 6 of AN-1042, s.
-    #[cfg_attr(feature = "types", ts(optional))]
     pub average_s: Option<f64>,
     /// Duration of step 5, the warm-up, s.
-    #[cfg_attr(feature = "types", ts(optional))]
     pub warmup_s: Option<f64>,
     /// Duration of step 7, the settling, s.
-    #[cfg_attr(feature = "types", ts(optional))]
     pub settle_s: Option<f64>,
     /// Duration of step 8, the average that gives PBC, s.
-    #[cfg_attr(feature = "types", ts(optional))]
     pub offset_s: Option<f64>,
     /// Latitude of the place if the part's axis is vertical, °, north positive.
-    #[cfg_attr(feature = "types", ts(optional))]
     pub latitude_deg: Option<f64>,
     /// Serial number of the part.
-    #[cfg_attr(feature = "types", ts(optional))]
     pub serial: Option<String>,
     /// For the method `chamber`: the name of a shipped plan, or the text of a plan (docs/formats/plan.md).
-    #[cfg_attr(feature = "types", ts(optional))]
     pub plan: Option<String>,
 }
 
@@ -165,6 +159,7 @@ pub struct Download {
 /// The changes since the last frame, or everything in a snapshot. An absent field did not change.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
+#[cfg_attr(feature = "types", ts(optional_fields))]
 pub struct Frame {
     /// The number of the frame. It increases with each frame of changes; a snapshot repeats the last number.
     pub seq: u32,
@@ -174,31 +169,24 @@ pub struct Frame {
     pub strips: Vec<Strip>,
     /// The device that is being read.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "types", ts(optional))]
     pub device: Option<Device>,
     /// The newest values.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "types", ts(optional))]
     pub now: Option<Now>,
     /// The counts of samples that arrived, were lost or have a fault.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "types", ts(optional))]
     pub ledger: Option<SampleCounts>,
     /// The notices, the newest last, at most 100.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "types", ts(optional))]
     pub notices: Option<Vec<Notice>>,
     /// The statistics of each axis.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "types", ts(optional))]
     pub statistics: Option<Vec<Statistics>>,
     /// The state of the guided calibration.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "types", ts(optional))]
     pub calibration: Option<Calibrating>,
     /// The stored calibrations, the newest last.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "types", ts(optional))]
     pub calibrations: Option<Vec<CalibrationEntry>>,
 }
 
