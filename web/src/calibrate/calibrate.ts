@@ -11,9 +11,9 @@ import { Run } from "./run";
 export interface Stage {
   readonly element: HTMLElement;
   update(calibration: Calibrating, changed: ReadonlySet<Part>): void;
-  restyle(): void;
+  restyle?(): void;
   /** Releases the view; it is not shown again. */
-  leave(): void;
+  leave?(): void;
 }
 
 const STAGES = { idle: Choosing, running: Run, done: Result, refused: Ended, aborted: Ended };
@@ -37,12 +37,12 @@ export class Calibrate implements Page {
   }
 
   restyle(): void {
-    this.#stage?.restyle();
+    this.#stage?.restyle?.();
   }
 
   #enter(is: Calibrating["is"]): void {
     this.#is = is;
-    this.#stage?.leave();
+    this.#stage?.leave?.();
     this.#stage = new STAGES[is](this.app);
     this.element.replaceChildren(this.#stage.element);
     scrollTo(0, 0);

@@ -60,10 +60,6 @@ export class Choosing implements Stage {
     say(this.#ready, reading ? "" : "It can start as soon as samples arrive.");
   }
 
-  restyle(): void {}
-
-  leave(): void {}
-
   #choose(method: Method): void {
     this.#method = method;
     const before = [...method.before, meanwhile(this.app.inside !== undefined)];

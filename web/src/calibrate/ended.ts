@@ -33,8 +33,4 @@ export class Ended implements Stage {
     say(this.#title, `${titleOf(calibration.method)}: ${calibration.is}`);
     say(this.#text, calibration.text);
   }
-
-  restyle(): void {}
-
-  leave(): void {}
 }
