@@ -3,9 +3,6 @@ import { storage } from "./storage";
 export type Theme = "auto" | "light" | "dark";
 export type Unit = "dps" | "dph";
 
-/** Seconds per hour: 1 °/s is 3600 °/h. */
-const PER_HOUR = 3600;
-
 /** Theme and unit of the page. Views listen for changes. */
 class Settings {
   theme: Theme = storage.choice("theme", ["auto", "light", "dark"], "auto");
@@ -30,7 +27,7 @@ class Settings {
 
   /** The factor from °/s to the chosen unit. */
   get scale(): number {
-    return this.unit === "dps" ? 1 : PER_HOUR;
+    return this.unit === "dps" ? 1 : 3600;
   }
 
   get unitText(): string {

@@ -1,6 +1,5 @@
 import { Asking, type Command, type Link, type LinkState } from "./link";
-import type { Home } from "../home";
-import { home } from "../home";
+import { type Home, home } from "../home";
 
 /** First and longest waiting time before the page connects again, s. */
 const FIRST_S = 0.25;

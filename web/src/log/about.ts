@@ -39,10 +39,8 @@ export function warnings(texts: string[]): HTMLElement {
 }
 
 function size(bytes: number): string {
-  if (bytes < 1e3) return `${bytes} bytes`;
-  return bytes < 1e6
-    ? `${significant(bytes / 1e3, 3)} KB`
-    : bytes < 1e9
-      ? `${significant(bytes / 1e6, 3)} MB`
-      : `${significant(bytes / 1e9, 3)} GB`;
+  for (const [unit, name] of [[1e9, "GB"], [1e6, "MB"], [1e3, "KB"]] as const) {
+    if (bytes >= unit) return `${significant(bytes / unit, 3)} ${name}`;
+  }
+  return `${bytes} bytes`;
 }
