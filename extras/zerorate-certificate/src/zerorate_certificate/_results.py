@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from zerorate import CalibratedAxis, Correction, NoiseRecord, Uncertainties, Validity
+from zerorate import CalibratedAxis, Correction, NoiseRecord, Validity
 
 from ._quantity import (
     CELSIUS,
@@ -59,21 +59,17 @@ def axis_result(axis: CalibratedAxis, validity: Validity, *, alone: bool) -> Axi
     # a curve averaged over several orders states an uncertainty even for a term that is zero
     known = [k for k in range(4) if k == 0 or values[k] or covariance[k, k]]
     count = known[-1] + 1
-    name = None if alone else axis.name
+    temps_c = np.linspace(validity.temp_min_c, validity.temp_max_c, POINTS)
     return AxisResult(
-        name=name,
+        name=None if alone else axis.name,
         coefficients=[_coefficient(k, float(values[k]), covariance[k, k], axis.name) for k in range(count)],
         t3=Quantity("T3", axis.correction.t3_c, CELSIUS, decimals=2),
         covariances=[
             _covariance_of(i, j, float(covariance[i, j])) for i in range(count) for j in range(i + 1, count)
         ],
-        curve=[_point(float(t), axis.correction, covariance) for t in _temperatures(validity)],
+        curve=[_point(float(temp_c), axis.correction, covariance) for temp_c in temps_c],
         noise=_measured_noise(axis.noise),
     )
-
-
-def _temperatures(validity: Validity) -> NDArray[np.float64]:
-    return np.linspace(validity.temp_min_c, validity.temp_max_c, POINTS)
 
 
 def _coefficient(k: int, value: float, variance: float, axis: str) -> Quantity:
@@ -98,11 +94,7 @@ def _covariance(axis: CalibratedAxis) -> NDArray[np.float64]:
         return np.array(axis.curve.covariance)
     if axis.uncertainty is None:
         raise ValueError(f"axis {axis.name}: no uncertainty is stated. A certificate needs one")
-    return _covariance_of_line(axis.uncertainty)
-
-
-def _covariance_of_line(u: Uncertainties) -> NDArray[np.float64]:
-    covariance = np.zeros((4, 4))
+    u, covariance = axis.uncertainty, np.zeros((4, 4))
     covariance[0, 0], covariance[1, 1] = u.u_pbc_dps**2, u.u_btc_dps_per_c**2
     covariance[0, 1] = covariance[1, 0] = u.cov_pbc_btc_dps2_per_c
     return covariance
