@@ -15,10 +15,9 @@ use zerorate_imu::{Axes, ImuOptions, KindOptions};
 use zerorate_jobs::code_scales::{CodeOptions, CodeScales, concerns};
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::{catalogue, temperature};
-use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, Cut, CutTime, Decimal, LogWarning, Names, Quantity, Series, Setting,
-    TimeUnit, Unit,
+    TEMPERATURE_NAMES, TimeUnit, Unit,
 };
 
 /// A log or a table in memory, as Python gives it.
@@ -73,9 +72,8 @@ type AxesOfLog<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
 pub fn argument(setting: Setting) -> SettingName {
     let name = SettingName { suffix: "=", ..SettingName::text(setting.word()) };
     match setting {
-        Setting::Rate | Setting::Horizon => {
-            SettingName { suffix: if setting == Setting::Rate { "_hz=" } else { "_s=" }, ..name }
-        }
+        Setting::Rate => SettingName { suffix: "_hz=", ..name },
+        Setting::Horizon => SettingName { suffix: "_s=", ..name },
         Setting::ForceUnit => SettingName { prefix: "give ", suffix: "=True", ..name },
         Setting::Detrend => SettingName { suffix: "=1", ..name },
         Setting::AsFitted | Setting::Increments => SettingName { suffix: "=True", ..name },
