@@ -197,7 +197,8 @@ def _analysis(row: dict[str, Any], command: str, options: Options, path: str, ta
     row["samples"] = row.get("samples") or axes[0].get("samples")
     row["warnings"] = [*row["warnings"], *found.get("warnings", [])]
     if len(axes) > 1:
-        row["axes"] = _merged(row["axes"], [_of_axis(axis) for axis in axes])
+        measured = [{**_only(axis, ["name", "kind", "unit"]), **_noise(axis)} for axis in axes]
+        row["axes"] = _merged(row["axes"], measured)
     else:
         row.update(_noise(axes[0]))
     for axis in several:
@@ -210,10 +211,6 @@ def _all_axes(row: dict[str, Any], options: Sequence[str]) -> list[str]:
     """The option that selects all axes of a capture. For a log, the recipe says which columns are axes."""
     chooses = any(option.split("=")[0] == "--column" for option in options)
     return [] if chooses or row.get("part") is None else ["--column", "all"]
-
-
-def _of_axis(axis: dict[str, Any]) -> dict[str, Any]:
-    return {**_only(axis, ["name", "kind", "unit"]), **_noise(axis)}
 
 
 def _merged(calibrated: list[dict[str, Any]], measured: list[dict[str, Any]]) -> list[dict[str, Any]]:
