@@ -3,7 +3,6 @@ import type { Command, Link } from "./link/link";
 import type { Model, Part } from "./model";
 import type { Reply } from "./protocol";
 
-/** The services that every page uses. */
 export interface App {
   model: Model;
   link: Link;

@@ -1,6 +1,5 @@
 import type { Frame } from "./protocol";
 
-/** A frame with its parsed header and the numbers behind it. */
 export interface Framed {
   frame: Frame;
   payload: Float32Array;

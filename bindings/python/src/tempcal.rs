@@ -71,7 +71,6 @@ fn calibration(found: &Tempcal, serial: Option<String>, logs: &[UnitLog]) -> (Op
     made(calibration.map_err(|error| joined(&format!("{error:#}"))))
 }
 
-/// Splits a result into its value and its error text. One of them is None.
 fn made<T>(result: Result<T, String>) -> (Option<T>, Option<String>) {
     match result {
         Ok(made) => (Some(made), None),

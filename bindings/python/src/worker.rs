@@ -33,7 +33,6 @@ impl<E: Send + 'static, T: Send + 'static> Worker<E, T> {
         Self { events: Some(events), thread: Some(thread), stop }
     }
 
-    /// The stop request, by which the work ends early.
     pub fn stop(&self) -> &Stop {
         &self.stop
     }

@@ -15,7 +15,6 @@ const WORDS_MS = 5000;
 /** Shortest time between two changes of the numbers, so that they can be read, ms. */
 const NUMBERS_MS = 200;
 
-/** The end of the first sentence of the page. */
 const SEEN = "live: its rate of rotation, its temperature, and the noise that limits it.";
 
 /** Shows what the sensor measures now, and the statistics so far. */

@@ -9,7 +9,6 @@ const SYMBOLS = [
   ["K", "rate random walk"],
 ] as const;
 
-/** The noise coefficients, and when the unknown ones will be identified. */
 export class Coefficients {
   readonly element: HTMLElement;
   readonly #rows = SYMBOLS.map(([symbol, name]) => ({

@@ -1,7 +1,6 @@
 import { h } from "../dom";
 import type { SpectrumMark } from "../protocol";
 
-/** The marks of the spectrum in words. */
 export class Marks {
   readonly element = h("ul", { class: "marks" });
   #shown = "";

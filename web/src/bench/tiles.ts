@@ -41,7 +41,6 @@ const VERDICTS: Record<RestVerdict, [string, string]> = {
   unjudged: ["not judged", "none"],
 };
 
-/** The newest numbers of an axis, and the count of samples. */
 export class Tiles {
   readonly element: HTMLElement;
   readonly #rate = new Tile("raw", "Rate, raw");

@@ -129,7 +129,7 @@ export function axis(colours: Palette, label: string, more: uPlot.Axis = {}): uP
   };
 }
 
-/** A band between the first two columns, filled in this colour, and lines of the columns after them. */
+/** A band between the first two columns of values, filled in this colour, and lines of the columns after them. */
 export function banded(fill: string, ...lines: uPlot.Series[]): Pick<Drawing, "series" | "bands"> {
   const edge = (): uPlot.Series => ({ stroke: "transparent", points: { show: false } });
   return { series: [{}, edge(), edge(), ...lines], bands: [{ series: [1, 2], fill }] };

@@ -10,7 +10,6 @@ import { wiring } from "./wiring";
 
 const STATES = { opening: "The device is being opened.", reading: "Samples arrive.", ended: "The recording ended." };
 
-/** The device: its connection, registers and rates, and the calibrations on file. */
 export class DevicePage implements Page {
   readonly element: HTMLElement;
   readonly #name = h("p", { class: "name" });

@@ -11,7 +11,6 @@ const FORMATS: readonly (readonly [string, string])[] = [
   ["ros", "ROS (covariances)"],
 ];
 
-/** The file with the noise parameters for a filter. */
 export class NoiseFile {
   readonly element: HTMLElement;
   readonly #why = h("p", { class: "doubt" });

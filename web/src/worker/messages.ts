@@ -4,12 +4,10 @@
 export type Opening =
   /** The twin; `keys` is the text after `twin:`. */
   | { is: "twin"; keys: string }
-  /** A recording. */
   | { is: "capture"; file: File }
   /** A bridge at the serial port of the window that sends this. */
   | { is: "serial" };
 
-/** Messages from a window. */
 export type ToLive =
   | { do: "hello"; calibrations: string[]; applied: string | null; open: Opening }
   | { do: "ask"; text: string }
@@ -18,7 +16,6 @@ export type ToLive =
   | { do: "serial-gone"; why: string }
   | { do: "bye" };
 
-/** Messages to a window. */
 export type FromLive =
   | { is: "frame"; bytes: ArrayBuffer }
   | { is: "answer"; text: string }

@@ -41,7 +41,6 @@ pub trait ReadingObserver {
     /// Receives a reading of an axis; `None` if it was lost or invalid.
     fn reading(&mut self, axis: usize, code: Option<i32>);
 
-    /// Receives a finished block of an axis.
     fn block(&mut self, axis: usize, block: &Block, at_rest: bool);
 }
 
@@ -105,7 +104,6 @@ impl LiveView {
         ends_blocks
     }
 
-    /// The row as a [`Scan`]: the readings of all axes at one time.
     pub fn scan(&self, row: &Row) -> Scan {
         self.layout.scan(row)
     }

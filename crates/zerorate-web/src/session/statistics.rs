@@ -10,7 +10,7 @@ use zerorate_allan::{self as allan, FitOptions, Input, Options, Stream, interval
 
 /// Number of readings in the spectrum: the last 23 s at the full rate of an ADIS16130.
 const SPECTRUM: usize = 1 << 17;
-/// Number of octaves of averaging times that are computed from single readings. The page gets those below a block.
+/// Number of octaves of averaging times that are computed from single readings. The page gets those below 0.7 blocks.
 const OCTAVES: usize = 16;
 /// Number of block means at which adjacent means are merged in pairs.
 const MOST_MEANS: usize = 1 << 19;
