@@ -4,7 +4,6 @@ use crate::status::{Status, ZERORATE_E_NULL, ZERORATE_E_STATE};
 
 /// An object whose memory the caller owns and whose contents are private to this library.
 pub trait Object: Sized {
-    /// The Rust value that the object's memory holds.
     type State;
     /// The number at the front of the memory, which shows that it was set up as this kind of object.
     const MARK: u32;

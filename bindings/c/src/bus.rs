@@ -55,7 +55,6 @@ impl digital::Error for CallbackError {
 /// Length of the longest write that is not a transfer in place, bytes: the reset of F-23.
 const LONGEST_WRITE: usize = 5;
 
-/// The SPI device of the part. It calls `transfer`.
 pub struct Port(pub Bus);
 
 impl Port {
@@ -90,7 +89,6 @@ impl SpiDevice for Port {
     }
 }
 
-/// The input pin RDY. It calls `rdy`.
 pub struct Line(pub Bus);
 
 impl digital::ErrorType for Line {
@@ -137,7 +135,6 @@ impl OutputPin for SelfTestPin {
     }
 }
 
-/// The delay of the bus. It calls `delay_us`.
 pub struct Delay(pub Bus);
 
 impl DelayNs for Delay {

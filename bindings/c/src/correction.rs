@@ -22,13 +22,11 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// Converts the correction to the type of the crate `zerorate`.
     pub fn to_core(self) -> zerorate::Correction {
         let Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = self;
         zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
     }
 
-    /// Converts a correction of the crate `zerorate` to the type of the C interface.
     pub fn from_core(of: zerorate::Correction) -> Self {
         let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = of;
         Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }

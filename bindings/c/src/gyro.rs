@@ -20,12 +20,9 @@ pub struct Gyro {
     pub opaque: [u64; 48],
 }
 
-/// The contents of a [`Gyro`], which are opaque to C.
 pub struct State {
-    /// The Rust driver, which calls the functions of `bus`.
     pub driver: Adis16130<Port, Line>,
     sampler: Sampler,
-    /// The caller's functions, as given at set-up.
     pub bus: Bus,
 }
 
@@ -107,7 +104,6 @@ impl Sample {
         }
     }
 
-    /// Converts the sample to the driver's type. Returns ZERORATE_E_ARGUMENT if `bits` is neither 16 nor 24.
     pub fn to_driver(self) -> Result<DriverSample, Status> {
         let width = width(self.bits)?;
         let raw = |code24: u32| code24 >> (24 - width.bits());

@@ -17,7 +17,6 @@ pub struct Procedure {
     pub opaque: [u64; 512],
 }
 
-/// The contents of a [`Procedure`], which are opaque to C.
 pub struct State {
     procedure: FixedProcedure,
     /// The refusal that ended the calibration early. Every later call returns its status.
@@ -195,7 +194,6 @@ fn flag(warning: &Warning) -> u32 {
 }
 
 impl State {
-    /// Handles an event. Keeps a refusal, which every later call returns.
     fn handle(&mut self, event: Event<'_>) -> Result<(), Status> {
         if let Some(refused) = &self.refused {
             return Err(refused.status());

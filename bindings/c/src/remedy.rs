@@ -71,7 +71,6 @@ pub const ZERORATE_REMEDY_FASTER_CLOCK: u8 = 33;
 /// Use the other edge of data ready (`rdy_rises`).
 pub const ZERORATE_REMEDY_OTHER_EDGE: u8 = 36;
 
-/// Each number is that of the crate `zerorate`.
 const _: () = {
     assert!(ZERORATE_REMEDY_GIVE_EARTH == Remedy::GiveEarth.code());
     assert!(ZERORATE_REMEDY_ASSUME_LINEAR == Remedy::AssumeLinear.code());

@@ -128,7 +128,6 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
     text.as_ptr()
 }
 
-/// Converts a result to a status.
 pub fn of(done: Result<(), Status>) -> Status {
     match done {
         Ok(()) => ZERORATE_OK,
@@ -136,9 +135,7 @@ pub fn of(done: Result<(), Status>) -> Status {
     }
 }
 
-/// An error that has a status number.
 pub trait StatusNumber {
-    /// The status of this error.
     fn status(&self) -> Status;
 }
 

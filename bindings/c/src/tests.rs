@@ -32,7 +32,6 @@ fn memory<T>() -> Box<T> {
     unsafe { Box::<T>::new_zeroed().assume_init() }
 }
 
-/// Calls an exported function. The tests keep the contract of each function.
 macro_rules! call {
     ($name:ident($($argument:expr),*)) => {{
         // SAFETY: each pointer is null, or points to memory of its type that nothing else uses.

@@ -5,10 +5,8 @@ use crate::registers::{Channel, Registers};
 use crate::registers::{IOP_RDYFN, MODE_CLAMP, MODE_CONTINUOUS, MODE_MD, MODE_SINGLE};
 use crate::tally::{Conversion, LastRead, LostUnread, Reading, Tally};
 
-/// The time of an event that never comes.
 pub(crate) const NEVER: u64 = u64::MAX;
 
-/// A data register, with the bits of its status and its counts of conversions and losses.
 #[derive(Copy, Clone)]
 struct Data {
     code: u32,
@@ -35,7 +33,6 @@ pub(crate) struct Adc {
     converting: Channel,
     /// Time at which the running conversion ends, in ps, or [`NEVER`].
     pub(crate) next_update_ps: u64,
-    /// Whether the data registers keep their codes, as `Fault::Frozen` makes them do.
     pub(crate) frozen: bool,
 }
 
@@ -83,9 +80,7 @@ impl Plan {
 /// The effects of an update of a data register, apart from the stored code.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) struct Update {
-    /// Whether RDY falls, because its condition of F-32 holds.
     pub(crate) rdy_falls: bool,
-    /// Whether the last conversion of the single mode has ended.
     pub(crate) single_done: bool,
 }
 
@@ -103,7 +98,7 @@ impl Adc {
         }
     }
 
-    /// Sets the reset values. The counts of conversions and losses stay.
+    /// Keeps the counts of conversions and losses.
     pub(crate) fn reset(&mut self) {
         self.data = self.data.map(|data| Data::reset(data.tally));
         self.unread = 0;

@@ -27,7 +27,6 @@ pub(crate) enum Effect {
     },
 }
 
-/// Registers, converter and the state of the link.
 pub(crate) struct Chip {
     pub(crate) registers: Registers,
     pub(crate) adc: Adc,
@@ -41,7 +40,6 @@ impl Chip {
         Self { registers: Registers::RESET, adc: Adc::new(mclk_hz), phase: Phase::Command, ones: 0, sync_high: true }
     }
 
-    /// Resets the registers and the converter. The part then waits for a COM byte.
     pub(crate) fn reset(&mut self) {
         self.registers = Registers::RESET;
         self.adc.reset();

@@ -28,7 +28,6 @@ pub enum Fault {
     Unplug,
 }
 
-/// The state of a fault that acts on the wires, and its random numbers.
 pub(crate) struct WireFaults {
     active: Fault,
     random: Uniform,

@@ -253,7 +253,6 @@ impl FromStr for Spec {
     }
 }
 
-/// Splits a text into known keys and their values.
 fn items(text: &str) -> Result<Vec<(&'static Key, &str)>, SpecError> {
     let mut items: Vec<(&'static Key, &str)> = Vec::new();
     if text.trim().is_empty() {
@@ -324,7 +323,6 @@ fn nearest(name: &str) -> Option<&'static str> {
     (2 * distance(best) <= name.len()).then_some(best.name)
 }
 
-/// The least number of insertions, deletions and replacements that turn one word into the other.
 fn edit_distance(from: &[u8], to: &[u8]) -> usize {
     let mut row: Vec<usize> = (0..=to.len()).collect();
     for (i, a) in from.iter().enumerate() {

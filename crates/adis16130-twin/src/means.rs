@@ -136,7 +136,6 @@ mod tests {
         assert!((sd(temp) / (facts::TEMP_NOISE_C_PER_RT_HZ / libm::sqrt(2.0)) - 1.0).abs() < 0.04, "{}", sd(temp));
     }
 
-    /// Without noise, the mean after an hour agrees with the twin.
     #[test]
     fn means_follow_the_part() {
         let spec = Spec { noise: false, ..Spec::from_seed(3) };

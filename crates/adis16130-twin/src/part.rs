@@ -12,7 +12,6 @@ use core::fmt;
 
 const PS_PER_S: f64 = 1e12;
 
-/// The part, its surroundings and the clock.
 pub(crate) struct Part {
     pub(crate) spec: Spec,
     pub(crate) now_ps: u64,
@@ -244,7 +243,7 @@ impl Part {
         }
     }
 
-    /// Whether RDY has the level that means no new data.
+    /// Whether RDY announces no data. Does not show the pulses of [`RdyOutput::Pulse`].
     fn rdy_idle(&self) -> bool {
         !self.supplied || self.rdy_masked || !self.chip.adc.rdy_low(self.now_ps)
     }

@@ -1,6 +1,5 @@
 //! The register table, the values of the registers, and the checksum over the written bits.
 
-/// One of the two channels of the converter.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Channel {
     Rate,

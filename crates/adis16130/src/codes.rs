@@ -161,7 +161,6 @@ impl TempCode {
     }
 }
 
-/// A raw code of either channel, with the width in which it was read.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "stored::Code"))]

@@ -44,7 +44,6 @@ impl WriteLog {
         self.known >> (CONFIGURED.len() - 1) != 0
     }
 
-    /// The written registers, with their values.
     pub(crate) fn iter(self) -> impl Iterator<Item = (Address, u8)> {
         let written = CONFIGURED.into_iter().zip(self.values).enumerate();
         written.filter(move |(place, _)| self.known >> place & 1 != 0).map(|(_, entry)| entry)
@@ -81,12 +80,10 @@ impl Differences {
         }
     }
 
-    /// Whether every register reads FFh.
     pub(crate) const fn is_all_ones(&self) -> bool {
         self.ones == self.read
     }
 
-    /// Whether every register reads 00h.
     pub(crate) const fn is_all_zeros(&self) -> bool {
         self.zeros == self.read
     }

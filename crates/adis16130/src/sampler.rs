@@ -106,13 +106,11 @@ const PATIENT_READINGS: u8 = 16;
 /// Binary logarithm of the longest pause in edges. 2¹⁰ edges take a tenth of a second with F-30 while nothing is read.
 const LONGEST_PAUSE_LOG2: u8 = 10;
 
-/// The previous sample.
 #[derive(Copy, Clone, Debug)]
 struct LastSample {
     /// Time, in ns modulo 2³², and number of the sample's edge.
     t_ns: u32,
     seq: u32,
-    /// Whether no sample was taken before this one.
     first: bool,
 }
 

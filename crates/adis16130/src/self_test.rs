@@ -24,7 +24,7 @@ pub struct SelfTestPlan {
 }
 
 impl SelfTestPlan {
-    /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test. Use the samples of a
+    /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test. They must take a
     /// second or more, since each of the 16 batches must be long compared with 1/(300 Hz).
     pub const fn new(samples: u16) -> Self {
         let per_batch = match NonZeroU16::new(samples.div_ceil(BATCHES as u16)) {

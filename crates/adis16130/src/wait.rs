@@ -38,8 +38,8 @@ pub struct WaitBound {
 }
 
 impl WaitBound {
-    /// Waits `timeout_us` at most. The blocking driver adds up the delays that it requests. So a wait may take longer,
-    /// by the time that the host adds to the delays.
+    /// A bound of `timeout_us`. The blocking driver adds up the delays that it requests, so a wait takes longer if the
+    /// delays do.
     pub const fn from_us(timeout_us: u32) -> Self {
         Self { timeout_us, poll: PollInterval::DEFAULT }
     }

@@ -296,7 +296,6 @@ impl Bus for TwinBus {
     }
 }
 
-/// A bus whose transfers never end.
 struct HungBus;
 
 impl ErrorType for HungBus {
@@ -355,7 +354,6 @@ async fn take_one(left: &mut u32) -> Result<(), Infallible> {
     Ok(())
 }
 
-/// An output pin whose level the test can read.
 #[derive(Default)]
 struct Level(Rc<Cell<bool>>);
 
@@ -375,7 +373,6 @@ impl OutputPin for Level {
     }
 }
 
-/// An SPI controller that the tests never use.
 struct NoController;
 
 impl ErrorType for NoController {

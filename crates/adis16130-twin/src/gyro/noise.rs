@@ -122,7 +122,6 @@ fn sine(phase: u64) -> f64 {
     x * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0))))
 }
 
-/// Upper end of the flicker's band, in Hz.
 const FLICKER_TOP_HZ: f64 = 10.0;
 
 /// Flicker with one-sided density S(f) = B²/(π·f) between `flicker_hz` and 10 Hz. Below this band S is flat, and above

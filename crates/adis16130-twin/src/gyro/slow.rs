@@ -11,7 +11,6 @@ use alloc::rc::Rc;
 /// The tick of the slow processes of a [`Twin`](crate::Twin), in ps. Between two ticks they are interpolated linearly.
 pub(crate) const TICK_PS: u64 = 4_000_000_000;
 
-/// The slow quantities at one instant.
 #[derive(Copy, Clone, Default)]
 pub(crate) struct Point {
     /// The rate at the output without white noise, resonance and self-test, in °/s.

@@ -6,7 +6,6 @@ use crate::normal::{Layers, Normal, Process};
 use crate::spec::{Profile, Spec};
 use alloc::rc::Rc;
 
-/// The temperatures of the air, of the sensor and of its element, advanced tick by tick.
 pub(crate) struct Thermal {
     ambient: Ambient,
     wander: OrnsteinUhlenbeck,

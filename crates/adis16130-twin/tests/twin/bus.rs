@@ -18,13 +18,11 @@ pub struct Host {
 }
 
 impl Host {
-    /// Makes a host of a twin that was just switched on.
     pub fn new(spec: Spec) -> Self {
         let twin = Twin::new(spec);
         Self { spi: twin.spi(), twin }
     }
 
-    /// Makes a host of a twin that was initialised by F-30.
     pub fn started(spec: Spec) -> Self {
         let mut host = Self::new(spec);
         host.send(&INIT);
@@ -76,7 +74,6 @@ impl Host {
         (edge, self.code24(0x08), self.code24(0x0A))
     }
 
-    /// Reads both channels at `n` edges, and returns the rates in °/s (F-40).
     pub fn rates(&mut self, n: usize) -> Vec<f64> {
         (0..n).map(|_| dps(self.pair().1)).collect()
     }
@@ -96,7 +93,6 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Standard deviation about the mean.
 pub fn deviation(values: &[f64]) -> f64 {
     let mean = mean(values);
     let sum: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();

@@ -8,7 +8,6 @@ fn with(fault: Fault) -> Spec {
     Spec { fault, fault_at_s: Some(0.01), rotation_dps: 10.0, ..quiet() }
 }
 
-/// A host whose twin gave a correct rate before `fault` set in at 10 ms.
 fn broken(fault: Fault) -> Host {
     let mut host = Host::started(with(fault));
     assert_eq!(host.pair().1, 8_623_488, "well before the fault");

@@ -2,7 +2,6 @@
 
 use adis16130_twin::{Fault, KEYS, Motion, Profile, RdyOutput, Roa, Spec, SpecError};
 
-/// The names of all keys, in the order of the documentation.
 const NAMES: &str = "seed bias_dps tempco_dps_per_c curvature hysteresis lag_s ambient_c profile warmup_c warmup_s \
      mclk_hz rdy roa supply_step_mv noise flicker_hz rotation_dps motion sway_dps sway_hz bit_error_rate fault \
      fault_at_s";

@@ -7,7 +7,6 @@ use std::f64::consts::PI;
 const PAIR_HZ: f64 = 6.0e6 / 1054.0;
 const SEGMENT: usize = 2048;
 
-/// A unit with white noise alone.
 fn white() -> Spec {
     Spec { noise: true, resonance_dps_rms: 0.0, flicker_floor_dps: 0.0, rrw_dps_per_rt_s: 0.0, ..quiet() }
 }

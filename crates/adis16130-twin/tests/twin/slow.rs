@@ -5,7 +5,6 @@ use adis16130_twin::{Profile, Spec, Truth, Twin};
 
 const SECOND: u64 = 1_000_000_000;
 
-/// Lets time pass up to `seconds` from the start. Returns the truth at that time.
 fn at(twin: &Twin, seconds: u64) -> Truth {
     twin.advance_ns(seconds * SECOND - twin.now_ns());
     twin.truth()
@@ -90,7 +89,6 @@ fn rotation_is_not_part_of_the_true_bias() {
 
 #[test]
 fn hysteresis_shifts_the_bias_by_twice_its_half_width() {
-    // The part warms up and cools down. Its biases at the same temperature are compared.
     let twin = Twin::new(Spec { noise: false, ..Spec::typical() });
     let warm = at(&twin, 3000);
     assert!((warm.branch_dps + 0.002).abs() < 1e-9, "warming: the bias is behind");

@@ -36,11 +36,9 @@ pub struct Station<S> {
     sampling: Option<Sampling>,
     /// Divisor n of a counter in the RDY line, which lets every n-th edge through. 1 = no counter.
     divided: u16,
-    /// The bytes that the part sent in the last transfer.
     received: [u8; MAX_TRANSFER],
 }
 
-/// The state of sampling since [`Command::Start`].
 #[derive(Debug)]
 struct Sampling {
     sampler: Sampler,

@@ -7,7 +7,6 @@ use crate::codes::Width;
 /// The texts for a clear and for a set RDY bit of a channel.
 const WAITING: [&str; 2] = ["nothing waits to be read", "a reading waits"];
 
-/// Returns `bits` with the bits of `mask` set if `on`, otherwise cleared.
 const fn with(bits: u8, mask: u8, on: bool) -> u8 {
     if on { bits | mask } else { bits & !mask }
 }

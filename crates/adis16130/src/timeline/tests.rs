@@ -35,7 +35,6 @@ impl Bench {
         bench
     }
 
-    /// Takes the next edge, which is late by `late_ns`.
     fn step(&mut self, late_ns: f64) {
         let t_ns = (self.t_ns + late_ns).round() as u64;
         self.timeline.advance(Edge { t_ns, seq: self.seq });

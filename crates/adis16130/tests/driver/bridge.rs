@@ -85,7 +85,6 @@ fn frames_are_those_of_the_specification() {
     }
 }
 
-/// Polls the client at `ms` milliseconds with these received bytes. Returns its next step.
 fn asked(client: &mut Client, pending: &mut Pending<'_>, ms: u64, bytes: &[u8]) -> Result<Step<()>, RequestError> {
     client.poll(pending, &mut bytes.iter().copied(), Duration::from_millis(ms), Answer::Started.only())
 }

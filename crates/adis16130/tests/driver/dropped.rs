@@ -147,7 +147,6 @@ impl Bench {
 type Call =
     for<'a> fn(&'a mut Adis16130<Bus, ()>, &'a mut Sampler, Edge) -> std::pin::Pin<Box<dyn Future<Output = ()> + 'a>>;
 
-/// The calls that these tests drop.
 const CALLS: [(&str, Call); 20] = [
     ("reset", |gyro, _, _| Box::pin(async { _ = gyro.reset().await })),
     ("init", |gyro, _, _| Box::pin(async { _ = gyro.init().await })),

@@ -10,7 +10,6 @@ use crate::part::{Part, Pin, Wire};
 
 type Reading = Result<(f32, f32), ReadError<Infallible>>;
 
-/// A twin that rotates at a constant rate, and its driver.
 struct Turning {
     twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,

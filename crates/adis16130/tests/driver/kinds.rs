@@ -3,7 +3,6 @@
 
 use adis16130::{Channels, Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
-/// A sampler, and the true period of the rate.
 struct Bench {
     sampler: Sampler,
     period_ns: f64,

@@ -31,7 +31,6 @@ impl Bench {
         Self { part, gyro, sampler: Sampler::new(sampling, &config, MCLK_HZ) }
     }
 
-    /// Sets RATE STATUS to `status`, and passes edge number `n` of an ideal clock to the driver.
     fn edge(&mut self, n: u32, status: u32) -> Result<Option<adis16130::Sample>, SampleError<ErrorKind>> {
         self.part.borrow_mut().set(0x20, status);
         self.gyro.sample(&mut self.sampler, Edge { t_ns: u64::from(n) * PAIR_NS, seq: n })

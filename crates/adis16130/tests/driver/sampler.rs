@@ -9,13 +9,11 @@ const PAIR_NS: f64 = 2.0 * 527.0 / 6e6 * 1e9;
 pub struct Random(pub u64);
 
 impl Random {
-    /// Uniform in 0 … 1.
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as f64 / 2_f64.powi(31)
     }
 
-    /// Normal with mean 0 and standard deviation 1, as a sum of twelve uniform numbers.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
@@ -311,7 +309,6 @@ impl DividedRdy {
         Self { sampler: sampler(sampling), edges, conversion_ns, conversions: 0.0, seq: 0, is_read: true }
     }
 
-    /// The next edge that the counter lets through.
     fn next(&mut self) -> Edge {
         self.conversions += f64::from(self.edges + u32::from(self.is_read));
         self.seq += 1;
@@ -333,7 +330,6 @@ impl DividedRdy {
         (readings, lost)
     }
 
-    /// Misses this many edges.
     fn miss(&mut self, edges: u32) {
         (0..edges).for_each(|_| _ = self.next());
     }

@@ -35,7 +35,6 @@ impl Ahead {
         self.0.borrow_mut().ahead = None;
     }
 
-    /// Takes the trouble that has happened since the last call.
     pub fn take_struck(&self) -> Option<Trouble> {
         self.0.borrow_mut().struck.take()
     }

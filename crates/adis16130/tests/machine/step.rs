@@ -50,7 +50,6 @@ pub enum Step {
     Ahead(u8, Trouble),
 }
 
-/// Calls of the driver that read registers.
 #[derive(Copy, Clone, Debug)]
 pub enum ReadCall {
     Rate,
@@ -68,7 +67,6 @@ pub enum ReadCall {
     Diagnose,
 }
 
-/// Calls of the driver that reset or initialise the part.
 #[derive(Copy, Clone, Debug)]
 pub enum Start {
     Restart,
@@ -80,7 +78,6 @@ pub enum Start {
     InitChecksummed,
 }
 
-/// The registers that a step may write.
 #[derive(Copy, Clone, Debug)]
 pub enum WritableRegister {
     Mode,
@@ -89,7 +86,6 @@ pub enum WritableRegister {
     TempCs,
 }
 
-/// The unit, its wires, the configuration and the steps of a run.
 #[derive(Clone)]
 pub struct Plan {
     pub form: Form,
@@ -101,7 +97,7 @@ pub struct Plan {
     pub rdy: RdyOutput,
     pub config: Config,
     pub sampling: SamplerConfig,
-    /// Start value of the host's clock, in ns. `seq` is the start value of its count of edges.
+    /// Start value of the host's clock. `seq` is the start value of its count of edges.
     pub t_ns: u64,
     pub seq: u32,
     pub steps: Vec<Step>,

@@ -21,14 +21,12 @@ impl Answers {
         }
     }
 
-    /// Sets a 24-bit register.
     pub fn set_code(&self, register: Address, code24: u32) {
         let [_, bytes @ ..] = code24.to_be_bytes();
         self.set(register, bytes);
     }
 }
 
-/// The bus of a part that gives these answers.
 pub struct Bus<'a>(pub &'a Answers);
 
 impl spi::ErrorType for Bus<'_> {

@@ -20,7 +20,6 @@ const BLOCKS_PER_S: usize = 10;
 /// Registers of a part that runs with F-30 and has a reading of each channel waiting (docs/facts.md section 3).
 const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempStatus, 0x48), (Address::Mode, 0x22)];
 
-/// The count of each operation, by its name.
 type Counts = [(&'static str, Ticks); 14];
 
 /// Smallest and largest number of ticks of an operation over all readings.
