@@ -9,7 +9,6 @@ pub trait Object: Sized {
     const MARK: u32;
 }
 
-/// The contents of an object, behind its mark.
 #[repr(C)]
 struct MarkedState<T> {
     mark: u32,

@@ -107,7 +107,7 @@ impl Adc {
         self.next_update_ps = NEVER;
     }
 
-    /// Uses new register contents. With `restart` the sequence begins anew (a write to MODE, or SYNC is released).
+    /// Uses new register contents. With `restart` (after a write to MODE or a rise of SYNC) the sequence begins anew.
     /// Otherwise a running conversion keeps its end time. `held`: whether the SYNC pin holds the conversions.
     pub(crate) fn plan(&mut self, registers: &Registers, held: bool, restart: bool, now_ps: u64) {
         self.plan = Plan::of(registers, self.mclk_hz, held);

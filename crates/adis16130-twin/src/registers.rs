@@ -75,25 +75,19 @@ impl Register {
 pub(crate) const IOP_P0: u8 = 1 << 7;
 /// IOP bit 6: level of P1, which is pin 18.
 pub(crate) const IOP_P1: u8 = 1 << 6;
-/// IOP bit 5: P0 is an input.
 pub(crate) const IOP_P0_INPUT: u8 = 1 << 5;
-/// IOP bit 4: P1 is an input.
 pub(crate) const IOP_P1_INPUT: u8 = 1 << 4;
 /// IOP bit 3: RDY falls only when all enabled channels hold unread data.
 pub(crate) const IOP_RDYFN: u8 = 1 << 3;
 /// IOP bit 0: pin 18 is SYNC.
 pub(crate) const IOP_SYNC: u8 = 1 << 0;
-/// Channel setup bit 3: the channel is converted.
 pub(crate) const SETUP_ENABLE: u8 = 1 << 3;
-/// Conversion word bit 7: chopping.
 pub(crate) const CONVERSION_CHOP: u8 = 1 << 7;
 /// MODE bits 7–5, MD: the operating mode.
 pub(crate) const MODE_MD: u8 = 0b111 << 5;
-/// MODE MD = 001: continuous conversion.
 pub(crate) const MODE_CONTINUOUS: u8 = 0b001 << 5;
 /// MODE MD = 010: each enabled channel once.
 pub(crate) const MODE_SINGLE: u8 = 0b010 << 5;
-/// MODE bit 1: data of 24 bits instead of 16.
 pub(crate) const MODE_24BIT: u8 = 1 << 1;
 /// MODE bit 0: out-of-range codes saturate instead of wrapping.
 pub(crate) const MODE_CLAMP: u8 = 1 << 0;

@@ -247,7 +247,6 @@ impl<E: Debug> Display for InitError<E> {
 }
 
 impl<E> VerifyError<E> {
-    /// Returns the error that explains the differences found by reading back, or `Ok` if there are none.
     pub(crate) fn judge(seen: Differences) -> core::result::Result<(), Self> {
         if seen.iter().next().is_none() {
             Ok(())

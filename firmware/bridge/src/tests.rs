@@ -146,7 +146,7 @@ fn the_watchdog_is_fed_by_a_living_task_only() {
             bench.poll();
         }
     }
-    // simulated time does not depend on other tests
+    // all tests share one clock, and no other test advances it
     assert!(idle.signs.get() >= 8 && waits.signs.get() >= 8, "{} {}", idle.signs.get(), waits.signs.get());
     assert_eq!(hangs.signs.get(), 0);
     assert!(sampling::WATCHDOG >= 4 * SIGN_OF_LIFE);

@@ -19,7 +19,6 @@ const WHITE_DPS: f64 = 0.028;
 const STRETCHES: [(u32, Option<f64>); 6] =
     [(1_600, Some(0.0)), (600, Some(0.03)), (20, Some(5.0)), (400, Some(0.0)), (10, None), (300, Some(0.0))];
 
-/// Time without power, s.
 const OFF_S: f64 = 86_400.0;
 
 /// The tracker's knowledge after a mean.

@@ -210,12 +210,10 @@ impl Timeline {
         self.restarted = true;
     }
 
-    /// The learned time from one tick to the next, in ns.
     pub(crate) fn period_ns(&self) -> f64 {
         self.period as f64 / (1u64 << FRACTION_BITS) as f64
     }
 
-    /// Eighths of the tick period, in whole ns.
     pub(crate) fn eighths_of_period_ns(&self, eighths: u32) -> u64 {
         ((self.period >> 3) as u64 * u64::from(eighths)) >> FRACTION_BITS
     }
@@ -325,7 +323,6 @@ impl Timeline {
         self.phase = if is_rate { Phase::Known } else { Phase::Assumed };
     }
 
-    /// Computes the time of the temperature update from the present period.
     fn settle(&mut self) {
         self.temp = self.grid.share_of_temp(self.period);
     }

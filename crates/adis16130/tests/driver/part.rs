@@ -27,7 +27,6 @@ pub const TABLE: [(u8, usize, u32, bool, bool); 13] = [
 /// The bytes of F-30, as AN-1042 prints them.
 pub const F30: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
 
-/// The state of the SDO line.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Line {
     #[default]

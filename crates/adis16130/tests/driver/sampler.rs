@@ -128,7 +128,7 @@ fn learns_the_period_once_the_edges_can_be_believed_again() {
     let mut random = Random(3);
     let scale = 1.012;
     let mut last: f64 = 0.0;
-    // edges late by up to a period, and at least 0.6 periods apart
+    // The edges come up to a period late, and at least 0.6 periods apart.
     let disturbed = ramp(3_000).map(|k| {
         last = (last + 0.6).max(k * scale + random.uniform());
         last
@@ -148,7 +148,7 @@ fn jitter_of_the_timestamps_neither_adds_nor_hides_losses() {
         let mut random = Random(seed);
         let mut jitter = |sd_us: f64| random.normal() * sd_us * 1e3 / PAIR_NS;
         for every_temp in [1, 4] {
-            // a standard deviation of 15 µs, and a clock that is 1 % slow. The part drops every 97th sample.
+            // The timestamps have a jitter of 15 µs (1 σ). The clock is 1 % slow. The part drops every 97th sample.
             let times: Vec<f64> =
                 ramp(20_000).filter(|k| k % 97.0 != 96.0).map(|k| k * 1.01 + 5.0 + jitter(15.0)).collect();
             let dropped = 20_000 - times.len() as u32;

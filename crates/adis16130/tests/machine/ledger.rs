@@ -37,7 +37,6 @@ const LAG: f64 = 4.0;
 /// Largest ratio of the true period to the nominal one, or its inverse. The master clock is at most 6 % off.
 const MOST_CLOCK: f64 = 1.0 / 0.94;
 
-/// Rounding error of the sums, in samples.
 const ROUNDING: f64 = 1e-6;
 
 /// A sample of the driver, with the conversion that it contains.
