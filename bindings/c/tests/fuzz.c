@@ -382,7 +382,6 @@ static zerorate_status well(int is_used)
 
 #define KINDS 38
 
-/* Calls the function with this number, with random arguments. */
 static zerorate_status call(uint32_t kind)
 {
     switch (kind) {

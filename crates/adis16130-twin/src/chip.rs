@@ -17,7 +17,6 @@ enum Phase {
     Read { left: u8, shift: u32 },
 }
 
-/// The effect of a byte on registers and converter.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) enum Effect {
     None,

@@ -160,7 +160,6 @@ impl Part {
         self.next_event_ps
     }
 
-    /// Drops edges that were not reported yet.
     pub(crate) fn clear_latched_edge(&mut self) {
         self.reported_seq = self.edge_seq;
     }
@@ -205,7 +204,6 @@ impl Part {
         self.advance_ps(self.gap_ps);
     }
 
-    /// Exchanges one byte in each direction, which takes eight periods of the SPI clock.
     #[inline]
     pub(crate) fn exchange(&mut self, mosi: u8) -> u8 {
         self.advance_ps(self.byte_ps);

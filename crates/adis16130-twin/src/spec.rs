@@ -213,7 +213,6 @@ impl Spec {
 }
 
 impl Default for Spec {
-    /// The unit of seed 1.
     fn default() -> Self {
         Self::from_seed(1)
     }

@@ -65,7 +65,6 @@ async fn until_open(control: &ControlChanged<'_>, open: bool) {
     }
 }
 
-/// Sends the queued bytes to the host, until the device is disconnected.
 async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) {
     // never a full packet, after which the host would wait for more bytes
     let mut packet = [0; PACKET - 1];
@@ -77,7 +76,6 @@ async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) 
     }
 }
 
-/// Queues the bytes that the host sends, until the device is disconnected.
 async fn receive<D: Driver<'static>>(receiver: &mut Receiver<'static, D>, link: &Link) {
     let mut packet = [0; PACKET];
     while let Ok(len) = receiver.read_packet(&mut packet).await {

@@ -6,7 +6,6 @@ use core::f64::consts::PI;
 const BUMP_S: f64 = 0.2;
 const BUMP_EVERY_S: f64 = 60.0;
 
-/// The rotation of the platform about the sensitive axis over time.
 pub(crate) struct Platform {
     rotation_dps: f64,
     motion: Motion,

@@ -83,7 +83,6 @@ impl Part {
         self.registers[&address]
     }
 
-    /// Takes all bytes that the host has sent since the last call, joined over the frames.
     pub fn take_bytes(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.frames).concat()
     }

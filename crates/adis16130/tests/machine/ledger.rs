@@ -39,7 +39,6 @@ const MOST_CLOCK: f64 = 1.0 / 0.94;
 
 const ROUNDING: f64 = 1e-6;
 
-/// A sample of the driver, with the conversion that it contains.
 #[derive(Copy, Clone, Debug)]
 pub struct SampleRecord {
     pub lost: u32,
