@@ -7,7 +7,6 @@ use crate::gyro::Gyro;
 use crate::registers::Channel;
 use crate::spec::{Motion, RdyOutput, Spec};
 use crate::truth::Truth;
-use alloc::vec::Vec;
 use core::fmt;
 
 const PS_PER_S: f64 = 1e12;
@@ -25,7 +24,7 @@ pub(crate) struct Part {
     faults: WireFaults,
     switched_on: bool,
     supplied: bool,
-    /// Whether bytes are neither recorded nor changed by a fault.
+    /// Whether the part has its supply, and no fault changes bytes or hides edges.
     plain: bool,
     /// Whether a fault keeps RDY from announcing data.
     rdy_masked: bool,
@@ -34,7 +33,6 @@ pub(crate) struct Part {
     reported_seq: u32,
     /// Number of reported edges at which a scaling time began.
     scaling_seq: u32,
-    wire: Option<Vec<Vec<u8>>>,
 }
 
 impl Part {
@@ -59,7 +57,6 @@ impl Part {
             edge_ps: 0,
             reported_seq: 0,
             scaling_seq: 0,
-            wire: None,
             spec,
         }
     }
@@ -187,16 +184,6 @@ impl Part {
 
     // ---- wires ----
 
-    /// Handles a fall of CS: a recording begins a new frame.
-    #[inline]
-    pub(crate) fn select(&mut self) {
-        if !self.plain
-            && let Some(frames) = &mut self.wire
-        {
-            frames.push(Vec::new());
-        }
-    }
-
     /// Handles a rise of CS, which stays high for `gap_ps`.
     #[inline]
     pub(crate) fn deselect(&mut self) {
@@ -212,9 +199,6 @@ impl Part {
 
     #[cold]
     fn exchange_specially(&mut self, mosi: u8) -> u8 {
-        if let Some(frame) = self.wire.as_mut().and_then(|frames| frames.last_mut()) {
-            frame.push(mosi);
-        }
         if !self.supplied {
             return 0xFF;
         }
@@ -254,15 +238,6 @@ impl Part {
 
     pub(crate) fn set_self_test(&mut self, active: bool) {
         self.gyro.set_self_test(active);
-    }
-
-    pub(crate) fn record_wire(&mut self, on: bool) {
-        self.wire = on.then(Vec::new);
-        self.note_plain();
-    }
-
-    pub(crate) fn take_wire(&mut self) -> Vec<Vec<u8>> {
-        self.wire.as_mut().map(core::mem::take).unwrap_or_default()
     }
 
     // ---- faults, supply, motion ----
@@ -318,17 +293,13 @@ impl Part {
 
     /// Updates the state after a change of a register, a fault or the supply. Counts an edge if RDY has fallen.
     fn changed(&mut self, rdy_was_high: bool) {
-        self.note_plain();
+        let wires_good = matches!(self.faults.active(), Fault::None | Fault::Frozen | Fault::Brownout);
+        self.plain = wires_good && self.supplied;
         self.gyro.set_period_ps(self.chip.adc.period_ps());
         self.next_event_ps = self.fault_at_ps.min(self.chip.adc.next_update_ps);
         if rdy_was_high && !self.rdy_idle() {
             self.edge(self.now_ps);
         }
-    }
-
-    fn note_plain(&mut self) {
-        let wires_good = matches!(self.faults.active(), Fault::None | Fault::Frozen | Fault::Brownout);
-        self.plain = wires_good && self.supplied && self.wire.is_none();
     }
 }
 

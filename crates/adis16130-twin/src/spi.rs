@@ -24,7 +24,6 @@ impl TwinSpi {
     #[inline]
     fn frame(&mut self, operations: &mut [Operation<'_, u8>]) {
         let mut part = self.part.borrow_mut();
-        part.select();
         for operation in operations {
             carry_out(&mut part, operation);
         }

@@ -9,7 +9,6 @@ use crate::spi::TwinSpi;
 use crate::tally::{LastRead, LostUnread};
 use crate::truth::Truth;
 use alloc::rc::Rc;
-use alloc::vec::Vec;
 use core::cell::RefCell;
 
 /// An edge of RDY: its simulated time and its number.
@@ -115,16 +114,6 @@ impl Twin {
     /// Switches the supply on again. The registers then have their reset values, and nothing is converted.
     pub fn power_on(&self) {
         self.part.borrow_mut().switch(true);
-    }
-
-    /// Starts a new recording of the bytes from the host, or ends the recording.
-    pub fn record_wire(&self, on: bool) {
-        self.part.borrow_mut().record_wire(on);
-    }
-
-    /// Takes the bytes that the host has sent since [`Twin::record_wire`] or the last call, one `Vec` per frame of CS.
-    pub fn take_wire(&self) -> Vec<Vec<u8>> {
-        self.part.borrow_mut().take_wire()
     }
 
     /// Number of samples that the host never saw.

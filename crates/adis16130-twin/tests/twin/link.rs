@@ -5,18 +5,6 @@ use adis16130_twin::Spec;
 use embedded_hal::spi::{Operation, SpiDevice};
 
 #[test]
-fn wire_records_mosi_by_frame() {
-    let mut host = Host::new(quiet());
-    host.twin.record_wire(true);
-    host.spi.write(&[0x01, 0x38]).unwrap();
-    host.send(&INIT[2..]);
-    let mut expected = vec![vec![0x01, 0x38]];
-    expected.extend(INIT[2..].iter().map(|byte| vec![*byte]));
-    assert_eq!(host.twin.take_wire(), expected);
-    assert!(host.twin.take_wire().is_empty());
-}
-
-#[test]
 fn both_framings_do_the_same() {
     let mut bytewise = Host::started(quiet());
     let mut framed = Host::new(quiet());
