@@ -33,16 +33,6 @@ fn f32_each_shape_of_rdy_announces_new_data_at_its_own_edge() {
 }
 
 #[test]
-fn a_pulse_lasts_for_the_scaling_time() {
-    let host = Host::started(Spec { rdy: RdyOutput::Pulse, ..quiet() });
-    let mut rdy = host.twin.rdy();
-    run(rdy.wait_for_falling_edge()).unwrap();
-    let fall = host.twin.now_ns();
-    run(rdy.wait_for_rising_edge()).unwrap();
-    assert!((host.twin.now_ns() - fall).abs_diff(27_167) <= 1);
-}
-
-#[test]
 fn waits_follow_the_pulses() {
     let host = Host::started(quiet());
     let mut rdy = host.twin.rdy();

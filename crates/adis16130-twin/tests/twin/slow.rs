@@ -100,10 +100,7 @@ fn hysteresis_shifts_the_bias_by_twice_its_half_width() {
 
 #[test]
 fn the_mean_of_many_codes_is_the_truth() {
-    let mut spec = Spec::from_seed(11);
-    spec.flicker_floor_dps = 0.0;
-    spec.warmup_c = 0.0;
-    spec.ambient_wander_c = 0.0;
+    let spec = Spec { flicker_floor_dps: 0.0, warmup_c: 0.0, ambient_wander_c: 0.0, ..Spec::from_seed(11) };
     let mut host = Host::started(spec);
     let rates = host.rates(60_000);
     let truth = host.twin.truth();
@@ -123,9 +120,7 @@ fn slow_processes_do_not_notice_the_bus() {
 
 #[test]
 fn noise_off_leaves_bias_and_quantisation() {
-    let mut spec = Spec::from_seed(4);
-    spec.noise = false;
-    spec.warmup_c = 0.0;
+    let spec = Spec { noise: false, warmup_c: 0.0, ..Spec::from_seed(4) };
     let expected = (1.0 + spec.sensitivity_error) * spec.bias_dps;
     let mut host = Host::started(spec);
     let (_, rate, temp) = host.pair();
