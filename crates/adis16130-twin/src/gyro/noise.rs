@@ -139,9 +139,9 @@ impl Flicker {
     pub(crate) fn new(spec: &Spec, tick_s: f64, layers: &Rc<Layers>) -> Self {
         let mut normal = Normal::with_layers(spec.seed, Process::Flicker, layers);
         let b = spec.flicker_floor_dps / facts::FLOOR_PER_B;
-        let octaves = libm::log(FLICKER_TOP_HZ / spec.flicker_hz);
-        let cells = libm::ceil(octaves / LN_2).max(0.0) as u32;
-        let ratio_ln = octaves / f64::from(cells.max(1));
+        let band_ln = libm::log(FLICKER_TOP_HZ / spec.flicker_hz);
+        let cells = libm::ceil(band_ln / LN_2).max(0.0) as u32;
+        let ratio_ln = band_ln / f64::from(cells.max(1));
         let sd = b * libm::sqrt(ratio_ln.max(0.0) / PI);
         let corner = |cell: u32| spec.flicker_hz * libm::exp(ratio_ln * (f64::from(cell) + 0.5));
         let parts = (0..cells)
@@ -150,10 +150,10 @@ impl Flicker {
         Self { parts, normal }
     }
 
-    /// Advances one tick. Returns the new value, in °/s.
-    pub(crate) fn step(&mut self) -> f64 {
-        let normal = &mut self.normal;
-        self.parts.iter_mut().map(|part| part.step(normal)).sum()
+    pub(crate) fn step(&mut self) {
+        for part in &mut self.parts {
+            part.step(&mut self.normal);
+        }
     }
 
     pub(crate) fn value(&self) -> f64 {
@@ -200,9 +200,8 @@ impl RandomWalk {
         }
     }
 
-    pub(crate) fn step(&mut self) -> f64 {
+    pub(crate) fn step(&mut self) {
         self.value += self.kick * self.normal.sample();
-        self.value
     }
 }
 
