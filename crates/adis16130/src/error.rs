@@ -343,8 +343,8 @@ impl<E: Debug, R: Debug, P: Debug> core::error::Error for SelfTestError<E, R, P>
 
 /// Implements `From`, so that `?` converts the error of a step to the error of the whole operation.
 macro_rules! widen {
-    ($($from:ty => $to:ident::$variant:ident;)*) => {$(
-        impl<E> From<$from> for $to<E> {
+    ($(<$($parameter:ident),*> $from:ty => $to:ident::$variant:ident;)*) => {$(
+        impl<$($parameter),*> From<$from> for $to<$($parameter),*> {
             fn from(error: $from) -> Self {
                 Self::$variant(error)
             }
@@ -353,37 +353,25 @@ macro_rules! widen {
 }
 
 widen! {
-    BusError<E> => ReadError::Bus;
-    BusError<E> => InitError::Bus;
-    BusError<E> => VerifyError::Bus;
-    BusError<E> => SampleError::Bus;
-    Fault => ReadError::Fault;
-    Fault => SampleError::Fault;
-    OutOfRange => ReadError::OutOfRange;
-    OutOfRange => SampleError::OutOfRange;
-    VerifyError<E> => InitError::Verify;
-}
-
-/// Implements `From` for [`enum@Error`], so that `?` converts the error of each operation to it.
-macro_rules! gather {
-    ($($from:ty => $variant:ident;)*) => {$(
-        impl<E, R, P> From<$from> for Error<E, R, P> {
-            fn from(error: $from) -> Self {
-                Self::$variant(error)
-            }
-        }
-    )*};
-}
-
-gather! {
-    BusError<E> => Bus;
-    InitError<E> => Init;
-    VerifyError<E> => Verify;
-    ReadError<E> => Read;
-    SampleError<E> => Sample;
-    WaitError<R> => Wait;
-    SelfTestError<E, R, P> => SelfTest;
-    Fault => Fault;
+    <E> BusError<E> => ReadError::Bus;
+    <E> BusError<E> => InitError::Bus;
+    <E> BusError<E> => VerifyError::Bus;
+    <E> BusError<E> => SampleError::Bus;
+    <E> Fault => ReadError::Fault;
+    <E> Fault => SampleError::Fault;
+    <E> OutOfRange => ReadError::OutOfRange;
+    <E> OutOfRange => SampleError::OutOfRange;
+    <E> VerifyError<E> => InitError::Verify;
+    <E, R, P> ReadError<E> => SelfTestError::Read;
+    <E, R, P> WaitError<R> => SelfTestError::Wait;
+    <E, R, P> BusError<E> => Error::Bus;
+    <E, R, P> InitError<E> => Error::Init;
+    <E, R, P> VerifyError<E> => Error::Verify;
+    <E, R, P> ReadError<E> => Error::Read;
+    <E, R, P> SampleError<E> => Error::Sample;
+    <E, R, P> WaitError<R> => Error::Wait;
+    <E, R, P> SelfTestError<E, R, P> => Error::SelfTest;
+    <E, R, P> Fault => Error::Fault;
 }
 
 impl<E> From<SampleError<E>> for ReadError<E> {
@@ -393,17 +381,5 @@ impl<E> From<SampleError<E>> for ReadError<E> {
             SampleError::Fault(fault) => Self::Fault(fault),
             SampleError::OutOfRange(reading) => Self::OutOfRange(reading),
         }
-    }
-}
-
-impl<E, R, P> From<ReadError<E>> for SelfTestError<E, R, P> {
-    fn from(error: ReadError<E>) -> Self {
-        Self::Read(error)
-    }
-}
-
-impl<E, R, P> From<WaitError<R>> for SelfTestError<E, R, P> {
-    fn from(error: WaitError<R>) -> Self {
-        Self::Wait(error)
     }
 }
