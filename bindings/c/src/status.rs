@@ -129,10 +129,7 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
 }
 
 pub fn of(done: Result<(), Status>) -> Status {
-    match done {
-        Ok(()) => ZERORATE_OK,
-        Err(status) => status,
-    }
+    done.err().unwrap_or(ZERORATE_OK)
 }
 
 pub trait StatusNumber {

@@ -75,18 +75,14 @@ impl<S: Bus> Station<S> {
                 self.sclk_hz = self.part.bus_mut().set_sclk_hz(sclk_hz);
                 Answer::Clock { sclk_hz: self.sclk_hz }
             }
-            Command::Transfer { bytes } => match self.transfer(bytes).await {
-                Ok(bytes) => Answer::Transfer { bytes },
-                Err(refusal) => Answer::Refused(refusal),
-            },
+            Command::Transfer { bytes } => {
+                self.transfer(bytes).await.map_or_else(Answer::Refused, |bytes| Answer::Transfer { bytes })
+            }
             Command::LastEdge => Answer::LastEdge { t_ns: self.last.t_ns, seq: self.last.seq },
             Command::Start { every_temp, divider, mclk_hz } => {
                 let sampling = SamplerConfig::new().with_every_temp(every_temp).with_divider(divider);
                 let sampling = sampling.with_divided(self.divided);
-                match self.start(sampling, mclk_hz).await {
-                    Ok(()) => Answer::Started,
-                    Err(refusal) => Answer::Refused(refusal),
-                }
+                self.start(sampling, mclk_hz).await.map_or_else(Answer::Refused, |()| Answer::Started)
             }
             Command::Stop => {
                 self.stop();
