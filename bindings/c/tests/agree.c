@@ -49,12 +49,8 @@ static void print_row(const char *what, const zerorate_table *table, uint32_t te
 
 static zerorate_bus bus_of(void *rig)
 {
-    zerorate_bus bus;
+    const zerorate_bus bus = {rig, zerorate_twin_transfer, zerorate_twin_rdy, zerorate_twin_delay_us};
 
-    bus.context = rig;
-    bus.transfer = zerorate_twin_transfer;
-    bus.rdy = zerorate_twin_rdy;
-    bus.delay_us = zerorate_twin_delay_us;
     return bus;
 }
 
@@ -411,10 +407,9 @@ static void self_test(const char *keys)
     zerorate_self_test_plan plan;
     zerorate_self_test seen;
     void *rig = started(keys, 6000000, &gyro);
-    test_pin pin = {NULL, 0, 0, 0, 0};
+    test_pin pin = {rig, 0, 0, 0, 0};
     zerorate_self_test_pin set = {&pin, set_test_pin};
 
-    pin.rig = rig;
     print_status("plan", zerorate_self_test_plan_default(&plan));
     printf("%lu %lu %u\n", (unsigned long)plan.settle_us, (unsigned long)plan.timeout_us, (unsigned)plan.samples);
     plan.samples = 500;

@@ -133,11 +133,6 @@ static int32_t rdy(void *context)
     return below(400) == 0 ? -1 : zerorate_twin_rdy(context);
 }
 
-static void delay_us(void *context, uint32_t us)
-{
-    zerorate_twin_delay_us(context, us);
-}
-
 static int32_t set(void *context, int32_t level)
 {
     return below(40) == 0 ? -1 : zerorate_twin_self_test(context, level);
@@ -239,7 +234,7 @@ static struct zerorate_settings *settings(void)
 
 static zerorate_status set_up(void)
 {
-    struct zerorate_bus bus = {rig, transfer, rdy, delay_us};
+    struct zerorate_bus bus = {rig, transfer, rdy, zerorate_twin_delay_us};
 
     bus.transfer = below(20) ? bus.transfer : NULL;
     bus.rdy = below(20) ? bus.rdy : NULL;
