@@ -1,6 +1,8 @@
 //! The bridge, with the mock of `part.rs` as its gyroscope. Its frames are compared with bytes that were made by hand
 //! from `docs/formats/bridge.md`.
 
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
 use std::time::Duration;
 
 use adis16130::bridge::{
@@ -8,6 +10,7 @@ use adis16130::bridge::{
     Request, RequestError, Settings, Station, Step, WireSample, encode,
 };
 use adis16130::{Config, ConversionTime, Edge, RdyEdge, Width};
+use embedded_hal_async::spi::{ErrorType, Operation, SpiDevice};
 
 use crate::part::{F30, Line, Part, Wire, now};
 
@@ -167,16 +170,13 @@ fn a_transfer_reaches_the_part() {
     let (part, mut station) = station();
     part.borrow_mut().set(0x28, 0x40);
     let hello = Answer::Hello { protocol: 2, firmware: "test 1", sclk_hz: 1_000_000 };
-    assert_eq!(answer(&mut station, Command::Hello), Message::Answer { tag: 3, answer: hello });
-    let clock = Answer::Clock { sclk_hz: 2_000_000 };
-    assert_eq!(answer(&mut station, Command::Clock { sclk_hz: 2_500_000 }), Message::Answer { tag: 3, answer: clock });
+    assert_eq!(answer(&mut station, Command::Hello), hello);
+    let clock = answer(&mut station, Command::Clock { sclk_hz: 2_500_000 });
+    assert_eq!(clock, Answer::Clock { sclk_hz: 2_000_000 });
     let hello = Answer::Hello { protocol: 2, firmware: "test 1", sclk_hz: 2_000_000 };
-    assert_eq!(answer(&mut station, Command::Hello), Message::Answer { tag: 3, answer: hello });
-    let Message::Answer { answer: Answer::Transfer { bytes }, .. } =
-        answer(&mut station, Command::Transfer { bytes: &[0x68, 0x00] })
-    else {
-        panic!("no transfer");
-    };
+    assert_eq!(answer(&mut station, Command::Hello), hello);
+    let transfer = Command::Transfer { bytes: &[0x68, 0x00] };
+    let Answer::Transfer { bytes } = answer(&mut station, transfer) else { panic!("no transfer") };
     assert_eq!((bytes.len(), bytes[1]), (2, 0x40));
     assert_eq!(part.borrow().frames.last(), Some(&vec![0x68, 0x00]));
     assert_eq!(refusal(&mut station, Command::Transfer { bytes: &[0; 9] }), Some(Refusal::TooLong));
@@ -186,17 +186,14 @@ fn a_transfer_reaches_the_part() {
 fn a_bridge_samples_between_start_and_stop() {
     let (part, mut station) = station();
     assert_eq!(now(station.edge(Edge { t_ns: 5, seq: 1 })), None);
-    let edge = Answer::LastEdge { t_ns: 5, seq: 1 };
-    assert_eq!(answer(&mut station, Command::LastEdge), Message::Answer { tag: 3, answer: edge });
+    assert_eq!(answer(&mut station, Command::LastEdge), Answer::LastEdge { t_ns: 5, seq: 1 });
     assert_eq!(refusal(&mut station, START), None);
     let written: Vec<Vec<u8>> = F30.chunks(2).map(<[u8]>::to_vec).collect();
     assert_eq!(part.borrow().frames[0], [0x00, 0xFF, 0xFF, 0xFF, 0xFF]);
     assert_eq!(part.borrow().frames[1..=written.len()], written);
     assert_eq!(refusal(&mut station, Command::Transfer { bytes: &[0x68, 0x00] }), Some(Refusal::Sampling));
 
-    part.borrow_mut().set(0x20, 0x08);
-    part.borrow_mut().set(0x08, 0x80_8809);
-    part.borrow_mut().set(0x0A, 0x80_1EA6);
+    ready(&part, 0x80_1EA6);
     // an edge comes every 175 667 ns (F-31), and the one before the last is missing
     for (number, pairs) in [0, 1, 3].into_iter().enumerate() {
         let t_ns = 1_000_000 + 175_667 * u64::from(pairs);
@@ -207,7 +204,7 @@ fn a_bridge_samples_between_start_and_stop() {
         assert_eq!((reading.t_ns, reading.edge, reading.rate), (t_ns, seq, 0x80_8809));
         assert_eq!((reading.status, reading.temp), (Some(0x08), Some(0x80_1EA6)));
     }
-    assert_eq!(answer(&mut station, Command::Stop), Message::Answer { tag: 3, answer: Answer::Stopped });
+    assert_eq!(answer(&mut station, Command::Stop), Answer::Stopped);
     assert_eq!(now(station.edge(Edge { t_ns: 9_000_000, seq: 9 })), None);
 }
 
@@ -216,8 +213,7 @@ fn a_host_chooses_the_configuration_of_the_next_start() {
     let (part, mut station) = station();
     let config = Config::new().with_width(Width::Bits16).with_rate_conversion(ConversionTime::new(0x89));
     assert_eq!(Config::from(Settings::from(&config)), config);
-    let configured = answer(&mut station, Command::Configure(Settings::from(&config)));
-    assert_eq!(configured, Message::Answer { tag: 3, answer: Answer::Configured });
+    assert_eq!(answer(&mut station, Command::Configure(Settings::from(&config))), Answer::Configured);
     assert_eq!(refusal(&mut station, START), None);
     // byte by byte (F-22), with F-30's last byte for 16 bits
     let sent = part.borrow().frames.concat();
@@ -243,9 +239,7 @@ fn a_counter_in_the_line_loses_nothing_once_the_bridge_knows_of_it() {
         }
         let mut lost = 0;
         for n in 1..=100 {
-            part.borrow_mut().set(0x20, 0x08);
-            part.borrow_mut().set(0x08, 0x80_8809);
-            part.borrow_mut().set(0x0A, 0x80_1EA6);
+            ready(&part, 0x80_1EA6);
             // every 50th edge is 51 conversions after the one before (F-56)
             let t_ns = 51 * 87_833 * u64::from(n);
             let Some(Message::Sample(reading)) = now(station.edge(Edge { t_ns, seq: n })) else { panic!("a sample") };
@@ -256,18 +250,16 @@ fn a_counter_in_the_line_loses_nothing_once_the_bridge_knows_of_it() {
     assert_eq!(lost(Some(Command::Divided { edges: 50 })), 0);
     assert!(lost(None) > 99 * 24, "{}", lost(None));
     let (_, mut station) = station();
-    let divided = answer(&mut station, Command::Divided { edges: 50 });
-    assert_eq!(divided, Message::Answer { tag: 3, answer: Answer::Configured });
+    assert_eq!(answer(&mut station, Command::Divided { edges: 50 }), Answer::Configured);
 }
 
 #[test]
 fn the_self_test_pin_is_released_with_the_host() {
     let mut without = Station::new(Wire(Part::new()), 1_000_000, "test 1");
     assert_eq!(refusal(&mut without, Command::SelfTest { on: true }), Some(Refusal::NoSuchWire));
-    let pin = std::rc::Rc::new(std::cell::Cell::new(false));
+    let pin = Rc::new(Cell::new(false));
     let mut station = Station::new(Slow { wire: Wire(Part::new()), pin: Some(pin.clone()) }, 1_000_000, "test 1");
-    let on = answer(&mut station, Command::SelfTest { on: true });
-    assert_eq!(on, Message::Answer { tag: 3, answer: Answer::SelfTest { on: true } });
+    assert_eq!(answer(&mut station, Command::SelfTest { on: true }), Answer::SelfTest { on: true });
     assert!(pin.get());
     station.stop();
     assert!(!pin.get());
@@ -288,9 +280,7 @@ fn sampling_goes_on_after_a_temperature_out_of_range() {
     let (part, mut station) = station();
     assert_eq!(refusal(&mut station, START), None);
     let mut reading = |n, temp| {
-        part.borrow_mut().set(0x20, 0x08);
-        part.borrow_mut().set(0x08, 0x80_8809);
-        part.borrow_mut().set(0x0A, temp);
+        ready(&part, temp);
         now(station.edge(Edge { t_ns: 175_667 * u64::from(n), seq: n }))
     };
     assert!(matches!(reading(1, 0x80_1EA6), Some(Message::Sample(_))));
@@ -305,9 +295,7 @@ fn sampling_goes_on_after_a_failed_transfer_which_is_counted() {
         assert_eq!(refusal(&mut station, START), None);
         let mut lost = Vec::new();
         for n in 1..6 {
-            part.borrow_mut().set(0x20, 0x08);
-            part.borrow_mut().set(0x08, 0x80_8809);
-            part.borrow_mut().set(0x0A, 0x80_1EA6);
+            ready(&part, 0x80_1EA6);
             if n == 3 {
                 (part.borrow_mut().fails_after, part.borrow_mut().fails_once) = (Some(failing), true);
             }
@@ -341,28 +329,33 @@ fn missing_samples_are_counted_once() {
     assert_eq!(sample.temp.map(|temp| temp.code24()), Some(0x80_1EA6));
 }
 
-fn station() -> (std::rc::Rc<std::cell::RefCell<Part>>, Station<Slow>) {
+fn station() -> (Rc<RefCell<Part>>, Station<Slow>) {
     let part = Part::new();
     (part.clone(), Station::new(Slow { wire: Wire(part), pin: None }, 1_000_000, "test 1"))
+}
+
+/// Gives the part a new rate and this temperature.
+fn ready(part: &RefCell<Part>, temp: u32) {
+    let mut part = part.borrow_mut();
+    part.set(0x20, 0x08);
+    part.set(0x08, 0x80_8809);
+    part.set(0x0A, temp);
 }
 
 /// A bus whose clock can be set in steps of 1 MHz.
 struct Slow {
     wire: Wire,
     /// The level of the self-test pins. `None` if the bridge has no self-test pin.
-    pin: Option<std::rc::Rc<std::cell::Cell<bool>>>,
+    pin: Option<Rc<Cell<bool>>>,
 }
 
-impl embedded_hal_async::spi::ErrorType for Slow {
-    type Error = <Wire as embedded_hal_async::spi::ErrorType>::Error;
+impl ErrorType for Slow {
+    type Error = <Wire as ErrorType>::Error;
 }
 
-impl embedded_hal_async::spi::SpiDevice for Slow {
-    async fn transaction(
-        &mut self,
-        operations: &mut [embedded_hal_async::spi::Operation<'_, u8>],
-    ) -> Result<(), Self::Error> {
-        embedded_hal_async::spi::SpiDevice::transaction(&mut self.wire, operations).await
+impl SpiDevice for Slow {
+    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
+        SpiDevice::transaction(&mut self.wire, operations).await
     }
 }
 
@@ -382,13 +375,16 @@ impl Bus for Wire {
     }
 }
 
-fn answer<'a>(station: &'a mut Station<impl Bus>, command: Command<'_>) -> Message<'a> {
-    now(station.request(&Request { tag: 3, command }))
+fn answer<'a>(station: &'a mut Station<impl Bus>, command: Command<'_>) -> Answer<'a> {
+    match now(station.request(&Request { tag: 3, command })) {
+        Message::Answer { tag: 3, answer } => answer,
+        other => panic!("{other:?}"),
+    }
 }
 
 fn refusal(station: &mut Station<impl Bus>, command: Command<'_>) -> Option<Refusal> {
     match answer(station, command) {
-        Message::Answer { tag: 3, answer: Answer::Refused(refusal) } => Some(refusal),
+        Answer::Refused(refusal) => Some(refusal),
         _ => None,
     }
 }
