@@ -3,7 +3,7 @@
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
 use adis16130::{
-    BusError, Config, Edge, Error, Fault, InitError, MCLK_HZ, RateCode, ReadError, SampleError, Sampler,
+    BusError, Config, Edge, Error, Fault, InitError, MCLK_HZ, Mismatch, RateCode, ReadError, SampleError, Sampler,
     SamplerConfig, SelfTestError, SelfTestPlan, VerifyError, WaitBound, WaitError,
 };
 use embedded_hal::delay::DelayNs;
@@ -53,11 +53,7 @@ fn the_error_of_each_operation_converts_to_error() {
     assert!(matches!(outcome(Line::Good, 0, Some(true)), Err(Error::SelfTest(_))));
     let text = outcome(Line::Good, u32::MAX, None).unwrap_err().to_string();
     assert!(text.contains("RDY (pin 10)"), "{text}");
-    let lost = Fault::ConfigurationLost(adis16130::Mismatch {
-        register: adis16130::registers::Address::Mode,
-        expected: 0x22,
-        got: 0,
-    });
+    let lost = Fault::ConfigurationLost(Mismatch { register: Address::Mode, expected: 0x22, got: 0 });
     assert_eq!(Error::<(), (), ()>::from(lost).to_string(), lost.to_string());
     assert_eq!(
         Error::<()>::from(VerifyError::NotInitialised).to_string(),
@@ -89,7 +85,7 @@ fn an_outer_error_has_the_text_of_the_inner_one() {
 
 #[test]
 fn each_fault_has_its_own_text() {
-    let seen = adis16130::Mismatch { register: Address::Mode, expected: 0x22, got: 0xFF };
+    let seen = Mismatch { register: Address::Mode, expected: 0x22, got: 0xFF };
     let stuck = Fault::StuckHigh(seen).to_string();
     assert!(stuck.contains("reads FFh instead of 22h") && stuck.contains("stuck at ones"), "{stuck}");
     let differs = VerifyError::<()>::Differs(Default::default()).to_string();
