@@ -46,8 +46,7 @@ fn a_change_of_the_kind_leaves_the_period_alone() {
     let temps = (1..5).map(|k| (f64::from(k) + 0.154, 0));
     let rates = (5..19).map(|k| (f64::from(k) + 0.526, u32::from(k == 5)));
     let end = [(22.154, 6), (23.526, 0), (24.526, 0), (25.526, 0), (26.526, 0)];
-    let edges: Vec<_> = temps.chain(rates).chain(end).collect();
-    let lost: Vec<u32> = edges.into_iter().map(|(periods, missed)| bench.lost(periods, missed)).collect();
+    let lost: Vec<u32> = temps.chain(rates).chain(end).map(|(periods, missed)| bench.lost(periods, missed)).collect();
     // Four rates are lost: one before the edge at 5.526 periods, and three between the edges at 18.526 and 23.526.
     assert_eq!(lost.iter().sum::<u32>(), 4, "{lost:?}");
 }
@@ -59,8 +58,7 @@ fn a_clock_that_is_fast_hides_no_change_of_the_kind() {
     let mut bench = Bench::new(SamplerConfig::new(), config, 2_319, 11_531.0);
     let temps = (1..8).map(|k| (f64::from(k), 0));
     let rates = (9..16).map(|k| (f64::from(k) + 0.185, u32::from(k == 9)));
-    let edges: Vec<_> = temps.chain(rates).collect();
-    let lost: Vec<u32> = edges.into_iter().map(|(periods, missed)| bench.lost(periods, missed)).collect();
+    let lost: Vec<u32> = temps.chain(rates).map(|(periods, missed)| bench.lost(periods, missed)).collect();
     assert_eq!(lost.iter().sum::<u32>(), 2, "{lost:?}");
 }
 
