@@ -30,7 +30,7 @@ pub(crate) struct Adc {
     /// The channel whose data register is being read, from the accepted COM byte to the last data byte.
     reading: Option<Channel>,
     plan: Plan,
-    converting: Channel,
+    pub(crate) converting: Channel,
     /// Time at which the running conversion ends, in ps, or [`NEVER`].
     pub(crate) next_update_ps: u64,
     pub(crate) frozen: bool,
@@ -128,11 +128,6 @@ impl Adc {
         }
     }
 
-    #[inline]
-    pub(crate) fn converting(&self) -> Channel {
-        self.converting
-    }
-
     /// Ends the running conversion, whose code before clamping is `unlimited`. Begins the next one, unless this was
     /// the last one of single mode.
     #[inline]
@@ -175,10 +170,6 @@ impl Adc {
         data.out_of_range = unlimited < 0 || unlimited > max;
         data.negative = unlimited < i64::from(facts::ZERO_CODE);
         data.code = if self.plan.clamp { unlimited.clamp(0, max) as u32 } else { unlimited as u32 & facts::MAX_CODE };
-    }
-
-    pub(crate) fn is_scaling(&self, now_ps: u64) -> bool {
-        now_ps >= self.scaling_from_ps()
     }
 
     /// Whether the condition of F-32 for a low RDY holds, apart from the scaling time.

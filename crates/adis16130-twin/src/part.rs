@@ -15,7 +15,7 @@ pub(crate) struct Part {
     pub(crate) spec: Spec,
     pub(crate) now_ps: u64,
     /// Time of the next update or fault, in ps, or [`NEVER`].
-    next_event_ps: u64,
+    pub(crate) next_event_ps: u64,
     fault_at_ps: u64,
     byte_ps: u64,
     gap_ps: u64,
@@ -84,7 +84,7 @@ impl Part {
             self.fault_at_ps = NEVER;
             return self.set_fault(pending_fault(&self.spec));
         }
-        let code = match self.chip.adc.converting() {
+        let code = match self.chip.adc.converting {
             Channel::Rate => self.gyro.rate_code(t_ps),
             Channel::Temp => self.gyro.temp_code(t_ps),
         };
@@ -153,10 +153,6 @@ impl Part {
         None
     }
 
-    pub(crate) fn next_event_ps(&self) -> u64 {
-        self.next_event_ps
-    }
-
     pub(crate) fn clear_latched_edge(&mut self) {
         self.reported_seq = self.edge_seq;
     }
@@ -221,7 +217,7 @@ impl Part {
         match self.spec.rdy {
             RdyOutput::Level => self.rdy_idle(),
             RdyOutput::Inverted => !self.rdy_idle(),
-            RdyOutput::Pulse => !self.supplied || self.rdy_masked || !self.chip.adc.is_scaling(self.now_ps),
+            RdyOutput::Pulse => !self.supplied || self.rdy_masked || self.now_ps < self.chip.adc.scaling_from_ps(),
         }
     }
 

@@ -94,7 +94,7 @@ impl Twin {
     /// rounded up. `None` if there will be no event. New data is announced at such times, so a loop that lets
     /// simulated time follow the wall clock can sleep until then.
     pub fn next_event_ns(&self) -> Option<u64> {
-        match self.part.borrow().next_event_ps() {
+        match self.part.borrow().next_event_ps {
             NEVER => None,
             t_ps => Some(t_ps.div_ceil(1000)),
         }

@@ -44,7 +44,7 @@ impl<B: SpiBus, CS: OutputPin, ST: OutputPin<Error = Infallible>> Bus for PartBu
     }
 
     fn set_rdy_edge(&mut self, edge: RdyEdge) -> bool {
-        self.link.hear(edge);
+        self.link.heard.signal(edge);
         true
     }
 

@@ -61,10 +61,6 @@ impl Link {
         self.state.lock(|shown| shown.set(state));
     }
 
-    pub(crate) fn hear(&self, edge: RdyEdge) {
-        self.heard.signal(edge);
-    }
-
     /// Queues a message for the host. A sample that does not fit whole is dropped, which the number of the next sample
     /// shows. For any other message the call waits for space, until the host reads or leaves, and calls `alive` in the
     /// meantime. Call it from one task only.
