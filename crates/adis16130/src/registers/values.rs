@@ -176,15 +176,6 @@ impl Range {
             _ => Self::Bits11,
         }
     }
-
-    const fn bits(self) -> u8 {
-        match self {
-            Self::Bits00 => 0,
-            Self::Bits01 => 1,
-            Self::Bits10 => 2,
-            Self::Bits11 => 3,
-        }
-    }
 }
 
 byte_value! {
@@ -217,7 +208,7 @@ impl ChannelSetup {
 
     /// Sets the input range (b1–0).
     pub const fn with_range(self, range: Range) -> Self {
-        Self((self.0 & !0x03) | range.bits())
+        Self((self.0 & !0x03) | range as u8)
     }
 }
 

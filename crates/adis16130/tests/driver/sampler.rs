@@ -402,12 +402,8 @@ fn a_line_behind_a_counter_is_silent_later() {
     let sampler = sampler(SamplerConfig::new().with_divided(50));
     let silence = sampler.silence_ns() as f64 / (64.0 * 25.5 * PAIR_NS);
     assert!((silence - 1.0).abs() < 1e-5, "{silence} of 64 distances");
-    let status =
-        Sampler::new(SamplerConfig::new().with_divided(50).with_read_status(false), &Config::default(), MCLK_HZ);
-    assert!(
-        status.clone().edge(at(0.0, 0)).unwrap().status,
-        "a late read cannot be told from the time of a rare edge"
-    );
+    let mut status = self::sampler(SamplerConfig::new().with_divided(50).with_read_status(false));
+    assert!(status.edge(at(0.0, 0)).unwrap().status, "a late read cannot be told from the time of a rare edge");
     for absurd in [0, 1] {
         let mut undivided = self::sampler(SamplerConfig::new().with_divided(absurd));
         assert_eq!(losses(&mut undivided, ramp(100)).iter().sum::<u32>(), 0);
