@@ -123,37 +123,28 @@ impl Wait for TwinRdy {
     }
 }
 
-impl ErrorType for SyncPin {
-    type Error = Infallible;
+macro_rules! output {
+    ($name:ident, $set:ident) => {
+        impl ErrorType for $name {
+            type Error = Infallible;
+        }
+
+        impl OutputPin for $name {
+            fn set_low(&mut self) -> Result<(), Infallible> {
+                self.part.borrow_mut().$set(false);
+                Ok(())
+            }
+
+            fn set_high(&mut self) -> Result<(), Infallible> {
+                self.part.borrow_mut().$set(true);
+                Ok(())
+            }
+        }
+    };
 }
 
-impl OutputPin for SyncPin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        self.part.borrow_mut().set_sync(false);
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.part.borrow_mut().set_sync(true);
-        Ok(())
-    }
-}
-
-impl ErrorType for SelfTestPin {
-    type Error = Infallible;
-}
-
-impl OutputPin for SelfTestPin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        self.part.borrow_mut().set_self_test(false);
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.part.borrow_mut().set_self_test(true);
-        Ok(())
-    }
-}
+output!(SyncPin, set_sync);
+output!(SelfTestPin, set_self_test);
 
 impl DelayNs for TwinDelay {
     fn delay_ns(&mut self, ns: u32) {
