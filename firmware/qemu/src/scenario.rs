@@ -8,14 +8,12 @@ use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
 use zerorate::{Axis, CodeTable, Correction, CorrectionF32, IntegerCorrection, IntegerCurve};
 
-/// Number of readings in a run.
-pub const READINGS: usize = 2_000;
+const READINGS: usize = 2_000;
 
 /// Step of the table, and span of the table on either side of T3, °C.
-pub const TABLE_C: (f64, f64) = (0.02, 2.0);
+const TABLE_C: (f64, f64) = (0.02, 2.0);
 
-/// Number of rows of the table.
-pub const ROWS: usize = 201;
+const ROWS: usize = 201;
 
 /// Quadratic and cubic coefficient of the curve, °/s/°C² and °/s/°C³. The quadratic one is the standard deviation of
 /// M-02. The two terms are equal 250 °C from T3.
