@@ -18,7 +18,6 @@ use zerorate_allan::entry::{Document, Entry, EntryError};
 const NUMBERS: RangeInclusive<f64> = -1e9..=1e9;
 /// Allowed uncertainties, durations, rates and other numbers that cannot be negative.
 const SIZES: RangeInclusive<f64> = 0.0..=1e9;
-/// Allowed shares of a whole.
 const SHARES: RangeInclusive<f64> = 0.0..=1.0;
 /// Share by which the sum of a variance's parts may exceed the variance, because of rounding.
 const ROUNDING: f64 = 1e-9;
@@ -212,7 +211,6 @@ fn check_coverage(table: Entry<'_>, coverage: f64, factor: f64) -> Result<(), En
     table.at("coverage_factor").require(is_factor, || "must be a number above 0".into())
 }
 
-/// Checks that numbers of a table lie within `limits`. Each number comes with its key.
 fn check_within(
     table: Entry<'_>,
     limits: &RangeInclusive<f64>,

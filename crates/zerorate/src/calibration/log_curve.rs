@@ -10,7 +10,6 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use zerorate_allan::FLOOR_PER_B;
 
-/// The method of calibrations that were made from logs.
 pub(super) const METHOD: &str = "tempcal";
 
 /// Facts about a unit that its curves do not hold.

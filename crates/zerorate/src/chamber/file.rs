@@ -8,12 +8,10 @@ use core::ops::RangeInclusive;
 use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
-/// The only version of the file format that is supported.
 const SCHEMA: u32 = 1;
 /// Largest number of steps over all cycles, enough for about a week of ten-minute steps.
 pub(super) const MAX_STEPS: usize = 1000;
 
-/// Allowed set points of a plan, °C.
 pub(super) const SET_POINTS_C: RangeInclusive<f64> = -100.0..=250.0;
 const TO_C: Bounds = Bounds::Within(SET_POINTS_C, "°C");
 const SAFE_C: Bounds = Bounds::Within(-40.0..=60.0, "°C");
@@ -121,7 +119,6 @@ impl StepForm {
     }
 }
 
-/// Returns the number of times that the steps are run.
 fn cycles(root: Entry<'_>, cycles: Option<u32>, steps: usize) -> Result<usize, EntryError> {
     root.require(steps > 0, || {
         "there is no [[step]]; give at least two, each with to_c = the temperature of the chamber in °C".into()

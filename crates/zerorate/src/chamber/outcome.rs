@@ -61,7 +61,7 @@ pub struct Branches {
     pub span_c: (f64, f64),
 }
 
-/// Approximate number of means for a curve, within the limits of [`BLOCK_S`]. More would add no information.
+/// Largest number of means for a curve, except for a record longer than 1600 · 60 s. More would add no information.
 const MOST_BLOCKS: usize = 1600;
 /// Shortest and longest averaging time of a mean, s: short compared with all slow effects in a part.
 const BLOCK_S: (usize, usize) = (2, 60);

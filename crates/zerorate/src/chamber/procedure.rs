@@ -49,7 +49,6 @@ pub struct ChamberProgress {
 
 /// Largest allowed share of the time in which the part is not at rest.
 const MAX_RESTLESS: f64 = 0.1;
-/// Length of a second, ns: ten blocks.
 const SECOND_NS: u64 = 10 * BLOCK_NS;
 
 /// Sums of the codes of one axis over a block of 0.1 s.

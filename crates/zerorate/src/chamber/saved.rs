@@ -11,7 +11,6 @@ use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 use zerorate_allan::entry::{Document, EntryError};
 
-/// The only version of the text form that is supported.
 const SCHEMA: u32 = 1;
 const HEADER: &str =
     "# An interrupted measurement in a chamber: zerorate chamber goes on with it (docs/chamber.md).\n";
@@ -19,7 +18,6 @@ const HEADER: &str =
 const LONGEST_S: f64 = 3.2e8;
 /// Largest valid number of samples. Ten years hold fewer, and sums of such numbers do not overflow.
 const MOST_SAMPLES: u64 = 1 << 50;
-/// Allowed drifts of the temperature of a part, °C/min.
 const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
 
 /// The finished steps of a measurement. `docs/chamber.md` says when they are written and read.

@@ -256,7 +256,6 @@ mod tests {
 
     const CURVED: Correction = Correction { btc2_dps_per_c2: 0.0007, btc3_dps_per_c3: -2e-5, ..TYPICAL };
 
-    /// Compares with the sum of powers, from −40 to 85 °C.
     #[test]
     fn a_curve_adds_its_terms() {
         for temp_c in (-400..850).map(|tenth| f64::from(tenth) / 10.0) {

@@ -237,8 +237,6 @@ pub(super) mod tests {
         Scale { lsb_per_unit, zero_code: 0, zero_value, width_bits, signed: true }
     }
 
-    /// Rate and temperature of several parts: two's complement of 14 and 16 bits with a coarse temperature, offset
-    /// binary of 24 bits, fine rates with coarse temperatures, all 32 bits, and 8 bits with a temperature of 1 bit.
     fn scales() -> [(Scale, Scale); 7] {
         [
             (signed(16, 20.0, 0.0), signed(12, 7.14, 25.0)),
@@ -291,7 +289,6 @@ pub(super) mod tests {
         }
     }
 
-    /// With the largest coefficients, no sum overflows 64 bits at the lowest and highest codes of any scale.
     #[test]
     fn the_largest_coefficients_overflow_nothing() {
         for (rate, temp) in scales() {

@@ -296,7 +296,6 @@ mod tests {
         assert!(apart < 1000, "{apart} of 100 000");
     }
 
-    /// Rates of 14 to 32 bits, with coarse and fine temperatures.
     #[test]
     fn the_bound_holds_on_any_scale() {
         for (rate, temp) in [

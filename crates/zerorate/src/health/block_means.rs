@@ -6,7 +6,6 @@ use alloc::vec::Vec;
 pub(crate) const BLOCK_S: f64 = 0.1;
 pub(crate) const BLOCK_NS: u64 = 100_000_000;
 
-/// The number of averages of `m` blocks, and their Allan variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Adjacent {
     /// Number of blocks in an average.

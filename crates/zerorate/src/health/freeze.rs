@@ -70,7 +70,6 @@ impl Channel {
 }
 
 impl Freeze {
-    /// Takes a reading in. If the part is frozen, returns since when.
     #[inline]
     pub fn watch(&mut self, reading: &Reading) -> Option<Frozen> {
         let now_ns = reading.t_ns;

@@ -47,7 +47,6 @@
 use crate::part::{Axis, Reading};
 use core::num::NonZeroU64;
 
-/// The limits of possible readings of an axis, in integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Limits {
     /// Noise part of Θ, 2⁻¹⁶ codes per µs.
@@ -176,7 +175,6 @@ impl Plausible {
         }
     }
 
-    /// Whether enough is known of the axis to judge its rates.
     pub(crate) fn has_limits(&self) -> bool {
         self.limits.is_some()
     }
@@ -387,7 +385,6 @@ impl Temps {
         !agrees
     }
 
-    /// Whether two later temperatures agree with each other and not with the first.
     fn contradicted(&self, first: &Temp, later: [Option<Temp>; AHEAD]) -> bool {
         let [Some(second), Some(third)] = later else { return false };
         self.agree(&second, &third) && !self.agree(first, &second) && !self.agree(first, &third)

@@ -78,7 +78,6 @@ impl Tally {
         self.lacks_temperature() && counted > 0.0 && (self.edges as f64 / counted - 2.0).abs() < 0.1
     }
 
-    /// The refusal for a window without a temperature.
     pub(crate) fn no_temperature(&self, window: State) -> Refusal {
         Refusal::NoTemperature { window, wrong_edge: self.hears_wrong_edge() }
     }

@@ -9,7 +9,6 @@ use core::fmt;
 use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError, PART_KEYS};
 
-/// The only version of the file format that is supported.
 const SCHEMA: u32 = 1;
 
 impl Part {
@@ -209,7 +208,6 @@ impl From<Written> for Number {
 }
 
 impl Number {
-    /// Returns the value, if it is above zero.
     fn positive(&self, entry: Entry<'_>) -> Result<f64, EntryError> {
         entry.number(self.value, &Bounds::Positive)
     }
@@ -379,7 +377,6 @@ impl Resonance {
 }
 
 impl Scale {
-    /// Checks that codes can have this scale, and returns it.
     pub(crate) fn checked(
         lsb_per_unit: f64,
         zero_value: f64,

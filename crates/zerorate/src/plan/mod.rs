@@ -86,7 +86,6 @@ impl Default for Plan {
     }
 }
 
-/// Converts seconds to nanoseconds, rounded to whole ones.
 pub(crate) fn ns(seconds: f64) -> u64 {
     libm::round(seconds * 1e9) as u64
 }

@@ -26,7 +26,6 @@ use core::fmt;
 pub struct PartProcedure {
     part: Part,
     plan: Plan,
-    /// One procedure for each axis, in the order of the part.
     axes: Vec<Procedure>,
 }
 

@@ -122,7 +122,7 @@ pub(crate) struct Second {
 }
 
 impl Segment {
-    /// Makes an empty segment. The times count from the start of the procedure.
+    /// The times count from the start of the procedure.
     fn new(start_ns: u64, end_ns: u64) -> Self {
         Self { start_ns, end_ns, ..Self::default() }
     }
@@ -189,12 +189,10 @@ impl Segment {
         judged.into_iter().find(moves).unwrap_or(Verdict::AtRest)
     }
 
-    /// Mean rates of the blocks that hold samples, °/s.
     fn block_rates_dps(&self, axis: &Axis) -> Vec<f64> {
         self.blocks.iter().filter_map(|block| block.rate_dps(axis)).collect()
     }
 
-    /// Mean temperatures of the blocks that hold a temperature, °C.
     fn block_temps_c(&self, axis: &Axis) -> Vec<f64> {
         self.blocks.iter().filter_map(|block| block.temp_c(axis)).collect()
     }

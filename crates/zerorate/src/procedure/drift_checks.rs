@@ -41,7 +41,6 @@ impl Findings {
         (0..found.len()).filter(move |k| !repeats(*k)).map(|k| found[k])
     }
 
-    /// The deviation with the largest error of BTC.
     pub(crate) fn worst_of_btc(&self) -> Option<Finding> {
         self.found.iter().copied().max_by(|a, b| a.btc_dps_per_c.abs().total_cmp(&b.btc_dps_per_c.abs()))
     }
@@ -114,7 +113,6 @@ fn bins(seconds: &[Second]) -> Vec<Bin> {
     bins
 }
 
-/// State of the search, with the model so far.
 struct Search<'a> {
     question: &'a SearchInput,
     windows: Vec<Window>,

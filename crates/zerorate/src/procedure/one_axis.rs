@@ -318,7 +318,6 @@ impl<S: WindowSums> Procedure<S> {
 }
 
 impl<S: WindowSums> Procedure<S> {
-    /// Checks the window that ends now.
     fn check(&self, check: Check) -> Result<(), Refusal> {
         match check {
             Check::Nothing => Ok(()),

@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 #[cfg(feature = "std")]
 use zerorate_allan::{self as allan, FitOptions, Input, Term};
 
-/// Approximate largest number of blocks of a recording. More blocks add no information.
+/// Largest number of blocks of a recording. More blocks add no information.
 const MOST_BLOCKS: f64 = 1600.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 2.0;
@@ -135,7 +135,6 @@ impl Axis {
     }
 }
 
-/// The result of a recording that has ended.
 pub(crate) fn outcome(seen: &Evidence<'_>, sums: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = sums.seconds().collect();
     let summary = sums.summary(State::Recording);

@@ -104,7 +104,6 @@ impl Live {
         }
     }
 
-    /// Ends a block that is complete.
     fn end_block(&mut self, axis: &Axis, totals: &mut Totals) {
         if let Some(rate_dps) = core::mem::take(&mut self.rate).mean(&axis.rate) {
             self.rates.push(rate_dps);

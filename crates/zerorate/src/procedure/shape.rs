@@ -45,7 +45,6 @@ impl Shape {
         Self::Held { width_c, ahead }
     }
 
-    /// Mean between two times, s.
     pub(crate) fn mean(&self, start_s: f64, end_s: f64) -> f64 {
         let length_s = end_s - start_s;
         match self {
@@ -71,7 +70,6 @@ impl Shape {
     }
 }
 
-/// Means over the windows of a record.
 pub(crate) fn means<'a>(shape: &'a Shape, windows: &'a [Window]) -> impl Iterator<Item = f64> + 'a {
     windows.iter().map(|window| shape.mean(f64::from(window.start_s), f64::from(window.end_s)))
 }

@@ -9,31 +9,25 @@ use crate::plan::{STATES, State};
 /// Sums over the windows of the procedure, one for each step. [`Blocks`](super::blocks::Blocks) keeps every block,
 /// and [`Running`](super::running::Running) needs only fixed memory. Times count from the start of the procedure.
 pub trait WindowSums: Clone + core::fmt::Debug {
-    /// Makes empty sums for readings of this axis.
     fn new(axis: &Axis) -> Self;
 
-    /// Begins a step.
     fn open(&mut self, state: State, start_ns: u64, end_ns: u64);
 
     /// Takes in a sample of the step that was opened last.
     fn push(&mut self, state: State, at_ns: u64, judged: &Judged);
 
-    /// Ends a step at this time.
     fn close(&mut self, state: State, end_ns: u64);
 
-    /// Summarises a step.
     fn summary(&self, state: State) -> Summary;
 
     /// Judges whether the part was at rest during the step that was closed last.
     fn verdict(&self, state: State) -> Verdict;
 
-    /// Summarises every step.
     fn summaries(&self) -> [Summary; STATES] {
         State::ALL.map(|state| self.summary(state))
     }
 }
 
-/// The summary of a step of the procedure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     pub(crate) start_s: f64,
@@ -45,7 +39,6 @@ pub struct Summary {
     pub(crate) faulty: u64,
     /// Mean rate, °/s: the exact sum of the codes with a single division.
     pub(crate) rate_dps: Option<f64>,
-    /// Mean temperature, °C.
     pub(crate) temp_c: Option<f64>,
     /// Allan variance of adjacent block means of the rate, (°/s)².
     pub(crate) rates: Adjacent,
@@ -65,7 +58,6 @@ pub(crate) mod tests {
 
     pub(crate) const RISE_C_PER_S: f64 = 0.5;
 
-    /// A step of 11 s that begins at 3 s, in which the temperature rises.
     pub(crate) fn rising<S: WindowSums>(axis: &Axis, state: State) -> S {
         let (start_ns, end_ns) = (3_000_000_000, 14_000_000_000);
         let mut sums = S::new(axis);

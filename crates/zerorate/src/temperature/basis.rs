@@ -41,7 +41,6 @@ impl Basis {
         self.half_span_c
     }
 
-    /// The value of the polynomial of a degree at a temperature.
     pub(super) fn at(&self, degree: usize, temp_c: f64) -> f64 {
         at(&self.polynomials[degree], (temp_c - self.centre_c) / self.half_span_c)
     }

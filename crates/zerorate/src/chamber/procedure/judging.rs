@@ -217,7 +217,6 @@ impl ChamberProcedure {
         self.plan.average_s(planned_s, &self.part, &white)
     }
 
-    /// Keeps the mean of the readings since `from_s` as a soak point.
     fn keep_soak(&mut self, from_s: f64, average_s: f64) {
         let from = self.record.index_of(from_s);
         let Some(drift) = self.record.drift(from) else { return };
