@@ -30,7 +30,6 @@ fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig)
     measure_changed(Unit::new(spec, config, sampling), plan, |_| ())
 }
 
-/// Measures a unit whose readings `change` alters.
 fn measure_changed(mut unit: Unit, plan: Plan, mut change: impl FnMut(&mut Reading)) -> Result<Measured, Refusal> {
     let (mut procedure, mut truth) = (started(&Axis::ADIS16130, plan, &unit), unit.twin.truth());
     while procedure.next() == Action::Read {

@@ -166,7 +166,6 @@ impl Filter {
         values.into_iter().zip(walk).map(|(values, walk)| White { values, walk }).take(series.len())
     }
 
-    /// Runs the filter over one series.
     pub(super) fn whiten(&self, series: &[f64]) -> White {
         let mut states = vec![0.0; self.states];
         let blocks = self.steps.iter().zip(self.gains.chunks_exact(self.states)).zip(series);

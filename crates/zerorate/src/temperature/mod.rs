@@ -68,7 +68,6 @@ impl Block {
     }
 }
 
-/// The strengths of the noises in a model.
 #[derive(Clone, Debug, PartialEq)]
 struct Noise {
     white_dps_per_rt_hz: f64,
@@ -384,7 +383,6 @@ fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     high_enough.max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0)
 }
 
-/// Posterior probability of a base motion.
 fn base_motion_probability(models: &[Weighed]) -> f64 {
     models.iter().filter(|model| model.hypothesis.motion_hz.is_some()).fold(0.0, |sum, model| sum + model.weight)
 }
@@ -472,7 +470,8 @@ impl BiasCurve {
     }
 }
 
-/// Standard uncertainty of a polynomial at a distance from its reference, from the covariance of its coefficients.
+/// Standard uncertainty of a polynomial, °/s, at `distance_c` °C from its reference, from the covariance of its
+/// coefficients.
 #[must_use]
 pub fn u_dps(covariance: &[[f64; TERMS]; TERMS], distance_c: f64) -> f64 {
     let powers = [1.0, distance_c, distance_c * distance_c, distance_c * distance_c * distance_c];

@@ -86,7 +86,6 @@ impl Record<'_> {
         self.blocks.first().zip(self.blocks.last()).map_or(0.0, |(first, last)| last.end_s() - first.start_s)
     }
 
-    /// Lowest and highest temperature, °C.
     pub(super) fn span_c(&self) -> (f64, f64) {
         let temps = self.blocks.iter().map(|block| block.temp_c);
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
@@ -151,7 +150,6 @@ impl Record<'_> {
         columns.zip(&filtered.walk[1..]).map(less_walk).collect()
     }
 
-    /// Solves one order with one spread of its columns.
     fn solved(&self, order: usize, spread: Spread, filtered: &Filtered, steps: usize) -> Option<Solved> {
         let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..filtered.gram.len() - 1).collect();
         let precision = |column: usize| match column {

@@ -81,7 +81,6 @@ impl Drift {
         self.walk_dps2_per_s * seconds
     }
 
-    /// Returns the effect of a time step on the state of any filter.
     pub(super) fn over(&self, seconds: f64) -> Passing {
         let seconds = seconds.clamp(0.0, LONGEST_S) as f32;
         let decays = self.flicker_per_s.map(|rate| expf(-rate * seconds));
@@ -174,7 +173,6 @@ impl Filter {
         self.sum(&shape(d_c, 0.0), d_c, drift)
     }
 
-    /// Compares a mean at rest with its expected value.
     pub(super) fn innovation(&self, mean_dps: f32, length_s: f32, d_c: f32, drift: &Drift) -> Innovation {
         let (expected_dps, dps2) = self.sum(&shape(d_c, 1.0), d_c, drift);
         Innovation { dps: mean_dps - expected_dps, dps2: dps2 + drift.of_mean(length_s) }

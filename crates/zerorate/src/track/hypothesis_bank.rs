@@ -91,7 +91,6 @@ impl HypothesisBank {
         self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > 0.0)
     }
 
-    /// Advances all hypotheses by a time, s.
     pub(super) fn wait(&mut self, seconds: f64, drift: &Drift) {
         let passing = drift.over(seconds);
         for Hypothesis { before, sure, now, .. } in self.used() {
@@ -101,7 +100,6 @@ impl HypothesisBank {
         }
     }
 
-    /// Adds the square of `u_dps`, °/s, to the variance of the offset in all hypotheses.
     pub(super) fn inflate_bias_variance(&mut self, u_dps: f64) {
         for Hypothesis { before, sure, now, .. } in self.used() {
             for filter in [before, &mut sure.filter, &mut now.filter] {

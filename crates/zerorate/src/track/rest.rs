@@ -149,7 +149,6 @@ impl Quiet {
         Seen::Window
     }
 
-    /// Number of windows of the quiet period.
     pub(super) fn windows(&self) -> u32 {
         self.filled
     }

@@ -182,7 +182,6 @@ impl Record {
         self
     }
 
-    /// The same record with another value of [`Record::turns`].
     pub(super) fn turning_within(&self, turns: f64) -> Self {
         Self { logs: self.logs.clone(), steps: self.steps.clone(), turns, ..*self }
     }
@@ -199,7 +198,6 @@ impl Record {
         ((self.white() / libm::sqrt(2.0 * block_s)).max(LEAST_WHITE * self.scale), length_s)
     }
 
-    /// Makes the filter of each log for noise of this strength.
     pub(super) fn filters(&self, noise: &SlowNoise) -> Vec<Filter> {
         self.logs.iter().map(|log| self.filter(noise, log)).collect()
     }
@@ -215,7 +213,6 @@ impl Record {
         Filter::new(&noise, log.blocks())
     }
 
-    /// Returns the means of a log, followed by the columns of its model.
     pub(super) fn columns(&self, index: usize, following: &LagAndPlay) -> Columns {
         let log = &self.logs[index];
         let (low_c, high_c) = self.series.span_c();
@@ -248,7 +245,6 @@ impl Record {
         (0..self.logs.len()).map(|index| self.columns(index, following)).collect()
     }
 
-    /// The sums of products of the columns of all logs.
     pub(super) fn products(filters: &[Filter], columns: &[Columns]) -> Option<Products> {
         let mut sums: Option<Products> = None;
         for (filter, columns) in filters.iter().zip(columns) {
@@ -385,7 +381,6 @@ impl Record {
         }
     }
 
-    /// The steps, with their sizes in a model.
     pub(super) fn steps_of(&self, model: &Model) -> Vec<CurveStep> {
         let sizes = &model.all[model.all.len() - self.steps.len()..];
         let step = |(step, size): (&StepAt, &f64)| CurveStep { log: step.log, at_s: step.at_s, size: *size };
@@ -399,7 +394,6 @@ impl Record {
     }
 }
 
-/// Least pivot of the information matrix.
 const LEAST_PIVOT: f64 = 1e-14;
 
 /// The coefficients of a model, and its information matrix.

@@ -384,7 +384,7 @@ impl LogMeans {
         self.keep(|place| kept[place]);
     }
 
-    /// Keeps the blocks whose index fulfils a condition.
+    /// Keeps the blocks whose place in `blocks` fulfils a condition.
     pub(super) fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
         let kept = |values: usize| (0..values).map(&is_kept).collect::<Vec<bool>>();
         let mut which = kept(self.blocks.len()).into_iter();

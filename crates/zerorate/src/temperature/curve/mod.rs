@@ -326,7 +326,6 @@ fn has_two_directions(logs: &[LogMeans]) -> bool {
 /// Share of the temperature span of which the logs must cover more in each direction to count as having both.
 const SHARED: f64 = 0.25;
 
-/// The weighted mean over models.
 fn mean(models: &[Model], of: &dyn Fn(&Model) -> f64) -> f64 {
     models.iter().map(|model| model.weight * of(model)).sum()
 }

@@ -222,7 +222,7 @@ impl<'a> Search<'a> {
         self.best_pair(&all, &[following])
     }
 
-    /// The pair of noise and lag and play with the highest score. `None` if no score can be computed.
+    /// The noise, and the lag and play, with the highest score. `None` if no score can be computed.
     fn best_pair(&mut self, places: &[Place], followings: &[LagAndPlay]) -> Option<(Place, LagAndPlay)> {
         let mut best = (f64::NEG_INFINITY, None);
         for pair in places.iter().flat_map(|place| followings.iter().map(move |following| (*place, *following))) {

@@ -10,7 +10,6 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// Makes a series over the span of these temperatures.
     pub(super) fn over(temps_c: impl Iterator<Item = f64>) -> Self {
         let (low_c, high_c) = temps_c.fold((f64::MAX, f64::MIN), |(low, high), c| (low.min(c), high.max(c)));
         Self { low_c, high_c }
