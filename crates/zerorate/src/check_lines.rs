@@ -35,13 +35,12 @@ impl fmt::Display for Damage {
 /// The error text for a file that must have check lines and has none.
 pub(crate) const UNCHECKED: &str = "it has no check lines, so nothing shows whether it is whole";
 
-/// Writes a file: its header, the check lines, and the fields.
 pub(crate) fn file(header: &str, fields: &impl Serialize) -> String {
     // a struct of numbers, strings, arrays and tables always has a TOML form
     with_checks(header, &toml::to_string(fields).unwrap_or_default())
 }
 
-/// Writes a file from fields that are already TOML text.
+/// Returns the text of a file: its header, the check lines, and the fields, which are TOML text.
 pub(crate) fn with_checks(header: &str, fields: &str) -> String {
     [header, &lines_for(&[header, fields].concat()), fields].concat()
 }

@@ -61,7 +61,6 @@ impl Limits {
 }
 
 impl CalibrationForm {
-    /// Checks that every value is possible and belongs to the schema of the file.
     pub(super) fn check(&self, document: &Document<'_>) -> Result<(), EntryError> {
         let root = document.root();
         for (key, note) in [("ambient_note", &self.ambient_note), ("operator", &self.operator), ("host", &self.host)] {

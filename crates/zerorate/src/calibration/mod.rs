@@ -234,7 +234,6 @@ impl Notes {
         }
     }
 
-    /// Escapes control characters, so that each note stands on one line.
     fn one_line(self) -> Self {
         let one_line = |note: Option<String>| note.as_deref().map(one_line);
         Self {

@@ -62,7 +62,6 @@ struct Limits {
     slew_codes_per_us: u64,
     /// Difference that the loose rule allows for noise, codes.
     slew_noise_codes: u64,
-    /// Number of codes of the scale.
     span_codes: u64,
 }
 
@@ -128,7 +127,6 @@ pub(crate) enum Verdict {
     Unjudged,
 }
 
-/// Judges readings by their neighbours, two samples late.
 #[derive(Clone, Debug)]
 pub(crate) struct Plausible {
     limits: Option<Limits>,

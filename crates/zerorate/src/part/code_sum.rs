@@ -33,7 +33,6 @@ impl CodeSum {
         Self { from_zero: self.from_zero + other.from_zero, count: self.count + other.count }
     }
 
-    /// Subtracts a part of the sum.
     #[must_use]
     pub(crate) fn without(self, part: Self) -> Self {
         Self { from_zero: self.from_zero - part.from_zero, count: self.count - part.count }

@@ -105,7 +105,6 @@ impl Plan {
         steps_s.into_iter().map(ns).sum()
     }
 
-    /// Checks that every duration and limit is possible for a measurement on Earth.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         let numbers = [
             (Setting::Average, Some(self.average_s)),

@@ -113,7 +113,6 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The noise with which a curve was estimated.
     pub(crate) fn of_curve(curve: &BiasCurve) -> Self {
         let [flicker_measured, walk_measured] = curve.noise_told;
         Self { model: curve.noise, flicker_measured, walk_measured }
@@ -170,7 +169,6 @@ pub(crate) fn outcome_of_windows(seen: &Evidence<'_>) -> Result<Outcome<WindowWa
     outcome(seen, None, noise, |warnings| warnings)
 }
 
-/// Makes the input of the drift checks.
 fn question(seen: &Evidence<'_>) -> Result<SearchInput, Refusal> {
     let slope = Slope::new(seen)?;
     Ok(SearchInput {

@@ -65,7 +65,6 @@ impl Reached {
     }
 }
 
-/// Returns the uncertainties if the recording ended now.
 pub(crate) fn reached(seen: &Evidence<'_>, sums: &Blocks) -> Result<Reached, Refusal> {
     let Outcome { uncertainty, curve, .. } = outcome(seen, sums)?;
     let left_s = settles_in_s(&sums.seconds().collect::<Vec<_>>(), seen.axis.temp_margin_c());
@@ -225,7 +224,7 @@ impl Searched<'_> {
     }
 }
 
-/// Returns the times of suspected steps, s. The models of a curve decide whether they are steps.
+/// Returns the times of suspected steps, s.
 pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
     let found = hour.into_iter().flat_map(|hour| &hour.found);
     found

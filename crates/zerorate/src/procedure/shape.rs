@@ -5,7 +5,6 @@ use crate::noise::Window;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// A shape that a rate may have over a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
     /// A step from 0 to 1, most likely at `at_s`, and no earlier than `from_s` or later than `to_s`.

@@ -40,7 +40,6 @@ struct Step {
     variance: f64,
 }
 
-/// A whitened series.
 #[derive(Clone, Debug)]
 pub(super) struct White {
     /// The innovations in units of their standard deviations.
@@ -56,7 +55,6 @@ pub(super) struct Whites {
     gram: Vec<Vec<f64>>,
 }
 
-/// The result of the filter for several series.
 #[derive(Clone, Debug)]
 pub(super) struct Filtered {
     /// Sums of products of the whitened series: the lower triangle.
@@ -219,7 +217,6 @@ impl Covariance {
         }
     }
 
-    /// Factor by which each state decays over a time.
     fn decays(&self, time_s: f64) -> Vec<f64> {
         let left = self.processes.iter().map(|process| libm::exp(-process.rate_per_s * time_s));
         core::iter::once(1.0).chain(left).collect()
@@ -254,7 +251,6 @@ impl Process {
         Self { variance: sigma_dps * sigma_dps, rate_per_s: 1.0 / tau_s }
     }
 
-    /// Variance of a mean over a time.
     fn mean_variance(&self, length_s: f64) -> f64 {
         let x = self.rate_per_s * length_s;
         self.variance * 2.0 * (libm::expm1(-x) + x) / (x * x)

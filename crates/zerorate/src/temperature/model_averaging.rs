@@ -196,7 +196,6 @@ impl<'a> Lattice<'a> {
         self.paired(filter, noise, &paths, &motions)
     }
 
-    /// Scores each of the paths with each of the base motions.
     fn paired(&self, filter: &Filter, noise: (i32, i32), paths: &[Path], motions: &[Candidate]) -> Vec<(f64, Path)> {
         let whites: Vec<[White; 2]> = motions.iter().map(|motion| self.record.motion(filter, motion.hz)).collect();
         let with = |path: &Path| -> Vec<(f64, Path)> {
@@ -243,7 +242,6 @@ impl<'a> Lattice<'a> {
         self.score_of(filter, noise, path, &columns, motion.as_ref().map_or(&[], |motion| &motion[..]))
     }
 
-    /// Score of a path from its whitened columns.
     fn score_of(&self, filter: &Filter, noise: (i32, i32), path: &Path, columns: &Columns, motion: &[White]) -> f64 {
         let log_prior = self.log_prior(noise, path);
         let evidences = self.record.log_evidences(filter, columns, motion).into_iter();

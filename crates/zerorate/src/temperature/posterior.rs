@@ -50,7 +50,6 @@ pub(super) struct Record<'a> {
 
 /// Prior spread of a step, °/s: the effect of a supply that changes by some tenths of a volt (F-01).
 const STEP_DPS: f64 = 0.05;
-/// One combination of prior spreads of the columns.
 #[derive(Clone, Copy)]
 struct Spread {
     /// The bend of the bias over temperature, as a ratio of the typical one.

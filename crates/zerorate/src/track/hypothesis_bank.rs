@@ -108,7 +108,6 @@ impl HypothesisBank {
         }
     }
 
-    /// Takes in the next mean of the quiet period.
     pub(super) fn take(&mut self, mean: &Mean, drift: &Drift) {
         self.used().for_each(|it| it.now.take(mean, &it.before, drift));
         self.seconds += mean.length_s;

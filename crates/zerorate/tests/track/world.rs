@@ -235,7 +235,6 @@ pub struct Day {
     pub turning_s: f64,
 }
 
-/// Calibrates a unit, and tracks its bias for some hours of motion and rest.
 pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
     let mut unit = Unit::calibrated(spec);
     let mut tracker = Tracker::new(TrackerConfig::of(&Axis::ADIS16130, unit.correction, unit.prior));

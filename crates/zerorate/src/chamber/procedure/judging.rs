@@ -198,7 +198,6 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Change of the temperature since an average began, °C.
     fn moved_c(&self, first: usize) -> Option<f64> {
         Some(self.record.temp_c.last()? - self.record.temp_c.get(first)?)
     }

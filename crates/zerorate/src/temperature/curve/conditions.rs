@@ -43,7 +43,7 @@ pub(super) struct Conditions {
 }
 
 impl Conditions {
-    /// Finds the conditions of these logs. `None` if no model can be computed.
+    /// `None` if no model can be computed.
     pub(super) fn of(logs: &[LogMeans]) -> Option<Self> {
         let (mut record, mut model) = best(logs)?;
         let lag_s = model.following.lag_s;

@@ -29,8 +29,8 @@ pub(super) struct Record {
     log_start: f64,
     /// Whether no lag is tried, because the best one stands for another effect: a draught, or one of long duration.
     pub(super) without_lag: bool,
-    /// Share of the temperature span over which the bias passes from one branch of the hysteresis to the other after
-    /// the temperature has reversed.
+    /// Half of the share of the temperature span over which the bias passes from one branch of the hysteresis to the
+    /// other after the temperature has reversed.
     pub(super) turns: f64,
 }
 

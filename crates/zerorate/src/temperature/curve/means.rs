@@ -7,9 +7,10 @@ use alloc::vec::Vec;
 
 /// Number of parts of a block. The parts show the course of the temperature within the block, and the white noise.
 const PARTS: usize = 8;
-/// Number of blocks of a log. A short log has fewer, because a block lasts at least [`SHORTEST_S`].
+/// Approximate number of blocks of a log. A short log has fewer, because a block has at least [`SHORTEST_S`] and eight
+/// samples.
 const BLOCKS: f64 = 900.0;
-/// Shortest block, s.
+/// Shortest block, s, before the number of samples in each of its parts is rounded.
 const SHORTEST_S: f64 = 1.0;
 /// Share of its samples that a block must have at least.
 const LEAST_SAMPLES: f64 = 0.5;
@@ -444,7 +445,6 @@ impl LogMeans {
         tells && self.start_c_per_s().abs() * START_S > CHANGES * (high_c - low_c)
     }
 
-    /// Change of the temperature at the start of the log, °C/s.
     pub(super) fn start_c_per_s(&self) -> f64 {
         let part_s = self.length_s / PARTS as f64;
         let later = ((START_S / part_s) as usize).max(PARTS).min(self.parts_c.len() - 1);
