@@ -2,7 +2,6 @@
 
 use super::record::{Record, Soak};
 use super::refusal::ChamberRefusal;
-use crate::correction::Correction;
 use crate::noise::WeightedMean;
 use crate::notice::Warning;
 use crate::part::{Axis, NamedAxis, Part};
@@ -137,7 +136,8 @@ impl Record {
             rate_dps + curve.correction.at(temp_c) - curve.disturbed_dps(&block)
         };
         let soak_residuals_dps = self.soaks.iter().map(left).collect();
-        let branches = branches(&residuals, block_s(&blocks), &curve);
+        let length_s = blocks.first().map_or(1.0, |block| block.length_s);
+        let branches = branches(&residuals, length_s, &curve);
         Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
     }
 
@@ -173,10 +173,6 @@ impl Record {
         }
         blocks
     }
-}
-
-fn block_s(blocks: &[Block]) -> f64 {
-    blocks.first().map_or(1.0, |block| block.length_s)
 }
 
 /// One-sided density d of the white noise, °/s/√Hz, from the median absolute difference of adjacent seconds. The
@@ -225,7 +221,9 @@ fn branches(residuals: &[Residual], length_s: f64, curve: &BiasCurve) -> Option<
     let (first, last) = (shared.first()?.0, shared.last()?.0);
     let share = |residual: &Residual| {
         let (_, up, down) = *shared.iter().find(|(of, ..)| *of == bin(residual))?;
-        let one = if rises(&curve.correction, residual.temp_c) { 0.5 } else { -0.5 } / shared.len() as f64;
+        // where the bias rises, the correction falls
+        let falls = curve.correction.slope_dps_per_c(residual.temp_c - curve.correction.t3_c) < 0.0;
+        let one = if falls { 0.5 } else { -0.5 } / shared.len() as f64;
         Some(if residual.warming? { -one / up as f64 } else { one / down as f64 })
     };
     let parts = residuals.iter().filter_map(|residual| Some(share(residual)? * residual.residual_dps));
@@ -250,12 +248,4 @@ fn windows(residuals: &[Residual], length_s: f64, share: impl Fn(&Residual) -> O
         }
     }
     windows.into_iter().map(|(_, window)| window).collect()
-}
-
-/// Whether the bias rises with the temperature, so that the correction falls.
-fn rises(correction: &Correction, temp_c: f64) -> bool {
-    let d = temp_c - correction.t3_c;
-    let slope =
-        correction.btc_dps_per_c + d * (2.0 * correction.btc2_dps_per_c2 + d * 3.0 * correction.btc3_dps_per_c3);
-    slope < 0.0
 }
