@@ -101,14 +101,6 @@ struct AxisForm {
     rate_dps: Vec<f64>,
 }
 
-/// The identity of a measurement. A saved text must agree with every field.
-pub(super) struct Identity<'a> {
-    plan_text: &'a str,
-    part: &'a Part,
-    device: &'a str,
-    serial: &'a str,
-}
-
 impl Saved {
     /// Writes the text. `device` and `serial` identify the measured unit, and `plan_text` is the file of the plan.
     #[must_use]
@@ -146,7 +138,7 @@ impl Saved {
         if !is_checked {
             return Err(SavedError::Unchecked);
         }
-        form.is_of(&Identity { plan_text, part, device, serial })?;
+        form.is_of(plan_text, part, device, serial)?;
         form.is_possible(part)?;
         let at_rest: Vec<bool> = form.at_rest.chars().map(|digit| digit == '1').collect();
         let len = form.start_s.len();
@@ -209,30 +201,26 @@ impl SavedForm {
             ("rates", self.soak.iter().all(soaks_dps)),
             ("marks of rest", self.at_rest.chars().all(|digit| matches!(digit, '0' | '1'))),
         ];
-        match checks.into_iter().find(|(_, is_possible)| !is_possible) {
-            Some((what, _)) => Err(SavedError::Impossible { what }),
-            None => Ok(()),
-        }
+        let impossible = checks.into_iter().find(|(_, is_possible)| !is_possible);
+        impossible.map_or(Ok(()), |(what, _)| Err(SavedError::Impossible { what }))
     }
 
-    fn is_of(&self, wanted: &Identity<'_>) -> Result<(), SavedError> {
+    fn is_of(&self, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<(), SavedError> {
         let axes = |names: &mut dyn Iterator<Item = &str>| names.collect::<Vec<_>>().join(", ");
         let pairs = [
             ("version", self.schema.to_string(), SCHEMA.to_string()),
-            ("plan", self.plan_sha256.clone(), sha256_hex(wanted.plan_text)),
-            ("part", self.part.clone(), wanted.part.name.to_string()),
-            ("device", self.device.clone(), wanted.device.to_string()),
-            ("serial number", self.serial.clone(), wanted.serial.to_string()),
+            ("plan", self.plan_sha256.clone(), sha256_hex(plan_text)),
+            ("part", self.part.clone(), part.name.to_string()),
+            ("device", self.device.clone(), device.to_string()),
+            ("serial number", self.serial.clone(), serial.to_string()),
             (
                 "set of axes",
                 axes(&mut self.axis.iter().map(|axis| axis.name.as_str())),
-                axes(&mut wanted.part.axes.iter().map(|axis| axis.name.as_ref())),
+                axes(&mut part.axes.iter().map(|axis| axis.name.as_ref())),
             ),
         ];
-        match pairs.into_iter().find(|(_, saved, wanted)| saved != wanted) {
-            Some((what, saved, wanted)) => Err(SavedError::Other { what, saved, wanted }),
-            None => Ok(()),
-        }
+        let other = pairs.into_iter().find(|(_, saved, wanted)| saved != wanted);
+        other.map_or(Ok(()), |(what, saved, wanted)| Err(SavedError::Other { what, saved, wanted }))
     }
 }
 
