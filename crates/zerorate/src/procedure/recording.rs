@@ -141,20 +141,12 @@ pub(crate) fn outcome(seen: &Evidence<'_>, sums: &Blocks) -> Result<Outcome, Ref
     let (low_c, high_c) = summary.temp_range_c;
     let searched = Searched {
         axis: seen.axis,
-        white_dps_per_rt_hz: white_density(&summary),
+        white_dps_per_rt_hz: stationarity::white_density(summary.rates),
         times_s: (summary.start_s, summary.end_s),
         span_c: high_c - low_c,
     };
     let hour = searched.findings(&seconds);
-    let suspects = Suspects {
-        steps_s: steps_s(hour.as_ref()),
-        motions_hz: motions_hz(summary.end_s - summary.start_s, hour.as_ref()),
-    };
-    let first = curve(seen, white_density(&summary), &[], &summary, &seconds, &suspects)?;
-    let mut curve = match own_noise(sums, &first) {
-        Some((white, terms)) => curve(seen, white, &terms, &summary, &seconds, &suspects)?,
-        None => first,
-    };
+    let mut curve = curve(seen, sums, &summary, &seconds, hour.as_ref())?;
     curve.correction.pbc_dps += seen.plan.earth_dps.unwrap_or(0.0);
     accept(seen, &curve, hour.as_ref())?;
     let (tally, (temp_min_c, temp_max_c)) = (seen.tally, summary.temp_range_c);
@@ -232,13 +224,6 @@ pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
         .collect()
 }
 
-/// Suspected steps and base motions in a recording. The models of the curve decide whether they are real.
-#[derive(Clone, Debug, Default)]
-struct Suspects {
-    steps_s: Vec<f64>,
-    motions_hz: Vec<f64>,
-}
-
 /// Cycles per recording of the slowest and of the fastest base motion that is always tried.
 const SLOW_CYCLES: (f64, f64) = (0.25, 4.0);
 /// Ratio of adjacent frequencies of the base motions that are always tried.
@@ -284,27 +269,32 @@ fn own_noise(_: &Blocks, _: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     None
 }
 
+/// Fits a curve under the white noise of adjacent blocks, and again under the recording's own noise, if that is known.
+/// The models of the curve decide whether the suspected steps and base motions are real.
 fn curve(
     seen: &Evidence<'_>,
-    white_dps_per_rt_hz: f64,
-    gauss_markov: &[(f64, f64)],
+    sums: &Blocks,
     summary: &Summary,
     seconds: &[Second],
-    suspects: &Suspects,
+    hour: Option<&Findings>,
 ) -> Result<BiasCurve, Refusal> {
-    let window = State::Recording;
-    let too_few = |samples| Refusal::TooFew { window, samples, needed: 80 };
-    let t3_c = final_temp_c(seconds).ok_or(seen.tally.no_temperature(window))?;
+    let (window, samples) = (State::Recording, summary.samples);
+    let (steps_s, motions_hz) = (steps_s(hour), motions_hz(summary.end_s - summary.start_s, hour));
     let assumed = Assumed {
         axis: seen.axis,
-        white_dps_per_rt_hz,
-        gauss_markov,
-        steps_s: &suspects.steps_s,
-        motions_hz: &suspects.motions_hz,
+        white_dps_per_rt_hz: stationarity::white_density(summary.rates),
+        gauss_markov: &[],
+        steps_s: &steps_s,
+        motions_hz: &motions_hz,
         max_order: if seen.plan.assume_linear { 1 } else { temperature::TERMS - 1 },
-        t3_c,
+        t3_c: final_temp_c(seconds).ok_or(seen.tally.no_temperature(window))?,
     };
-    temperature::fit(&blocks(seconds), &assumed).map_err(|_| too_few(summary.samples))
+    let blocks = blocks(seconds);
+    let too_few = |_| Refusal::TooFew { window, samples, needed: 80 };
+    let first = temperature::fit(&blocks, &assumed).map_err(too_few)?;
+    let Some((white_dps_per_rt_hz, terms)) = own_noise(sums, &first) else { return Ok(first) };
+    let assumed = Assumed { white_dps_per_rt_hz, gauss_markov: &terms, ..assumed };
+    temperature::fit(&blocks, &assumed).map_err(too_few)
 }
 
 /// Takes the uncertainties of PBC and BTC from a curve. The others were not measured, and are zero.
@@ -328,10 +318,6 @@ fn uncertainty_of(curve: &BiasCurve) -> Uncertainty {
 /// T3: the mean temperature of the last second, as in step 9 of F-51.
 fn final_temp_c(seconds: &[Second]) -> Option<f64> {
     seconds.last().map(|second| second.temp_c)
-}
-
-fn white_density(summary: &Summary) -> f64 {
-    stationarity::white_density(summary.rates)
 }
 
 /// Puts the seconds into blocks of one length. Blocks with less than half of their seconds are left out.
