@@ -394,7 +394,7 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
         turning(axis, curve.correction.pbc_dps),
         when(hour.is_none(), Warning::HourUnchecked),
         plan.target_dps.filter(|target| u_dps > *target).map(|target_dps| Warning::TargetMissed { u_dps, target_dps }),
-        when(plan.method == Method::Warmup, branch(axis)),
+        when(plan.method == Method::Warmup, Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }),
         when(
             curve.is_late && curve.following.lag_s > LAG_WORTH_SAYING_S,
             Warning::Late { lag_s: curve.following.lag_s },
@@ -414,8 +414,3 @@ pub(crate) fn taken_out(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
 
 /// Shortest lag with a warning, s. A shorter one moves a bias by less than its uncertainty.
 const LAG_WORTH_SAYING_S: f64 = 5.0;
-
-/// The warning that a warm-up shows only one branch of the hysteresis.
-fn branch(axis: &Axis) -> Warning {
-    Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }
-}
