@@ -387,11 +387,9 @@ impl LogMeans {
 
     /// Keeps the blocks whose place in `blocks` fulfils a condition.
     pub(super) fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
-        let kept = |values: usize| (0..values).map(&is_kept).collect::<Vec<bool>>();
-        let mut which = kept(self.blocks.len()).into_iter();
-        self.blocks.retain(|_| which.next() == Some(true));
-        let mut which = kept(self.indices.len()).into_iter();
-        self.indices.retain(|_| which.next() == Some(true));
+        let kept: Vec<usize> = (0..self.blocks.len()).filter(|place| is_kept(*place)).collect();
+        self.blocks = kept.iter().map(|place| self.blocks[*place]).collect();
+        self.indices = kept.iter().map(|place| self.indices[*place]).collect();
     }
 
     /// The temperature that the bias follows, for each block, °C. `was_on` is whether the sensor was on before the log
