@@ -136,6 +136,12 @@ impl BiasCurve {
         libm::sqrt(self.covariance[1][1])
     }
 
+    /// Standard uncertainty of the correction at a temperature, °/s.
+    #[must_use]
+    pub fn u_dps(&self, temp_c: f64) -> f64 {
+        u_dps(&self.covariance, temp_c - self.correction.t3_c)
+    }
+
     /// Effect of the removed steps and base motion on the mean over a block, relative to the level at the end, °/s.
     pub(crate) fn disturbed_dps(&self, block: &Block) -> f64 {
         let stepped = |step: &Step| step.size_dps * (block.share_after(step.at_s) - 1.0);
@@ -460,14 +466,6 @@ fn base_motion(models: &[Weighed]) -> Option<BaseMotion> {
     let (model, hz) = with().max_by(|a, b| a.0.weight.total_cmp(&b.0.weight))?;
     let [sine_dps, cosine_dps] = model.posterior.motion_dps;
     (weight > 0.5).then_some(BaseMotion { hz, sine_dps, cosine_dps })
-}
-
-impl BiasCurve {
-    /// Standard uncertainty of the correction at a temperature, °/s.
-    #[must_use]
-    pub fn u_dps(&self, temp_c: f64) -> f64 {
-        u_dps(&self.covariance, temp_c - self.correction.t3_c)
-    }
 }
 
 /// Standard uncertainty of a polynomial, °/s, at `distance_c` °C from its reference, from the covariance of its
