@@ -5,7 +5,6 @@ use super::filter::{Filter, Filtered, White, Whites};
 use super::follow::Held;
 use super::gls::whitener;
 use super::{Block, LagAndPlay, TERMS};
-use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 use zerorate_allan::linear::Cholesky;
@@ -188,7 +187,9 @@ struct Solved {
 impl Solved {
     fn posterior(self, filtered: &Filtered, constants: &[Powers]) -> Posterior {
         let Self { order, steps, columns, information, sizes, log_evidence } = self;
-        let inverse: Vec<Vec<f64>> = (0..columns.len()).map(|k| information.solve(unit(k, columns.len()))).collect();
+        let count = columns.len();
+        let unit = |k: usize| (0..count).map(move |other| f64::from(u8::from(other == k)));
+        let inverse: Vec<Vec<f64>> = (0..count).map(|k| information.solve(unit(k))).collect();
         let mut bias = [0.0; TERMS];
         bias[0] = filtered.walk[0];
         let mut covariance = [[0.0; TERMS]; TERMS];
@@ -217,10 +218,4 @@ fn from_motion(inverse: &[Vec<f64>], motions: usize, constants: impl Fn(usize) -
         inverse.iter().enumerate().map(|(column, row)| constants(column)[k] * row[motion]).sum::<f64>()
     };
     core::array::from_fn(|k| own.whiten((motions..inverse.len()).map(|row| with(k, row))).iter().map(|x| x * x).sum())
-}
-
-fn unit(index: usize, length: usize) -> Vec<f64> {
-    let mut unit = vec![0.0; length];
-    unit[index] = 1.0;
-    unit
 }
