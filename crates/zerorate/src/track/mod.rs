@@ -43,11 +43,10 @@ use crate::part::Axis;
 use estimate::Estimate;
 use filter::Drift;
 use hypothesis_bank::HypothesisBank;
-use rest::{MOST_LATE, Quiet, Seen};
+use rest::{BLOCKS_PER_S, MOST_LATE, Quiet, Seen};
 
 /// Number of windows in a mean that is learned from: 16 s.
 const WINDOWS_PER_MEAN: u32 = 4;
-const BLOCKS_PER_S: u32 = 10;
 
 /// The configuration of a tracker: the calibration, the part's noise, and the limits of the tracking.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,8 +8,7 @@ use libm::sqrt;
 
 /// Length of the means that a tracker takes in, s.
 pub const BLOCK_S: f64 = 0.1;
-/// Number of blocks in a second.
-const BLOCKS: u32 = 10;
+pub(super) const BLOCKS_PER_S: u32 = 10;
 /// Length of a window, whose mean is kept, s.
 pub(super) const WINDOW_S: u32 = 4;
 /// Number of windows that are kept: 32 for the longest test of [`STEPS`], and 32 that `mod.rs` may not have used yet.
@@ -101,7 +100,7 @@ impl Quiet {
         self.squares_dps2 += shifted * shifted;
         self.temps_c += d_c;
         self.blocks += 1;
-        if self.blocks < BLOCKS { Seen::Open } else { self.second() }
+        if self.blocks < BLOCKS_PER_S { Seen::Open } else { self.second() }
     }
 
     /// Begins another quiet period, in which no earlier block counts.
@@ -115,7 +114,7 @@ impl Quiet {
     }
 
     fn second(&mut self) -> Seen {
-        let count = BLOCKS as f32;
+        let count = BLOCKS_PER_S as f32;
         let (mean_dps, mean_c) = (self.first_dps + self.shifted_dps / count, self.temps_c / count);
         let spread_dps2 = self.squares_dps2 - self.shifted_dps * self.shifted_dps / count;
         self.blocks = 0;
