@@ -13,8 +13,6 @@ use alloc::vec::Vec;
 const NEGLIGIBLE: f64 = 6.0;
 /// Number of lattice steps in a decade of noise.
 const PER_DECADE: f64 = 4.0;
-/// Number of lattice steps from one noise to the next in the search.
-const FINE: i32 = 1;
 /// First and last lattice step of the bias instability B. At step 0, B equals the white noise of a mean.
 const B_STEPS: (i32, i32) = (-4, 12);
 /// First and last lattice step of the random walk K. At step 0, the walk over a log equals the white noise of a mean.
@@ -299,7 +297,7 @@ impl<'a> Search<'a> {
             scores.insert(place, score);
             best = best.max(score);
             if score > best - NEGLIGIBLE {
-                open.extend([(b - FINE, k), (b + FINE, k), (b, k - FINE), (b, k + FINE)]);
+                open.extend([(b - 1, k), (b + 1, k), (b, k - 1), (b, k + 1)]);
             }
         }
         let mut all: Vec<(Place, f64)> = scores.into_iter().filter(|(_, score)| *score > best - NEGLIGIBLE).collect();
