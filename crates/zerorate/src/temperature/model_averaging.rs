@@ -337,8 +337,8 @@ fn evidence<T>(scored: &[(f64, T)]) -> f64 {
     log_sum(&scored.iter().map(|(score, _)| *score).collect::<Vec<f64>>())
 }
 
-/// Returns ln Σ exp of the values.
-fn log_sum(values: &[f64]) -> f64 {
+/// Returns ln Σ exp of the values: −∞ if there are none.
+pub(super) fn log_sum(values: &[f64]) -> f64 {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if most == f64::NEG_INFINITY {
         return most;

@@ -5,6 +5,7 @@ use super::evidence::{Columns, Model, PriorSpreads, Products, Record, SlowNoise,
 use super::lag::{LagLikelihood, LagPrior};
 use crate::temperature::filter::Filter;
 use crate::temperature::follow::LagAndPlay;
+use crate::temperature::model_averaging::log_sum;
 use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -152,11 +153,6 @@ fn values(scored: Vec<(f64, f64)>) -> Vec<f64> {
     scored.into_iter().map(|(value, _)| value).collect()
 }
 
-fn log_sum(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    let best = values.clone().fold(f64::NEG_INFINITY, f64::max);
-    best + libm::log(values.map(|value| libm::exp(value - best)).sum::<f64>())
-}
-
 impl<'a> Search<'a> {
     fn new(record: &'a Record, others: &'a [&'a LagLikelihood]) -> Self {
         let (white, length_s) = record.white_of_mean();
@@ -249,8 +245,7 @@ impl<'a> Search<'a> {
             Some(log_prior + self.record.solve_shape(&products, shape)?.log_evidence)
         };
         let scores: Vec<f64> = self.shapes.iter().filter_map(score).collect();
-        let all = if scores.is_empty() { f64::NEG_INFINITY } else { log_sum(scores.iter().copied()) };
-        all + self.lag.log_factor(following.lag_s)
+        log_sum(&scores) + self.lag.log_factor(following.lag_s)
     }
 
     /// Adds values near the best one, between neighbours whose evidence differs too much. Returns each value with its
