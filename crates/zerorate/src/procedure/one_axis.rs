@@ -274,10 +274,7 @@ impl<S: WindowSums> Procedure<S> {
         if self.tally.lacks_temperature() && self.now_ns >= TEMPERATURE_NS {
             return Err(self.tally.no_temperature(self.state));
         }
-        match self.health.frozen() {
-            None => Ok(()),
-            Some(frozen) => Err(self.frozen(frozen)),
-        }
+        self.health.frozen().map_or(Ok(()), |frozen| Err(self.frozen(frozen)))
     }
 
     fn judge_waiting(&mut self, keep: u64) {
@@ -378,10 +375,7 @@ impl<S: WindowSums> Procedure<S> {
     }
 
     fn temperature_was_read(&self) -> Result<(), Refusal> {
-        match self.sums.summary(self.state).temp_c {
-            None => Err(self.tally.no_temperature(self.state)),
-            Some(_) => Ok(()),
-        }
+        self.sums.summary(self.state).temp_c.map(|_| ()).ok_or(self.tally.no_temperature(self.state))
     }
 }
 
