@@ -13,7 +13,8 @@ use super::refusal::ChamberRefusal;
 use super::states::{ChamberState, To, Until};
 use crate::health::block_means::BLOCK_NS;
 use crate::health::{Flags, Health, Judged, Tally};
-use crate::part::{Axis, CodeSum, NamedAxis, Part, Scan};
+use crate::part::{Axis, NamedAxis, Part, Scan};
+use crate::procedure::Block;
 
 use alloc::vec::Vec;
 
@@ -50,13 +51,6 @@ pub struct ChamberProgress {
 /// Largest allowed share of the time in which the part is not at rest.
 const MAX_RESTLESS: f64 = 0.1;
 const SECOND_NS: u64 = 10 * BLOCK_NS;
-
-/// Sums of the codes of one axis over a block of 0.1 s.
-#[derive(Clone, Copy, Debug, Default)]
-struct Block {
-    rate: CodeSum,
-    temp: CodeSum,
-}
 
 /// State of one axis: its health checks, the second that is being filled, and the blocks from which rest is judged.
 #[derive(Clone, Debug)]
@@ -352,13 +346,7 @@ impl ChamberProcedure {
     #[inline]
     fn push(&mut self, index: usize, at_ns: u64, judged: &Judged) {
         let state = &mut self.axes[index];
-        let block = &mut state.second[(at_ns % SECOND_NS / BLOCK_NS) as usize];
-        if let Some(rate) = judged.rate() {
-            block.rate.push(rate);
-        }
-        if let Some(temp) = judged.temp() {
-            block.temp.push(temp);
-        }
+        state.second[(at_ns % SECOND_NS / BLOCK_NS) as usize].push(judged);
         self.present.out_of_range |= judged.flags.has(Flags::OUT_OF_RANGE);
     }
 
@@ -367,13 +355,10 @@ impl ChamberProcedure {
         let mut means = Vec::with_capacity(self.axes.len());
         for state in &mut self.axes {
             let AxisState { axis, second, blocks, .. } = state;
-            let sum =
-                |all: Block, block: &Block| Block { rate: all.rate.and(block.rate), temp: all.temp.and(block.temp) };
-            let all = second.iter().fold(Block::default(), sum);
-            let (rate_dps, temp_c) = (all.rate.mean(&axis.rate), all.temp.mean(&axis.temp));
+            let all = Block::merged(second.iter());
+            let (rate_dps, temp_c) = (all.rate_dps(axis), all.temp_c(axis));
             for block in core::mem::take(second) {
-                let temp_c = block.temp.mean(&axis.temp).or(temp_c);
-                blocks.extend(block.rate.mean(&axis.rate).zip(temp_c));
+                blocks.extend(block.rate_dps(axis).zip(block.temp_c(axis).or(temp_c)));
             }
             means.extend(rate_dps.zip(temp_c));
         }

@@ -74,23 +74,34 @@ impl WindowSums for Blocks {
     }
 }
 
+/// Sums of the codes of one axis over a block of 0.1 s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Block {
+pub(crate) struct Block {
     rate: CodeSum,
     temp: CodeSum,
 }
 
 impl Block {
-    fn merged<'a>(blocks: impl IntoIterator<Item = &'a Block>) -> Block {
+    #[inline]
+    pub(crate) fn push(&mut self, judged: &Judged) {
+        if let Some(rate) = judged.rate() {
+            self.rate.push(rate);
+        }
+        if let Some(temp) = judged.temp() {
+            self.temp.push(temp);
+        }
+    }
+
+    pub(crate) fn merged<'a>(blocks: impl IntoIterator<Item = &'a Block>) -> Block {
         let add = |all: Block, block: &Block| Block { rate: all.rate.and(block.rate), temp: all.temp.and(block.temp) };
         blocks.into_iter().fold(Block::default(), add)
     }
 
-    fn rate_dps(&self, axis: &Axis) -> Option<f64> {
+    pub(crate) fn rate_dps(&self, axis: &Axis) -> Option<f64> {
         self.rate.mean(&axis.rate)
     }
 
-    fn temp_c(&self, axis: &Axis) -> Option<f64> {
+    pub(crate) fn temp_c(&self, axis: &Axis) -> Option<f64> {
         self.temp.mean(&axis.temp)
     }
 }
@@ -141,13 +152,7 @@ impl Segment {
         if index >= self.blocks.len() {
             self.blocks.resize(index + 1, Block::default());
         }
-        let block = &mut self.blocks[index];
-        if let Some(rate) = judged.rate() {
-            block.rate.push(rate);
-        }
-        if let Some(temp) = judged.temp() {
-            block.temp.push(temp);
-        }
+        self.blocks[index].push(judged);
         self.samples += 1;
         self.lost += u64::from(judged.reading.lost);
         self.overranged += u64::from(judged.flags.has(Flags::OUT_OF_RANGE));

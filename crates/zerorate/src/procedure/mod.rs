@@ -16,6 +16,6 @@ pub use estimate::{Measured, Noise, Outcome, WindowWarnings};
 pub use one_axis::{Action, Event, FixedProcedure, Procedure, Progress};
 pub use recording::{Forecast, Reached};
 
-pub(crate) use blocks::Second;
+pub(crate) use blocks::{Block, Second};
 pub(crate) use estimate::turning;
 pub(crate) use recording::{Searched, motions_hz, steps_s, taken_out};
