@@ -170,9 +170,22 @@ fn square(x: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::part::Axis;
+
+    /// Standard normal numbers: sums of twelve uniform ones.
+    pub(crate) struct Normal(pub(crate) u64);
+
+    impl Normal {
+        pub(crate) fn next(&mut self) -> f64 {
+            let mut uniform = || {
+                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (self.0 >> 11) as f64 / (1u64 << 53) as f64
+            };
+            (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+        }
+    }
 
     fn only(white: f64, b: f64, k: f64) -> NoiseModel {
         NoiseModel { white_dps_per_rt_hz: white, bias_instability_dps: b, rate_random_walk_dps_per_rt_s: k }

@@ -190,6 +190,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::tests::Normal;
 
     const WHITE_DPS_PER_RT_HZ: f64 = 0.0125;
 
@@ -197,15 +198,11 @@ mod tests {
         super::judge(&Axis::ADIS16130, rates_dps, temp_slope_c_per_s)
     }
 
-    /// Block means of white noise with the density of F-02. Each is the sum of twelve uniform random numbers.
+    /// Block means of white noise with the density of F-02.
     fn at_rest(blocks: usize, seed: u64) -> Vec<f64> {
         let sd = WHITE_DPS_PER_RT_HZ / (2.0 * BLOCK_S).sqrt();
-        let mut state = seed * 2 + 1;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..blocks).map(|_| sd * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0)).collect()
+        let mut random = Normal(seed * 2 + 1);
+        (0..blocks).map(|_| sd * random.next()).collect()
     }
 
     fn with(mut rates: Vec<f64>, add: impl Fn(f64) -> f64) -> Vec<f64> {

@@ -390,20 +390,16 @@ fn add_square(covariances: &mut [Vec<f64>], column: &[f64], sd: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::tests::Normal;
 
     /// A short version of the hour of F-51: 1000 s in which the part warms by 8 °C, with the white noise of F-02 and
     /// the rate that `add` gives for each second.
     fn record(seed: u32, add: impl Fn(f64) -> f64) -> Vec<Second> {
-        let mut state = u64::from(seed) * 2 + 1;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let mut random = Normal(u64::from(seed) * 2 + 1);
         let second = |k: u32| {
             let at_s = f64::from(k);
             let temp_c = 33.0 - 8.0 * libm::exp(-at_s / 200.0);
-            Second { at_s, rate_dps: 0.04 * temp_c + 0.0088 * normal() + add(at_s), temp_c }
+            Second { at_s, rate_dps: 0.04 * temp_c + 0.0088 * random.next() + add(at_s), temp_c }
         };
         (0..1000).map(second).collect()
     }

@@ -1,6 +1,7 @@
 //! Tests the estimator on simulated logs whose bias curve is known.
 
 use super::*;
+use crate::noise::tests::Normal;
 use std::vec;
 
 const RATE_HZ: f64 = 10.0;
@@ -78,19 +79,6 @@ fn means(samples: &[(f64, f64)]) -> LogMeans {
     let mut builder = MeansBuilder::new(samples.len(), RATE_HZ);
     samples.iter().for_each(|(rate, temp_c)| builder.push(*rate, *temp_c));
     builder.finish()
-}
-
-/// Standard normal numbers: sums of twelve uniform ones.
-struct Normal(u64);
-
-impl Normal {
-    fn next(&mut self) -> f64 {
-        let mut uniform = || {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    }
 }
 
 fn curve(logs: Vec<LogMeans>) -> LogCurve {
