@@ -5,7 +5,7 @@ mod outcome;
 use outcome::outcome;
 use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Notes, Origin};
 use zerorate::track::TrackerConfig;
-use zerorate::{Axis, Correction, Outcome, Part, Warning};
+use zerorate::{Axis, Correction, Part};
 
 fn origin() -> Origin {
     Origin {
@@ -25,15 +25,6 @@ fn measured() -> Calibration {
 
 fn error(text: &str) -> FileError {
     Calibration::parse(text).expect_err("must be refused")
-}
-
-/// The reader of a file may use another front end, whose settings have other names.
-#[test]
-fn a_warning_in_the_file_names_no_setting() {
-    let outcome = Outcome { warnings: vec![Warning::EarthIncluded], ..outcome() };
-    let calibration = Calibration::new(&Part::ADIS16130, &[outcome], origin());
-    let warning = "earth-included: Earth rotation (up to 0.00418 °/s) is part of PBC; give its component";
-    assert_eq!(calibration.warnings, [warning]);
 }
 
 #[test]
