@@ -190,14 +190,6 @@ fn mistakes_are_named_with_their_line() {
     assert!(missing.to_string().contains("t3_c"), "{missing}");
 }
 
-#[test]
-fn the_id_follows_the_numbers() {
-    let other = BY_HAND.replace("31.5", "31.25");
-    let id = |text| Calibration::parse(text).unwrap().0.id();
-    assert_ne!(id(BY_HAND), id(other.as_str()));
-    assert_eq!(id(BY_HAND).len(), 12);
-}
-
 /// Computes u² by hand, with the numbers of `measured` at 2 °C above T3: 0.0026² + 4 · 0.0048² + 2 · 2 · 1e-8.
 #[test]
 fn the_uncertainty_of_a_correction_is_propagated() {
