@@ -101,31 +101,23 @@ fn a_hand_written_file_is_read_with_a_warning() {
     assert_eq!(warnings, [FileWarning::NoChecksum]);
 }
 
-const CURVED: &str = "schema = 3
-part = \"ADIS16130\"
-[correction]
-pbc_dps = -0.25
-btc_dps_per_c = -0.04
-t3_c = 31.5
-btc2_dps_per_c2 = 0.0005
-btc3_dps_per_c3 = -1e-6
-";
-
 /// The terms of a curve need schema 3. Without them the file has schema 1. Each term changes the id.
 #[test]
 fn a_curve_is_schema_3() {
-    let (curved, _) = Calibration::parse(CURVED).unwrap();
+    let terms = "btc2_dps_per_c2 = 0.0005\nbtc3_dps_per_c3 = -1e-6\n";
+    let by_hand = BY_HAND.replace("schema = 1", "schema = 3") + terms;
+    let (curved, _) = Calibration::parse(&by_hand).unwrap();
     let line = Correction::line(-0.25, -0.04, 31.5);
     let curve = Correction { btc2_dps_per_c2: 0.0005, btc3_dps_per_c3: -1e-6, ..line };
     assert_eq!((curved.axes[0].correction, curved.schema(), curved.is_plain()), (curve, 3, true));
     let text = curved.to_toml();
     assert!(text.contains("\nschema = 3\n") && text.contains("\n[correction]\n"), "{text}");
     assert_eq!(Calibration::parse(&text).unwrap(), (curved.clone(), Vec::new()));
-    let (straight, _) = Calibration::parse(&CURVED.replace("0.0005", "0").replace("-1e-6", "0")).unwrap();
+    let (straight, _) = Calibration::parse(&by_hand.replace("0.0005", "0").replace("-1e-6", "0")).unwrap();
     assert_eq!(straight, Calibration::parse(BY_HAND).unwrap().0);
     assert_eq!(straight.schema(), 1);
     assert!(!straight.to_toml().contains("btc2"));
-    let id = |from: &str, to: &str| Calibration::parse(&CURVED.replace(from, to)).unwrap().0.id();
+    let id = |from: &str, to: &str| Calibration::parse(&by_hand.replace(from, to)).unwrap().0.id();
     let ids = [straight.id(), id("", ""), id("0.0005", "0.0006"), id("-1e-6", "-2e-6")];
     assert!((1..ids.len()).all(|k| !ids[..k].contains(&ids[k])), "{ids:?}");
     for (from, to, line, said) in [
@@ -134,7 +126,7 @@ fn a_curve_is_schema_3() {
         ("0.0005", "11", 7, "btc2_dps_per_c2 must be a number within ±10 °/s/°C²"),
         ("-1e-6", "nan", 8, "btc3_dps_per_c3 must be a number within ±10 °/s/°C³"),
     ] {
-        let error = error(&CURVED.replace(from, to)).to_string();
+        let error = error(&by_hand.replace(from, to)).to_string();
         assert!(error.starts_with(&format!("line {line}: ")) && error.contains(said), "{error}");
     }
 }
