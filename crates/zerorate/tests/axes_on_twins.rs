@@ -8,25 +8,14 @@ use std::borrow::Cow;
 use unit::Unit;
 use zerorate::calibration::{Calibration, Origin};
 use zerorate::{
-    Action, Axis, AxisRefusal, Event, NamedAxis, NoiseSources, Outcome, Part, PartProcedure, Plan, Procedure, Refusal,
-    Scan, State,
+    Action, Axis, AxisRefusal, Event, NamedAxis, Outcome, Part, PartProcedure, Plan, Procedure, Refusal, Scan, State,
 };
 
 const SHORT: Plan = Plan { settle_s: 40.0, ..unit::SHORT };
 
 fn part() -> Part {
-    let axis = |name| NamedAxis {
-        name: Cow::Borrowed(name),
-        column: None,
-        axis: Axis::ADIS16130,
-        sources: NoiseSources::default(),
-    };
-    Part {
-        name: Cow::Borrowed("THREE"),
-        axes: Cow::Owned(["x", "y", "z"].map(axis).to_vec()),
-        temp_column: None,
-        operating_c: None,
-    }
+    let axis = |name| NamedAxis { name: Cow::Borrowed(name), ..Part::ADIS16130.axes[0].clone() };
+    Part { name: Cow::Borrowed("THREE"), axes: Cow::Owned(["x", "y", "z"].map(axis).to_vec()), ..Part::ADIS16130 }
 }
 
 /// One die with three elements: same clock and same warming, each with its own bias, coefficient and noise.
