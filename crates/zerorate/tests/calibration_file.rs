@@ -3,7 +3,7 @@
 mod outcome;
 
 use outcome::outcome;
-use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Notes, Origin};
+use zerorate::calibration::{CalibratedAxis, Calibration, FileError, Notes, Origin};
 use zerorate::track::TrackerConfig;
 use zerorate::{Axis, Correction, Part};
 
@@ -93,13 +93,6 @@ pbc_dps = -0.25
 btc_dps_per_c = -0.04
 t3_c = 31.5
 ";
-
-#[test]
-fn a_hand_written_file_is_read_with_a_warning() {
-    let (calibration, warnings) = Calibration::parse(BY_HAND).unwrap();
-    assert_eq!(calibration.axes[0].correction, Correction::line(-0.25, -0.04, 31.5));
-    assert_eq!(warnings, [FileWarning::NoChecksum]);
-}
 
 /// The terms of a curve need schema 3. Without them the file has schema 1. Each term changes the id.
 #[test]
