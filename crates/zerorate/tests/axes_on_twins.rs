@@ -3,7 +3,7 @@
 mod unit;
 
 use adis16130::MCLK_HZ;
-use adis16130_twin::{Fault, Motion, Spec, Truth};
+use adis16130_twin::{Motion, Spec, Truth};
 use std::borrow::Cow;
 use unit::Unit;
 use zerorate::calibration::{Calibration, Origin};
@@ -117,15 +117,6 @@ fn one_axis_that_moves_refuses_the_part_by_its_name() {
     assert!(matches!(refusal.refusal, Refusal::Moving { .. }), "{refusal:?}");
     assert_eq!(refusal.axis.as_deref(), Some("y"));
     assert!(refusal.to_string().starts_with("axis y: the part moves"), "{refusal}");
-}
-
-#[test]
-fn one_axis_that_freezes_refuses_the_part_by_its_name() {
-    let freeze = |spec| Spec { fault: Fault::Frozen, fault_at_s: Some(10.0), ..spec };
-    let broken = |index, spec| if index == 2 { freeze(spec) } else { spec };
-    let refusal = measure(units(broken)).err().expect("refused");
-    assert!(matches!(refusal.refusal, Refusal::Frozen { .. }), "{refusal:?}");
-    assert_eq!(refusal.axis.as_deref(), Some("z"));
 }
 
 #[test]
