@@ -135,10 +135,6 @@ mod tests {
     use super::*;
     use alloc::string::ToString;
 
-    fn error(text: &str) -> String {
-        ChamberPlan::parse(text).unwrap_err().to_string()
-    }
-
     #[test]
     fn a_plan_is_read_with_its_defaults() {
         let plan = ChamberPlan::parse(
@@ -175,7 +171,7 @@ mod tests {
             ("schema = 1\ndrift_c_per_min = 0\n[[step]]\nto_c = 5\n", "line 2: drift_c_per_min is 0; give"),
         ];
         for (text, expected) in cases {
-            let seen = error(text);
+            let seen = ChamberPlan::parse(text).unwrap_err().to_string();
             assert!(seen.contains(expected), "{text:?}: {seen}");
         }
     }
