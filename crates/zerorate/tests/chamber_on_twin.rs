@@ -178,11 +178,10 @@ fn air_beyond_the_plan_and_silence_end_the_measurement() {
 
     let mut late = bench.scan(30.0);
     late.t_ns += 120_000_000_000;
-    let mut after = late;
-    (after.t_ns, after.seq) = (late.t_ns + 100_000_000, late.seq + 1);
-    let mut last = after;
-    (last.t_ns, last.seq) = (after.t_ns + 100_000_000, after.seq + 1);
-    let refusal = [late, after, last].iter().find_map(|scan| procedure.take(scan).err());
+    let refusal = (0..3).find_map(|_| {
+        (late.t_ns, late.seq) = (late.t_ns + 100_000_000, late.seq + 1);
+        procedure.take(&late).err()
+    });
     assert!(matches!(refusal, Some(ChamberRefusal::Silent { step: 2, .. })), "{refusal:?}");
 }
 
