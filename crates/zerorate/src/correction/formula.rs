@@ -204,18 +204,14 @@ impl fmt::Display for TableError {
             Self::Ragged { step_c, span_c } => {
                 write!(f, "the span of {span_c} °C is not a whole number of steps of {step_c} °C; choose a multiple")
             }
-            Self::TooLong { step_c, span_c } => {
-                write!(
-                    f,
-                    "a table over ±{span_c} °C in steps of {step_c} °C has more than 100001 rows; choose a larger step"
-                )
-            }
-            Self::NoRoom { needed, room } => {
-                write!(
-                    f,
-                    "the table has {needed} rows, and there is room for {room}; choose a smaller span or a larger step"
-                )
-            }
+            Self::TooLong { step_c, span_c } => write!(
+                f,
+                "a table over ±{span_c} °C in steps of {step_c} °C has more than 100001 rows; choose a larger step"
+            ),
+            Self::NoRoom { needed, room } => write!(
+                f,
+                "the table has {needed} rows, and there is room for {room}; choose a smaller span or a larger step"
+            ),
             Self::TooSteep { correction_dps } => {
                 write!(f, "a row of {correction_dps} °/s does not fit 32 bits in millionths; choose a smaller span")
             }
