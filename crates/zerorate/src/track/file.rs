@@ -190,20 +190,11 @@ impl Prior {
         }
         let typical_dps_per_c2 = axis.bias.curvature_dps_per_c2.unwrap_or(0.0);
         let u_curvature_dps_per_c2 = if calibrated.correction.is_line() { typical_dps_per_c2 } else { 0.0 };
-        match &calibrated.uncertainty {
-            Some(stated) => Self {
-                u_pbc_dps: stated.u_pbc_dps,
-                u_btc_dps_per_c: stated.u_btc_dps_per_c,
-                cov_pbc_btc_dps2_per_c: stated.cov_pbc_btc_dps2_per_c,
-                u_curvature_dps_per_c2,
-            },
-            None => Self {
-                u_pbc_dps: UNSTATED_U_PBC_DPS,
-                u_btc_dps_per_c: axis.bias.tempco_spread_dps_per_c.unwrap_or(0.0),
-                cov_pbc_btc_dps2_per_c: 0.0,
-                u_curvature_dps_per_c2,
-            },
-        }
+        let (u_pbc_dps, u_btc_dps_per_c, cov_pbc_btc_dps2_per_c) = match &calibrated.uncertainty {
+            Some(stated) => (stated.u_pbc_dps, stated.u_btc_dps_per_c, stated.cov_pbc_btc_dps2_per_c),
+            None => (UNSTATED_U_PBC_DPS, axis.bias.tempco_spread_dps_per_c.unwrap_or(0.0), 0.0),
+        };
+        Self { u_pbc_dps, u_btc_dps_per_c, cov_pbc_btc_dps2_per_c, u_curvature_dps_per_c2 }
     }
 }
 
