@@ -9,7 +9,6 @@ use crate::part::{NamedAxis, Part};
 use crate::plan::Plan;
 use crate::procedure::Noise;
 use alloc::string::ToString;
-use alloc::vec::Vec;
 
 /// Facts about a chamber run that its `Record` does not hold.
 #[derive(Clone, Debug)]
@@ -61,11 +60,7 @@ impl Calibration {
 fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),
-        warnings: if is_only {
-            Vec::new()
-        } else {
-            outcome.warnings(&axis.axis).map(|warning| said(&warning)).collect()
-        },
+        warnings: outcome.warnings(&axis.axis).filter(|_| !is_only).map(|warning| said(&warning)).collect(),
         rate: Some(axis.axis.rate),
         correction: outcome.curve.correction,
         measured: None,
