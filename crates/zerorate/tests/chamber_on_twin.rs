@@ -185,21 +185,12 @@ fn air_beyond_the_plan_and_silence_end_the_measurement() {
     assert!(matches!(refusal, Some(ChamberRefusal::Silent { step: 2, .. })), "{refusal:?}");
 }
 
-/// A procedure with soak points at 25 and 60 °C, in its first or in its second step.
-fn heated(first_step: bool) -> ChamberProcedure {
-    let mut bench = Bench::new(&quick(9));
-    let mut procedure = procedure(&[soak(25.0), soak(60.0)]);
-    let steps = usize::from(!first_step);
-    bench.run(&mut procedure, |p| p.steps_done() < steps).expect("a good unit");
-    procedure
-}
-
 /// The part may be used from −40 to +85 °C (F-08), and a chamber may overshoot these limits by 3 °C. A first reading
 /// beyond them does not widen them.
 #[test]
 fn air_that_harms_the_part_ends_the_measurement_from_the_first_reading_on() {
     for air_c in [500.0, 120.0, 88.1, -43.1] {
-        let mut procedure = heated(true);
+        let mut procedure = procedure(&[soak(25.0), soak(60.0)]);
         assert!(procedure.air(air_c).is_ok(), "once may be a slip of the wire");
         let refusal = procedure.air(air_c).expect_err("no part may be there");
         let expected = ChamberRefusal::BeyondPart { step: 1, air_c, low_c: -40.0, high_c: 85.0 };
@@ -210,7 +201,7 @@ fn air_that_harms_the_part_ends_the_measurement_from_the_first_reading_on() {
 /// The air may start at 80 °C. Once below 65 °C, the limit of the plan, the air may not exceed this limit again.
 #[test]
 fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
-    let mut procedure = heated(true);
+    let mut procedure = procedure(&[soak(25.0), soak(60.0)]);
     for air_c in [80.0, 84.0, 70.0, 66.0] {
         assert!(procedure.air(air_c).is_ok(), "{air_c}: it comes");
     }
@@ -224,7 +215,7 @@ fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
 fn air_that_comes_from_outside_may_overshoot_there_too() {
     for (first_c, within_c, beyond_c, low_c, high_c) in [(80.0, 84.9, 85.1, 20.0, 85.0), (0.0, -4.9, -5.1, -5.0, 65.0)]
     {
-        let mut procedure = heated(true);
+        let mut procedure = procedure(&[soak(25.0), soak(60.0)]);
         for air_c in [first_c, within_c, within_c, beyond_c] {
             assert!(procedure.air(air_c).is_ok(), "{air_c} °C from {first_c} °C");
         }
