@@ -190,8 +190,8 @@ fn no_mean_includes_a_faulty_reading() {
 
 #[test]
 fn bit_errors_are_not_blamed_on_motion_nor_stutter_on_the_host() {
-    let at_1e4 = Spec { bit_error_rate: 1e-4, ..with_bit_errors(&Spec::from_seed(7), 1e-4) };
-    let refusal = measure(&short_record(at_1e4), Plan { max_lost: 0.2, ..SHORT });
+    let noisy_line = with_bit_errors(&Spec::from_seed(7), 1e-4);
+    let refusal = measure(&short_record(noisy_line), Plan { max_lost: 0.2, ..SHORT });
     let blames_the_line = match &refusal {
         Ok(outcome) => outcome.impossible_readings > 0,
         Err(refusal) => matches!(refusal, Refusal::BitErrors { .. }),

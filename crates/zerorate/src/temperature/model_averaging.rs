@@ -297,8 +297,7 @@ fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
 
 /// Returns the lags to try: 0, and from 2 s to a quarter of the recording.
 fn lags(record: &Record<'_>) -> Vec<f64> {
-    let length_s = record.length_s();
-    core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 4.0, LAG_RATIO)).collect()
+    core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, record.length_s() / 4.0, LAG_RATIO)).collect()
 }
 
 /// Returns the plays to try: 0, and up to half of the span, at which the bias hardly follows.
