@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     centre_c: f64,
-    half_span_c: f64,
+    pub(super) half_span_c: f64,
     /// Coefficients in x, the constant first.
     polynomials: [[f64; TERMS]; TERMS],
 }
@@ -35,10 +35,6 @@ impl Basis {
             }
         }
         Self { centre_c, half_span_c, polynomials }
-    }
-
-    pub(super) fn half_span_c(&self) -> f64 {
-        self.half_span_c
     }
 
     pub(super) fn at(&self, degree: usize, temp_c: f64) -> f64 {

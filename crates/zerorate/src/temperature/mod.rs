@@ -288,7 +288,7 @@ pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCu
 /// spread is the range of the rates. If it states no curvature, the quadratic spread is a tenth of the linear one, and
 /// the cubic spread a fiftieth.
 fn prior(typical: &TypicalBias, basis: &Basis, blocks: &[Block]) -> [f64; TERMS] {
-    let half_span_c = basis.half_span_c();
+    let half_span_c = basis.half_span_c;
     let rates = || blocks.iter().map(|block| block.rate_dps);
     let seen_dps = rates().fold(f64::MIN, f64::max) - rates().fold(f64::MAX, f64::min);
     let tempco = typical.tempco_dps_per_c.zip(typical.tempco_spread_dps_per_c);

@@ -302,7 +302,7 @@ fn lags(record: &Record<'_>) -> Vec<f64> {
 
 /// Returns the plays to try: 0, and up to half of the span, at which the bias hardly follows.
 fn plays(record: &Record<'_>) -> Vec<f64> {
-    core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c(), PLAY_RATIO)).collect()
+    core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c, PLAY_RATIO)).collect()
 }
 
 fn geometric(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {

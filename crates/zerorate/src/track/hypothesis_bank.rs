@@ -75,7 +75,8 @@ type Candidate = (f32, Filter);
 pub(super) struct HypothesisBank {
     hypotheses: [Hypothesis; KEPT],
     pub(super) rest_prior: RestPrior,
-    seconds: f32,
+    /// Length of the quiet period, s.
+    pub(super) seconds: f32,
     sure_s: f32,
     d_c: f32,
 }
@@ -146,11 +147,6 @@ impl HypothesisBank {
     /// Probability that the quiet period is rest. `None` without a mean of the period.
     pub(super) fn rest(&self) -> Option<f32> {
         (self.seconds > 0.0).then(|| self.hypotheses.iter().map(|it| it.rest).sum())
-    }
-
-    /// Length of the quiet period, s.
-    pub(super) fn seconds(&self) -> f32 {
-        self.seconds
     }
 
     /// Merges all hypotheses into one filter.

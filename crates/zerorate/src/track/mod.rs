@@ -278,7 +278,7 @@ impl Tracker {
     pub fn counts(&self) -> Counts {
         let mut counts = self.counts;
         let of = if self.is_doubtful() { &mut counts.doubtful_s } else { &mut counts.learned_s };
-        *of = of.saturating_add(self.bank.seconds() as u32);
+        *of = of.saturating_add(self.bank.seconds as u32);
         counts
     }
 

@@ -77,7 +77,7 @@ fn strongest(record: &Record, model: &Model) -> Option<Disturbance> {
             let gains: Vec<f64> = filter.whiten_all(&shapes).iter().map(gain).collect();
             for (at, pair) in some.iter().zip(gains.chunks_exact(2)) {
                 // no step is looked for near the ends, or among codes without noise, which step by themselves
-                let is_rounded = record.logs[log].rounding() > 0.0;
+                let is_rounded = record.logs[log].rounding > 0.0;
                 let is_inner = *at >= NEAR_END && at + NEAR_END < left.len() && !is_rounded;
                 let (glitch, step) = (pair[0], if is_inner { pair[1] } else { 0.0 });
                 let found = Disturbance { gain: step.max(glitch), log, at: *at, is_step: step > glitch };

@@ -41,7 +41,7 @@ pub struct LogMeans {
     /// One-sided density of the white noise of the temperature, °C/√Hz.
     temps_white: f64,
     /// Standard uncertainty by rounding to codes. It is zero if the noise averages the rounding out.
-    rounding: f64,
+    pub(super) rounding: f64,
     /// Times in which the sensor moves: begin and end, s.
     moving_s: Vec<(f64, f64)>,
     /// Number of blocks with enough samples that vary, and with a temperature, whether the sensor moves or not.
@@ -364,10 +364,6 @@ impl LogMeans {
         let noise_c = libm::sqrt(squares.sum::<f64>() / 6.0 / temps_c.len().max(1) as f64);
         let of_mean = self.white / libm::sqrt(2.0 * self.length_s);
         (slope_per_c(self.blocks.iter()) * noise_c).abs() / of_mean.max(f64::MIN_POSITIVE)
-    }
-
-    pub(super) fn rounding(&self) -> f64 {
-        self.rounding
     }
 
     pub(super) fn block_s(&self) -> f64 {
