@@ -103,7 +103,7 @@ impl Filter {
 
     /// Whitens series that have one value for each block.
     pub(super) fn whites(&self, series: &[Vec<f64>]) -> Whites {
-        let series: Vec<White> = series.chunks(LANES).flat_map(|some| self.whiten_chunk(some)).collect();
+        let series: Vec<White> = series.chunks(LANES).flat_map(|some| self.whiten(some)).collect();
         let row = |k: usize| series[..=k].iter().map(|other| gls::dot(&series[k].values, &other.values)).collect();
         Whites { gram: (0..series.len()).map(row).collect(), series }
     }
@@ -127,11 +127,11 @@ impl Filter {
 
     /// The innovations of each series, in units of their standard deviations.
     pub(super) fn whiten_all(&self, series: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        series.chunks(LANES).flat_map(|some| self.whiten_chunk(some)).map(|white| white.values).collect()
+        series.chunks(LANES).flat_map(|some| self.whiten(some)).map(|white| white.values).collect()
     }
 
     /// Runs the filter over up to [`LANES`] series.
-    fn whiten_chunk(&self, series: &[Vec<f64>]) -> Vec<White> {
+    pub(super) fn whiten(&self, series: &[Vec<f64>]) -> Vec<White> {
         match series.len() {
             1 | 2 => self.whiten_some::<2>(series).collect(),
             3 | 4 => self.whiten_some::<4>(series).collect(),
@@ -162,23 +162,6 @@ impl Filter {
         }
         let walk = states[0];
         values.into_iter().zip(walk).map(|(values, walk)| White { values, walk }).take(series.len())
-    }
-
-    pub(super) fn whiten(&self, series: &[f64]) -> White {
-        let mut states = vec![0.0; self.states];
-        let blocks = self.steps.iter().zip(self.gains.chunks_exact(self.states)).zip(series);
-        let innovation = |((step, gains), value): ((&Step, &[f64]), &f64)| {
-            let mut expected = 0.0;
-            for (state, decay) in states.iter_mut().zip(&self.decays[step.decay]) {
-                *state *= decay;
-                expected += *state;
-            }
-            let innovation = value - expected;
-            let scaled = innovation / step.variance;
-            states.iter_mut().zip(gains).for_each(|(state, gain)| *state += gain * scaled);
-            innovation / libm::sqrt(step.variance)
-        };
-        White { values: blocks.map(innovation).collect(), walk: states[0] }
     }
 }
 

@@ -197,10 +197,10 @@ impl<'a> Lattice<'a> {
     }
 
     fn paired(&self, filter: &Filter, noise: (i32, i32), paths: &[Path], motions: &[Candidate]) -> Vec<(f64, Path)> {
-        let whites: Vec<[White; 2]> = motions.iter().map(|motion| self.record.motion(filter, motion.hz)).collect();
+        let whites: Vec<Vec<White>> = motions.iter().map(|motion| self.record.motion(filter, motion.hz)).collect();
         let with = |path: &Path| -> Vec<(f64, Path)> {
             let columns = self.record.columns(filter, path.following, path.steps);
-            let one = |(motion, white): (&Candidate, &[White; 2])| {
+            let one = |(motion, white): (&Candidate, &Vec<White>)| {
                 let path = Path { motion: Some(*motion), ..*path };
                 (self.score_of(filter, noise, &path, &columns, white), path)
             };

@@ -102,11 +102,9 @@ impl Record<'_> {
     }
 
     /// The columns of a base motion: its sine and its cosine.
-    pub(super) fn motion(&self, filter: &Filter, hz: f64) -> [White; 2] {
-        [libm::sin, libm::cos].map(|wave| {
-            let at = |block: &Block| wave(2.0 * PI * hz * block.middle_s());
-            filter.whiten(&self.blocks.iter().map(at).collect::<Vec<f64>>())
-        })
+    pub(super) fn motion(&self, filter: &Filter, hz: f64) -> Vec<White> {
+        let phases = || self.blocks.iter().map(|block| 2.0 * PI * hz * block.middle_s());
+        filter.whiten(&[phases().map(libm::sin).collect(), phases().map(libm::cos).collect()])
     }
 
     /// The posteriors of all orders, with these columns of a base motion.

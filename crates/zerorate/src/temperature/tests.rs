@@ -69,7 +69,7 @@ fn the_filter_is_the_inverse_of_the_covariance() {
     let dense = crate::temperature::gls::whitener(rows).unwrap();
     let series = [vec![0.3, -0.1, 0.5], vec![1.0, 1.0, 1.0], vec![0.0, 0.2, 0.9]];
     let filter = Filter::new(&noise, &blocks);
-    let filtered = filter.filtered(&filter.whites(&series[..2]), &[filter.whiten(&series[2])]).unwrap();
+    let filtered = filter.filtered(&filter.whites(&series[..2]), &filter.whiten(&series[2..])).unwrap();
     for (i, a) in series.iter().enumerate() {
         for (j, b) in series[..=i].iter().enumerate() {
             let solved = dense.solve(b.iter().copied());
