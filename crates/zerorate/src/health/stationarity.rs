@@ -66,7 +66,7 @@ pub fn judge(axis: &Axis, rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict
         moving => {
             let step = Step::best(rates_dps);
             let small = step.size_dps.abs() <= axis.bias.largest_supply_step_dps();
-            if small && ladder(&step.removed_from(rates_dps)) == Verdict::AtRest {
+            if small && ladder(&step.removed_from(rates_dps, |rate_dps, dps| rate_dps - dps)) == Verdict::AtRest {
                 Verdict::Step { at_s: step.at as f64 * BLOCK_S, size_dps: step.size_dps }
             } else {
                 moving
@@ -89,7 +89,8 @@ pub(crate) fn judge_without_temperature(axis: &Axis, blocks: &[Block]) -> Verdic
             let (at, size_dps) = temperature::step_beside_temperature(blocks);
             let step = Step { at, size_dps };
             let small = size_dps.abs() <= axis.bias.largest_supply_step_dps();
-            if small && ladder(&step.removed_from_blocks(blocks)) == Verdict::AtRest {
+            let less = |block: &Block, dps: f64| Block { rate_dps: block.rate_dps - dps, ..*block };
+            if small && ladder(&step.removed_from(blocks, less)) == Verdict::AtRest {
                 Verdict::Step { at_s: at as f64 * BLOCK_S, size_dps }
             } else {
                 moving
@@ -170,20 +171,12 @@ impl Step {
         best
     }
 
-    /// Returns the blocks without the step, and without the three blocks around it.
-    fn removed_from_blocks(&self, blocks: &[Block]) -> Vec<Block> {
+    /// Returns the blocks without the step. `less` lowers a block by a level, °/s. A block in which a step happens fits
+    /// neither level, so the three blocks around the step are left out.
+    fn removed_from<T>(&self, blocks: &[T], less: impl Fn(&T, f64) -> T) -> Vec<T> {
         let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
         let beside = |k: &usize| k.abs_diff(self.at) > 1;
-        let without = |k: usize| Block { rate_dps: blocks[k].rate_dps - level(k), ..blocks[k] };
-        (0..blocks.len()).filter(beside).map(without).collect()
-    }
-
-    /// Returns the block means without the step. A block in which a step happens fits neither level, so the three
-    /// blocks around the step are left out.
-    fn removed_from(&self, rates_dps: &[f64]) -> Vec<f64> {
-        let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
-        let beside = |k: &usize| k.abs_diff(self.at) > 1;
-        (0..rates_dps.len()).filter(beside).map(|k| rates_dps[k] - level(k)).collect()
+        (0..blocks.len()).filter(beside).map(|k| less(&blocks[k], level(k))).collect()
     }
 }
 
