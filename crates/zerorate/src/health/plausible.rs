@@ -409,14 +409,18 @@ mod tests {
         }
     }
 
-    fn verdicts(samples: impl IntoIterator<Item = Reading>) -> Vec<Verdict> {
+    fn findings(samples: impl IntoIterator<Item = Reading>) -> Vec<Finding> {
         let mut judge = Plausible::new(&Axis::ADIS16130);
         let mut all: Vec<_> = samples.into_iter().filter_map(|sample| judge.push(&sample)).collect();
         while let Some(judged) = judge.early() {
             all.push(judged);
         }
         assert!(all.windows(2).all(|pair| pair[0].0.t_ns < pair[1].0.t_ns), "each once, in order");
-        all.into_iter().map(|(_, finding)| finding.rate).collect()
+        all.into_iter().map(|(_, finding)| finding).collect()
+    }
+
+    fn verdicts(samples: impl IntoIterator<Item = Reading>) -> Vec<Verdict> {
+        findings(samples).into_iter().map(|finding| finding.rate).collect()
     }
 
     fn marked(verdicts: &[Verdict]) -> Vec<usize> {
@@ -535,15 +539,8 @@ mod tests {
     fn a_temperature_cannot_jump() {
         let with = |k: u64, temp_c: f64| Reading { temp: Some(((temp_c - 25.0) * 14_093.0) as i32), ..sample(k, 0.0) };
         let impossible = |temps_c: &[f64]| {
-            let mut judge = Plausible::new(&Axis::ADIS16130);
-            let mut found: Vec<bool> = Vec::new();
-            for (k, temp_c) in temps_c.iter().enumerate() {
-                found.extend(judge.push(&with(k as u64, *temp_c)).map(|(_, finding)| finding.temp_impossible));
-            }
-            while let Some((_, finding)) = judge.early() {
-                found.push(finding.temp_impossible);
-            }
-            (0..found.len()).filter(|k| found[*k]).collect::<Vec<_>>()
+            let found = findings((0_u64..).zip(temps_c).map(|(k, temp_c)| with(k, *temp_c)));
+            (0..found.len()).filter(|k| found[*k].temp_impossible).collect::<Vec<_>>()
         };
         assert_eq!(impossible(&[25.0, 25.1, 27.3, 25.05, 25.1]), [2]);
         assert_eq!(impossible(&[77.0, 25.0, 25.0, 25.0]), [0]);
