@@ -191,9 +191,7 @@ impl ChamberPlan {
             _ => Ok(()),
         }
     }
-}
 
-impl ChamberPlan {
     /// Checks that the part withstands every temperature of this plan. Call this before anything is heated or
     /// cooled. A plan for a recording needs no such check, because the part was at these temperatures already.
     ///

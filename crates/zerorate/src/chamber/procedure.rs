@@ -317,9 +317,7 @@ impl ChamberProcedure {
             false => Ok(self.record),
         }
     }
-}
 
-impl ChamberProcedure {
     /// Time of the record at which the second that is being filled begins, s.
     fn now_s(&self) -> f64 {
         self.offset_s + self.second as f64
@@ -369,9 +367,7 @@ impl ChamberProcedure {
             self.record.rates_dps.iter_mut().zip(&means).for_each(|(rates, (rate_dps, _))| rates.push(*rate_dps));
         }
     }
-}
 
-impl ChamberProcedure {
     /// Enters the next state, or after a disturbance the state in which the step is repeated.
     fn leave(&mut self, disturbed: bool) {
         let row = self.state.row();

@@ -312,9 +312,7 @@ impl<S: WindowSums> Procedure<S> {
         self.sums.open(self.state, start_ns, self.ends_ns);
         Ok(())
     }
-}
 
-impl<S: WindowSums> Procedure<S> {
     fn check(&self, check: Check) -> Result<(), Refusal> {
         match check {
             Check::Nothing => Ok(()),

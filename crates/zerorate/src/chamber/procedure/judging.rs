@@ -77,9 +77,7 @@ impl ChamberProcedure {
             _ => (low_c, high_c),
         }
     }
-}
 
-impl ChamberProcedure {
     /// Closes the seconds before `second`, and leaves the states that end with them.
     pub(super) fn close_seconds(&mut self, second: u64) -> Result<(), ChamberRefusal> {
         if second - self.second > SILENT_S {
