@@ -44,7 +44,6 @@ pub struct Advice {
 const FLAT_WITHIN: f64 = 1.05;
 /// An average counts as filtered if its deviation is below this share of the white noise N/√τ.
 const FILTERED_BELOW: f64 = 0.9;
-/// Averaging times per octave in the search for the minimum.
 const STEPS_PER_OCTAVE: f64 = 32.0;
 
 /// Derives advice from a fit (F-53: the Allan deviation shows how long to average). `None` if the model is rejected or
@@ -91,7 +90,6 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
         let tau_s = tau_s(step);
         deviation(fit, tau_s) < FILTERED_BELOW * fit.n.value / libm::sqrt(tau_s)
     };
-    // the deviation one octave later divided by the deviation at this step
     let change = |step: u32| deviation(fit, 2.0 * tau_s(step)) / deviation(fit, tau_s(step));
     let before_the_last = ((octaves - 1.0).max(0.0) * STEPS_PER_OCTAVE) as u32;
     let last_fall = (0..before_the_last).rev().find(|step| change(*step) * FLAT_WITHIN < 1.0).unwrap_or(0);
@@ -101,7 +99,7 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     ((from..steps).find(|step| !is_filtered(*step)).unwrap_or(from)..=steps).map(tau_s)
 }
 
-/// The fitted deviation at `tau_s`, in the unit of the rate. `fit.span_s.0` is the sample interval, s.
+/// `fit.span_s.0` is the sample interval, s.
 fn deviation(fit: &Fit, tau_s: f64) -> f64 {
     fit.deviation(libm::round(tau_s / fit.span_s.0).max(1.0) as u64)
 }

@@ -37,7 +37,6 @@ pub(super) fn chi2_above(value: f64, degrees: f64) -> f64 {
     libm::round(above * 1e12) / 1e12
 }
 
-/// The value that a standard normal variable stays below with probability `p`.
 pub(crate) fn normal_quantile(p: f64) -> f64 {
     SQRT_2 * (2.0 * p - 1.0).inv_error()
 }

@@ -265,8 +265,8 @@ fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
     if total > 0.0 { (by_basis / total).min(1.0) } else { 0.0 }
 }
 
-/// Shares of a random walk left after its projection is removed: of the Allan variance at 1, 2 … parts, and of the
-/// variance.
+/// The shares of a random walk that are left after its projection onto the basis is removed: of its Allan
+/// variance at 1, 2 … parts, and of its variance.
 fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     let (all, constant) = (walk(basis), walk(&basis[..1]));
     let octaves = (0..).map(|k| 1usize << k).take_while(|m| 2 * m <= basis[0].len());
@@ -308,7 +308,6 @@ fn allan(covariance: &[Vec<f64>], m: usize) -> f64 {
     (0..starts).map(|s| block(s, s) + block(s + m, s + m) - 2.0 * block(s, s + m)).sum::<f64>() / terms
 }
 
-/// Number of mixtures of random walk and white noise that are tried.
 const MIXTURES: usize = 25;
 
 /// Variance of a step of the random walk divided by the variance of the white noise: 0, and 2⁻¹² … 2¹¹.

@@ -115,7 +115,6 @@ impl Plain {
         terms.checked_sub(1).map_or(0, |last| last * self.stride(m) + 1)
     }
 
-    /// The distance from one term to the next, in samples.
     pub fn stride(self, m: usize) -> usize {
         if self.overlapping { 1 } else { m }
     }

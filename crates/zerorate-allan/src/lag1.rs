@@ -19,7 +19,6 @@ impl Lag1 {
         Self { ramp, ..Self::default() }
     }
 
-    /// Adds the next value.
     pub(crate) fn push(&mut self, value: f64) {
         let (mut value, mut ramp) = (value, self.ramp);
         for (sums, order) in self.orders.iter_mut().zip(0..) {

@@ -26,7 +26,6 @@ impl Square {
         Cholesky::new((0..self.n).map(|i| self.cells[i * self.n..=i * self.n + i].to_vec()).collect(), 0.0)
     }
 
-    /// The determinant, by elimination with row pivots.
     pub(super) fn determinant(mut self) -> f64 {
         let n = self.n;
         let mut determinant = 1.0;

@@ -107,7 +107,6 @@ struct Short {
     area: Vec<f64>,
 }
 
-/// A run and its place in the record.
 struct Stretch<'a> {
     run: Run<'a>,
     span: Range<u64>,

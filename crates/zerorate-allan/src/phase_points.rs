@@ -7,7 +7,6 @@ use alloc::vec::Vec;
 const BLOCK: usize = 4096;
 const LANES: usize = 8;
 
-/// A run of phase points.
 pub(crate) enum Run<'a> {
     Points(&'a [f64]),
     /// `count` points of the same value: the samples that lead to them are missing.

@@ -245,7 +245,6 @@ fn longer(needed_s: f64) -> String {
     }
 }
 
-/// The plural ending of a counted noun.
 const fn plural(count: u64) -> &'static str {
     if count == 1 { "" } else { "s" }
 }

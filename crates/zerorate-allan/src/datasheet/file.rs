@@ -10,7 +10,6 @@ use core::fmt;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-/// The version of the file format.
 const SCHEMA: u32 = 1;
 
 impl DataSheet {

@@ -35,7 +35,7 @@ pub struct Line {
     pub half_digit: f64,
     /// The unit as written.
     pub unit: String,
-    /// Factor from `unit` to the same unit in °, m and s.
+    /// Size of `unit` in the corresponding unit of °, m and s: 1/60 for °/√h, which corresponds to °/√s.
     pub factor: f64,
     /// The document that prints the figure, if it is not [`DataSheet::source`].
     pub source: Option<String>,

@@ -5,9 +5,7 @@ use alloc::string::String;
 /// The base quantity of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Of {
-    /// Angle, in °.
     Angle,
-    /// Length, in m.
     Length,
 }
 
@@ -26,7 +24,6 @@ const HOUR_S: f64 = 3600.0;
 const G: f64 = 9.806_65;
 
 impl Unit {
-    /// Parses a unit; `None` if the text is not a unit of noise.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let text = plain(text);
         let mut parts = text.split('/');

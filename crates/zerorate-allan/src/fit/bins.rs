@@ -9,7 +9,6 @@ pub(super) const LINEAR: usize = 160;
 /// Adjacent coefficients of the DCT-II. The mean of c²·dt estimates the two-sided density at f = k/(2·record length).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bin {
-    /// Index of the first coefficient.
     pub(super) first: usize,
     /// Index after the last coefficient.
     pub(super) end: usize,
@@ -17,7 +16,6 @@ pub(super) struct Bin {
     pub(super) freedom: f64,
     /// Mean power, unit²/Hz.
     pub(super) power: f64,
-    /// The relation of the noise density to the expected power of the sampled record.
     pub(super) response: Response,
 }
 
@@ -47,7 +45,6 @@ impl Bin {
         ((self.power - self.response.offset) / self.response.gain).max(LEAST_DENSITY * self.power)
     }
 
-    /// Mean index of the coefficients in the bin.
     pub(super) fn middle(&self) -> f64 {
         (self.first + self.end - 1) as f64 / 2.0
     }

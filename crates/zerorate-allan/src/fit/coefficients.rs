@@ -12,7 +12,6 @@ use crate::Coefficient;
 use alloc::vec::Vec;
 
 pub(super) struct Coefficients<'a> {
-    /// Length of the record, in samples.
     pub(super) samples: usize,
     pub(super) chosen: &'a Selection,
     pub(super) rate_hz: f64,

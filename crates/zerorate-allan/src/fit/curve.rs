@@ -53,7 +53,6 @@ impl<'a> Curves<'a> {
         self.lengths.iter().filter_map(joined).chain(long).collect()
     }
 
-    /// The overlapping Allan deviations of the record.
     pub(super) fn whole(&self) -> Vec<Deviation> {
         self.of_parts(0..BLOCKS)
     }

@@ -5,7 +5,6 @@ use super::{Corner, Fit, Term};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// Largest number of cosines of the band shape.
 pub(super) const MOST_COSINES: usize = 6;
 /// Largest number of coefficients to which a drift is fitted, with their signs.
 pub(super) const LOW: usize = 64;
@@ -47,7 +46,7 @@ pub(super) struct BinRow {
 }
 
 impl Table {
-    /// Computes the rows of `bins`. The band shape ends at half the sample rate.
+    /// The band shape ends at half the sample rate.
     pub(super) fn new(bins: impl Iterator<Item = Bin>, low: &[f64], samples: usize, rate_hz: f64) -> Self {
         let span_s = samples as f64 / rate_hz;
         let rows = bins.map(|bin| BinRow::new(bin, span_s, rate_hz)).collect();
@@ -180,14 +179,11 @@ pub(super) enum Drift {
     /// The rate drifts evenly: R·t.
     Ramp,
     /// The rate decays as e^(−t/τ) from the start.
-    WarmUp {
-        /// Time constant τ, s.
-        tau_s: f64,
-    },
+    WarmUp { tau_s: f64 },
 }
 
 impl Drift {
-    /// The value of a drift of size 1 at a time.
+    /// The value of a drift of size 1 at the time `t_s`.
     pub(super) fn at(self, t_s: f64) -> f64 {
         match self {
             Self::Ramp => t_s,

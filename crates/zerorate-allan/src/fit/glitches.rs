@@ -46,7 +46,6 @@ const GAP_BY_CHANCE: f64 = 0.05;
 /// A sample is damaged, whatever the noise, if it is this many times farther from the median than 90 % of the samples.
 const ABSURD: f64 = 1e9;
 
-/// Number of windows that are processed together.
 const PIECE: usize = 1 << 14;
 
 /// Indices of the samples that are glitches, or so near that averages include one. `None` if more than [`MOST`] are.

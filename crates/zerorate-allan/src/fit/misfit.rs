@@ -112,7 +112,6 @@ fn worst_band(problem: &Problem, found: &Optimum) -> (f64, f64, f64) {
     (inside[0].0, inside[inside.len() - 1].0, 1.0 + mean(inside).0)
 }
 
-/// Whether most samples repeat the one before.
 fn repeats(rate: &[f64]) -> bool {
     let pairs = rate.windows(2).filter(|pair| !pair[0].is_nan() && !pair[1].is_nan());
     let (same, all) =

@@ -131,7 +131,6 @@ impl Model {
         Self { doubt, ..self }
     }
 
-    /// The model for a record with the gaps of `rate`.
     pub(super) fn with_gaps_of(self, rate: &[f64]) -> Self {
         Self { thinning: Thinning::of(rate, &self.short), ..self }
     }
@@ -142,7 +141,6 @@ impl Model {
         self.allan_variance(m) + if more > 0.0 { more * self.short_variance(m) } else { 0.0 }
     }
 
-    /// The length of the record, in samples.
     pub(super) fn samples(&self) -> f64 {
         self.record_s * self.rate_hz
     }

@@ -44,7 +44,6 @@ pub(super) fn period(chosen: &Selection) -> Option<Period> {
     best.filter(|period| period.gain > LEAST_GAIN)
 }
 
-/// The best period with this number of sines.
 fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Option<Period> {
     let table = &problem.table;
     let mut now = None;

@@ -199,7 +199,6 @@ fn same_rates(records: &[PoolRecord<'_>]) -> Result<(), PoolError> {
 }
 
 impl PoolRecord<'_> {
-    /// The rate without glitches and steps.
     fn cleaned(&self) -> &[f64] {
         self.fit.cleaned.rate.as_deref().unwrap_or(self.rate)
     }
@@ -219,7 +218,6 @@ fn parts(record: &PoolRecord<'_>, top_hz: f64) -> Result<Parts, FitError> {
     Ok(Parts { table: table.below(top_hz), above: spectrum.above(top_hz, record.rate_hz) })
 }
 
-/// The records whose own models are rejected, or whose N is off the median by more than [`MOST_ERROR`].
 fn outliers_by_own_model(records: &[PoolRecord<'_>]) -> Vec<Outlier> {
     let valid = records.iter().filter(|record| !record.fit.is_rejected);
     let middle = median(valid.map(|record| record.fit.n.value).collect());

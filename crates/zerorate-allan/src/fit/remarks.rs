@@ -81,7 +81,6 @@ pub(super) fn remarks(
     warnings
 }
 
-/// The warning that the halves of the record differ.
 fn unsteady(fit: &Fit, curves: &Curves<'_>) -> Option<AllanWarning> {
     let steadiness::Difference { tau_s, ratio } = steadiness::halves(curves, &fit.model)?;
     (libm::log(ratio).abs() > CHANGE).then_some(AllanWarning::Unsteady { tau_s, ratio })

@@ -13,14 +13,12 @@ use core::f64::consts::PI;
 /// The terms of a model besides N, B and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ModelForm {
-    /// Number of cosines of the band shape.
     pub(super) cosines: usize,
     /// Order of a low-pass in the band shape: 0, 1 (a pole) or 2 (corner and damping). Cosines follow it only slowly.
     pub(super) poles: usize,
     pub(super) reading: Explanation,
     /// Number of Gauss–Markov terms.
     pub(super) markovs: usize,
-    /// Whether the model has quantisation of the angle.
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
     /// Index of a squared coefficient that may be negative. The unbiased estimate of a coefficient that is zero is
@@ -128,7 +126,6 @@ impl Problem {
         Self { table, nu, error, shape_price: SHAPE_PRICE, least_white }
     }
 
-    /// The same problem with another price of a cosine.
     pub(super) fn priced_at(self, shape_price: f64) -> Self {
         Self { shape_price, ..self }
     }
@@ -166,7 +163,6 @@ pub(super) struct Local {
     pub(super) slopes: Vec<Vec<f64>>,
 }
 
-/// The model at some parameters.
 struct State {
     density: Vec<f64>,
     slopes: Vec<Vec<f64>>,
@@ -336,7 +332,6 @@ impl Problem {
         self.state(form, at, None).density
     }
 
-    /// Replaces the measured powers by others.
     pub(super) fn set_powers(&mut self, powers: &[f64]) {
         self.table.rows.iter_mut().zip(powers).for_each(|(row, power)| row.bin.power = *power);
     }
@@ -346,7 +341,6 @@ impl Problem {
         self.normal(&found.form, &self.state_of(found)).0
     }
 
-    /// Densities and slopes at the parameters found.
     pub(super) fn local(&self, found: &Optimum) -> Local {
         let State { density, slopes, .. } = self.state_of(found);
         Local { density, slopes }

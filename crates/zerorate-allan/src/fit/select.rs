@@ -72,7 +72,6 @@ pub(super) struct Selection {
 pub(super) struct Other {
     /// The time constant of the Gauss–Markov term or low-pass, s.
     pub(super) tau_s: f64,
-    /// N in this explanation.
     pub(super) n: f64,
 }
 
@@ -198,7 +197,6 @@ pub(super) fn priced(problem: &Problem, found: Optimum) -> PricedModel {
     PricedModel { found, price }
 }
 
-/// Whether flicker gains more than the least gain of an identified coefficient.
 fn has_flicker(problem: &Problem, found: &Optimum) -> bool {
     let mut at = found.at.clone();
     at[B2] = 0.0;
@@ -404,7 +402,6 @@ pub(super) fn with_corner(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     more.take(found.form.cosines.min(MOST_BESIDE_A_CORNER + 1)).collect()
 }
 
-/// Largest number of cosines that are tried beside a second-order low-pass.
 const MOST_BESIDE_A_CORNER: usize = 3;
 
 /// Whether the time constants of the Gauss–Markov terms, and the low-pass, are inside their bounds.

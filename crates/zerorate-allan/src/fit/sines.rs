@@ -52,7 +52,6 @@ impl Sine {
         (self.cosine * self.cosine + self.sine * self.sine) / 2.0
     }
 
-    /// Subtracts the sine from a rate.
     pub(super) fn take_out(&self, rate: &mut [f64], rate_hz: f64) {
         let turns = self.hz / rate_hz;
         for (chunk, start) in rate.chunks_mut(EXACT_EVERY).zip((0..).step_by(EXACT_EVERY)) {

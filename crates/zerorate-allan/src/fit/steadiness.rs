@@ -60,7 +60,6 @@ pub(super) struct Scatter {
     by_length: Vec<OfLength>,
 }
 
-/// The scatter at one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OfLength {
     /// The averaging time, in samples.
@@ -71,7 +70,6 @@ struct OfLength {
 }
 
 impl OfLength {
-    /// The variance in excess of chance.
     fn extra(&self) -> f64 {
         (self.variance - self.chance).max(0.0)
     }

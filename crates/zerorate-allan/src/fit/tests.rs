@@ -193,7 +193,6 @@ fn one_absurd_sample_changes_nothing() {
     }
 }
 
-/// N = 0.0060 °/√h, with one impossible sample.
 #[test]
 fn one_impossible_sample_changes_nothing() {
     let clean = Truth { n: 1e-4, ..Truth::default() }.noise(500_000, 6);
@@ -398,7 +397,6 @@ fn a_sine_and_a_resonance_are_left_out() {
     assert!(fit.n.lo < HOUR.n && HOUR.n < fit.n.hi && near(fit.n.value, HOUR.n, 0.015), "{:?}", fit.n);
 }
 
-/// A warm-up with a time constant of 10 min is reported, and not taken for a random walk. A ramp is reported as R.
 #[test]
 fn a_warm_up_and_a_ramp_are_reported() {
     let still = Truth { k: 0.0, ..HOUR }.noise(360_000, 12);
@@ -529,7 +527,6 @@ fn unusable_input_is_an_error() {
     }
 }
 
-/// Short records do not panic, whether they are white noise, coarse codes, spikes, losses or a parabola.
 #[test]
 fn records_of_any_length_do_not_panic() {
     let mut draw = normal(20);

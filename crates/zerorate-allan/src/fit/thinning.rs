@@ -45,7 +45,6 @@ impl Thinning {
         if m > 1 { 1.0 / present - 1.0 } else { 0.0 }
     }
 
-    /// The factor for averages of `m` samples.
     pub(super) fn at(&self, m: u64) -> f64 {
         let octave = libm::log2(m as f64);
         let before = (octave as usize).min(self.factors.len().saturating_sub(1));
@@ -90,7 +89,6 @@ fn square(is_there: &[bool], covariance: &[f64]) -> Option<f64> {
     Some(variance(&difference, covariance) - added)
 }
 
-/// The variance of a weighted sum of samples.
 fn variance(weights: &[f64], covariance: &[f64]) -> f64 {
     let lags = covariance.iter().take(LAGS.min(weights.len())).enumerate();
     let term = |(lag, c): (usize, &f64)| {

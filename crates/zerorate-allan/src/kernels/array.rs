@@ -15,7 +15,6 @@ mod pages {
     /// Least size of an array in large pages, bytes. Smaller arrays stay on the heap.
     const LARGE: usize = 1 << 22;
 
-    /// An array that starts as zeros.
     pub(in super::super) enum Array<T> {
         Heap(Vec<T>),
         Pages(MmapMut),
@@ -65,7 +64,6 @@ mod heap {
     pub(in super::super) trait Number: Copy + Default {}
     impl<T: Copy + Default> Number for T {}
 
-    /// An array that starts as zeros.
     pub(in super::super) struct Array<T>(Vec<T>);
 
     impl<T: Number> Array<T> {

@@ -21,7 +21,6 @@ impl ExactSum {
         self.add(low * low, 0);
     }
 
-    /// Adds another sum.
     pub fn join(&mut self, more: Self) {
         self.add(more.low, 0);
         self.high += more.high;

@@ -128,7 +128,6 @@ pub(super) fn run_steps(line: Line, per_step: f64, first: usize, x: &[f64], befo
     }
 }
 
-/// Sum of squared third differences of f64.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -151,7 +150,6 @@ pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
 /// Number of codes in one partial sum, and of points in one step of [`run_steps`].
 pub(super) const SHORT: usize = 64;
 
-/// The range and the sums of some codes.
 pub(super) struct Survey {
     pub low: i32,
     pub high: i32,

@@ -201,7 +201,6 @@ fn losses_do_not_add_to_the_deviation() {
     }
 }
 
-/// The functions for records with gaps give a whole record the same deviations as the functions for whole records.
 #[test]
 fn gaps_path_agrees_with_the_whole_record() {
     let rate = nbs14();
@@ -324,7 +323,6 @@ fn sums_are_exact_across_blocks_and_pieces() {
     assert_exact_of(&[Stat::Oadev], &noise(265_000, 24), &[65_536, 131_072]);
 }
 
-/// White noise in f64 has the deviations of the same numbers as integers, which are exact.
 #[test]
 fn floats_agree_with_exact_codes() {
     let codes = noise(300_000, 16);

@@ -9,7 +9,6 @@ pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> 
     rayon::join(a, b)
 }
 
-/// Runs both closures, one after the other, and returns their results.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     (a(), b())
@@ -22,7 +21,6 @@ pub fn map<R: Send>(pieces: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<
     (0..pieces).into_par_iter().map(f).collect()
 }
 
-/// Runs `f(0)`, `f(1)` … one after the other, and returns their results in this order.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
     (0..pieces).map(f).collect()
@@ -39,7 +37,6 @@ pub(super) fn map_with<S, R: Send>(
     (0..pieces).into_par_iter().map_init(start, f).collect()
 }
 
-/// As [`map`], with a value that each thread reuses.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub(super) fn map_with<S, R>(pieces: usize, start: impl Fn() -> S, f: impl Fn(&mut S, usize) -> R) -> Vec<R> {
     let mut kept = start();
@@ -53,7 +50,6 @@ pub(super) fn fill<T: Send>(out: &mut [T], size: usize, f: impl Fn(usize, &mut [
     out.par_chunks_mut(size).enumerate().for_each(|(piece, out)| f(piece, out));
 }
 
-/// Fills `out` in pieces of `size` elements, the last of which may be shorter.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub(super) fn fill<T>(out: &mut [T], size: usize, f: impl Fn(usize, &mut [T])) {
     out.chunks_mut(size).enumerate().for_each(|(piece, out)| f(piece, out));

@@ -43,7 +43,6 @@ pub(in crate::fit) fn white_in(counts: &[usize], slot: usize) -> f64 {
     there.map(|&count| slot as f64 / count as f64).sum::<f64>() / counts.len().max(1) as f64
 }
 
-/// The values less their mean.
 pub(in crate::fit) fn centred(values: &[f64]) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.iter().map(|value| value - mean).collect()

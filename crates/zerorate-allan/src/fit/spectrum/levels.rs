@@ -36,7 +36,6 @@ impl MeasuredLevels {
         self.lines.extend(lines.iter().map(|Narrow { line, .. }| (line.frequency_hz, line.rms * line.rms)));
     }
 
-    /// The density, linear between the frequencies.
     fn at(&self, f_hz: f64) -> f64 {
         interpolated(&self.density, f_hz)
     }

@@ -72,7 +72,6 @@ impl Spectrum {
         Ok(Self { sines, ..spectrum })
     }
 
-    /// The rate without the sines that were found.
     pub(super) fn without_sines<'a>(&self, rate: &'a [f64], rate_hz: f64) -> Cow<'a, [f64]> {
         let mut left = Cow::Borrowed(rate);
         self.sines.iter().for_each(|sine| sine.take_out(left.to_mut(), rate_hz));
@@ -172,7 +171,6 @@ impl Part {
         Ok(Self { hz, bins, low, narrow })
     }
 
-    /// The lowest frequency of the bins, Hz.
     fn lowest_hz(&self) -> f64 {
         self.bins.first().map_or(0.0, |bin| (bin.first as f64 - 0.5) * self.hz)
     }

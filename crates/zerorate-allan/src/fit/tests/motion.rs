@@ -2,7 +2,6 @@
 
 use super::*;
 
-/// The first and the third axis jump at the same second, the second axis a minute later.
 #[test]
 fn axes_that_jump_together_are_motion() {
     let with_step = |at: usize, seed| {

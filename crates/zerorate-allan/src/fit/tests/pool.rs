@@ -100,7 +100,6 @@ fn a_pool_of_cleaned_records_knows_their_length() {
     );
 }
 
-/// The warm-up of one record is not part of the common model.
 #[test]
 fn a_pool_has_no_drift_of_one_record() {
     let still = Truth { k: 0.0, ..HOUR };
