@@ -14,7 +14,6 @@ pub struct Codes {
 }
 
 impl Codes {
-    /// Checks that a column can hold such codes.
     pub(super) fn check(self, path: &Path, column: &Column, names: Names) -> Result<()> {
         let given = names.of(self.setting);
         let wrong = |why: String| {
@@ -45,7 +44,6 @@ pub(super) fn numbers(column: &Column) -> Vec<f64> {
     }
 }
 
-/// True if all samples of a column are whole numbers, as codes are.
 pub(super) fn are_whole(column: &Column) -> bool {
     matches!(column.series, Series::Codes(_)) || numbers(column).iter().all(|number| number.fract() == 0.0)
 }
@@ -89,7 +87,6 @@ pub(super) fn unit_to_give(names: Names, setting: Setting, unit: Unit, column: &
     }
 }
 
-/// The options to give for a gyroscope whose samples look like codes.
 pub(super) fn of_gyroscope(names: Names) -> String {
     let [range, part] = [Setting::GyroRange, Setting::Part].map(|setting| names.of(setting));
     format!("if these are codes, {range} with the full scale in °/s, or {part} with the name of the sensor")

@@ -6,7 +6,6 @@ use super::numbers::{AxisNumbers, CorrelationTime, NoiseFileOptions, Numbers, Se
 use zerorate_allan::Usage;
 use zerorate_input::plain;
 
-/// Name and version of this software, as in the files that it writes.
 const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 
 /// The program that reads the file.
@@ -278,7 +277,6 @@ impl Text {
         }
     }
 
-    /// Writes a covariance with the variances of the axes on the diagonal.
     fn covariance(&mut self, key: &str, sensor: &Option<Sensor>, of: impl Fn(&AxisNumbers) -> f64, what: &str) {
         let Some(sensor) = sensor else { return self.missing(key, what) };
         let mut all = [0.0; 9];

@@ -8,7 +8,6 @@ const SAMPLES: usize = 1 << 16;
 /// Standard deviation of normal noise, divided by the mean of its absolute values without the largest 1 %.
 pub(super) const PER_MEAN: f64 = 1.29;
 
-/// Least number of groups of samples for the test.
 const FEWEST_GROUPS: f64 = 200.0;
 
 /// Least significance of a difference between the places in a group, in standard deviations. Of normal, filtered,

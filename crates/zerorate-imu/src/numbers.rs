@@ -87,17 +87,13 @@ const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "
 /// The numbers of the file, in rad, m and s.
 pub struct Numbers {
     pub choice: NoiseFileOptions,
-    /// The use of N and K in the program that reads the file.
     pub usage: Usage,
     /// The rejections of models that the user chose to accept.
     pub doubts: Vec<String>,
     /// Effects that the numbers leave out, per affected axis.
     pub left_out: Vec<String>,
-    /// Samples per second.
     pub rate_hz: f64,
-    /// The gyroscope; `None` if no axis is one.
     pub gyroscope: Option<Sensor>,
-    /// The accelerometer; `None` if no axis is one.
     pub accelerometer: Option<Sensor>,
     /// The correlation time of the bias as a Gauss–Markov process.
     pub memory: CorrelationTime,
@@ -142,7 +138,6 @@ pub struct AxisNumbers {
 /// The correlation time that all axes share.
 pub struct CorrelationTime {
     pub tau_s: f64,
-    /// The source of the correlation time, for the file.
     pub from: String,
 }
 

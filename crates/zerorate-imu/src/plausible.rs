@@ -36,7 +36,7 @@ pub(super) fn increments(axes: &[Column]) -> Option<String> {
     (is_off && is_gravity).then(|| format!("{m_s:.4} m/s², times {rate_hz:.0} Hz, are gravity: {m_s2:.2} m/s²"))
 }
 
-/// Warns of implausible values in the axes of an IMU. The log is at `path`.
+/// Warns of implausible values in the axes of an IMU.
 pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<LogWarning> {
     let of = |quantity| axes.iter().filter(move |axis| axis.quantity == Some(quantity));
     let warning = |what| LogWarning::Implausible { path: path.display().to_string(), what };
@@ -105,7 +105,6 @@ fn small_gravity(axes: &[Column]) -> Option<String> {
     })
 }
 
-/// True if these means of three axes are gravity in m/s².
 pub(super) fn is_gravity(means_m_s2: impl Iterator<Item = f64>) -> bool {
     let m_s2 = means_m_s2.map(|mean| mean * mean).sum::<f64>().sqrt();
     (m_s2 / GRAVITY_M_S2 - 1.0).abs() < WITHIN
@@ -127,7 +126,6 @@ fn mean(axis: &Column, has_sign: bool) -> Option<f64> {
     Some(axis.scale * axis.facts().mean()).filter(|mean| is_known && mean.is_finite())
 }
 
-/// True if codes are signed: some are below zero.
 fn has_sign(axis: &Column) -> bool {
     matches!(&axis.series, Series::Codes(codes) if codes.iter().any(|code| *code < 0))
 }
