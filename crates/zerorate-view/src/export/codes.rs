@@ -20,7 +20,6 @@ pub(super) enum Integer {
 }
 
 impl Integer {
-    /// T3 as a temperature code.
     pub(super) fn t3_code(&self) -> i32 {
         match self {
             Self::Line(line, _) => line.t3_code,
@@ -30,7 +29,7 @@ impl Integer {
 }
 
 impl Codes {
-    /// The scales and correction of an axis; `None` if the calibration does not state the scales.
+    /// `None` if the calibration does not state the scales.
     pub(super) fn of(calibration: &Calibration, axis: &CalibratedAxis) -> Result<Option<Self>> {
         let (Some(rate), Some(temp)) = (axis.rate, calibration.temp) else { return Ok(None) };
         let integer = Self::integer(axis, &rate, &temp);

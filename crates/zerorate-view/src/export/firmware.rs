@@ -125,7 +125,6 @@ fn names(axes: &[AxisCodes]) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// An axis with its scales and integer correction.
 struct AxisCodes<'a> {
     axis: &'a CalibratedAxis,
     codes: Codes,
@@ -264,7 +263,6 @@ fn origin(export: &Export) -> Entries {
     ]
 }
 
-/// Device, computer, operator, supply and surroundings, if they are stated.
 fn circumstances(calibration: &Calibration) -> String {
     let Notes { supply, ambient, operator, host } = &calibration.notes;
     let stated = [
@@ -343,7 +341,6 @@ fn millionths(value: f64) -> Result<i32> {
     Ok(scaled as i32)
 }
 
-/// The value in millionths of its unit. Returns an error if the result is not a whole number.
 fn whole_millionths(what: &str, value: f64) -> Result<i32> {
     let whole = millionths(value)?;
     ensure!(
@@ -353,7 +350,6 @@ fn whole_millionths(what: &str, value: f64) -> Result<i32> {
     Ok(whole)
 }
 
-/// Formats the numbers, eight to a line.
 fn lines(numbers: &[i32]) -> String {
     let line = |numbers: &[i32]| {
         let numbers: Vec<String> = numbers.iter().map(i32::to_string).collect();

@@ -25,7 +25,6 @@ struct One<'a> {
     table: Table,
 }
 
-/// The higher terms of a curve.
 #[derive(Serialize)]
 struct Curve {
     btc2_dps_per_c2: f64,
@@ -89,7 +88,6 @@ struct CurveFields {
     codes: Option<Ranges>,
 }
 
-/// The first and last possible codes of rate and temperature.
 #[derive(Serialize)]
 struct Ranges {
     rate_first_code: i64,
@@ -98,7 +96,6 @@ struct Ranges {
     temp_last_code: i64,
 }
 
-/// The temperature range in which the correction is valid.
 #[derive(Serialize)]
 struct Valid {
     /// True if the calibration states the range; otherwise it is assumed.

@@ -44,7 +44,6 @@ impl Layout {
         Self { step_c, span_c, valid, stated: calibration.validity.is_some() }
     }
 
-    /// The table rows of an axis.
     pub(super) fn rows(&self, correction: &Correction) -> Result<Vec<TableRow>> {
         Ok(correction.table(self.step_c, self.span_c).map_err(|error| InvalidOptions(error.to_string()))?)
     }

@@ -208,7 +208,6 @@ fn remarks(record: &Record) -> Vec<String> {
     }
 }
 
-/// The subtitle: what the plot shows, and what was left out.
 fn subtitle(records: &[Record]) -> String {
     let Some(first) = records.first() else { return String::new() };
     let interval = interval(first.confidence);

@@ -53,7 +53,6 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// The colour of the law's line and label.
     pub(super) fn colour(&self) -> &'static str {
         LAW_COLOURS.into_iter().find(|(slope, _)| *slope == self.slope).map_or(OTHER_LAW, |(_, colour)| colour)
     }
@@ -351,7 +350,6 @@ pub fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
     [16.0, 32.0, 56.0, 88.0, 128.0].into_iter().flat_map(ring).collect()
 }
 
-/// Label positions next to a point on a line.
 fn beside((x, y): (f64, f64)) -> [((f64, f64), Anchor); 4] {
     [
         ((x + 8.0, y - 8.0), Anchor::Start),
@@ -361,7 +359,6 @@ fn beside((x, y): (f64, f64)) -> [((f64, f64), Anchor); 4] {
     ]
 }
 
-/// The legend, in the emptiest corner.
 fn legend(curves: &[Curve], labels: &Labels) -> Group {
     let names: Vec<String> = curves.iter().map(|curve| shortened(&curve.label, 44)).collect();
     let widest = names.iter().map(|name| canvas::width(name, SMALL)).fold(0.0, f64::max);

@@ -3,7 +3,6 @@
 /// The smallest distance between two ticks of a linear axis, pixels.
 const ROOM: f64 = 24.0;
 
-/// One axis, linear or logarithmic.
 #[derive(Clone, Debug)]
 pub struct Axis {
     low: f64,
@@ -30,7 +29,6 @@ pub fn range_with_margins(values: impl Iterator<Item = f64>, below: f64, above: 
 /// A tick or grid line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// The value, in the unit of the axis.
     pub value: f64,
     /// The number beside the line; `None` for a line without one.
     pub label: Option<String>,
@@ -80,7 +78,6 @@ impl Axis {
         self.span
     }
 
-    /// True if a value is on the axis.
     pub fn covers(&self, value: f64) -> bool {
         let slack = 1e-9 * (self.high - self.low);
         (self.low - slack..=self.high + slack).contains(&value)
@@ -165,7 +162,6 @@ fn power(digit: i32, k: i32, plain: bool) -> String {
     }
 }
 
-/// Writes an exponent in superscript digits.
 pub fn superscript(k: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',

@@ -8,7 +8,6 @@ use svg::node::element::{Circle, Group, Path};
 /// Curves with at least this many points are drawn without dots.
 const DENSE: usize = 60;
 
-/// The two axes of a plot.
 pub struct Scales {
     pub x: Axis,
     pub y: Axis,
@@ -47,7 +46,6 @@ impl Scales {
         (0..=steps).map(at).collect()
     }
 
-    /// The filled band between the lower and upper limits.
     pub fn band(&self, points: &[Point], colour: &str) -> Path {
         let upper = points.iter().map(|point| self.at(point.tau_s, point.hi));
         let lower = points.iter().rev().map(|point| self.at(point.tau_s, point.lo));

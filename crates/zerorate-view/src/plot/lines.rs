@@ -97,7 +97,6 @@ impl Lines {
         (x, if self.is_log { (low, high) } else { (low - room, high + 4.0 * room) })
     }
 
-    /// The legend: samples of the lines with their names, in a row below the title.
     fn legend(&self, left: f64) -> Group {
         let mut at = left;
         let name = |(name, colour): (&String, &'static str)| {

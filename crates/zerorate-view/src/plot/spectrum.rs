@@ -32,7 +32,6 @@ pub struct Tone {
 }
 
 const HEIGHT: f64 = 170.0;
-/// The largest number of labelled tones in a panel.
 const NAMED: usize = 4;
 /// A tone is marked at the highest density within this factor of its frequency.
 const NEAR: f64 = 1.04;

@@ -66,7 +66,6 @@ impl Section {
     }
 }
 
-/// The results of one file or axis.
 struct Single {
     name: String,
     facts: Vec<Fact>,

@@ -27,7 +27,6 @@ struct Page<'a> {
     units: Vec<Unit<'a>>,
 }
 
-/// The page's content for one calibration.
 struct Unit<'a> {
     simulated: bool,
     title: String,
@@ -45,7 +44,6 @@ struct Unit<'a> {
     sections: Vec<Section>,
 }
 
-/// The page's content for one axis.
 struct AxisPart<'a> {
     /// The name of the axis; `None` for a single axis.
     name: Option<&'a str>,
@@ -235,7 +233,6 @@ fn coverage(axis: &CalibratedAxis) -> String {
     format!("{} % interval", (coverage * 1000.0).round() / 10.0)
 }
 
-/// The order of the correction, 1 to 3.
 fn order(correction: &Correction) -> u8 {
     match correction {
         line if line.is_line() => 1,
@@ -312,7 +309,7 @@ fn quantities(axis: &CalibratedAxis) -> Vec<Quantity> {
     all
 }
 
-/// Formats a term of a sum: `+ 0.25` or `− 0.25`.
+/// Formats a term of a sum: `+ 0.25000` or `− 0.25000`.
 fn signed_term(value: f64) -> String {
     format!("{} {:.5}", if value < 0.0 { '−' } else { '+' }, value.abs())
 }

@@ -83,7 +83,6 @@ fn head(what: &str) -> String {
     format!("# {what}\n# Written by {}.\n", zerorate::SOFTWARE)
 }
 
-/// The sensors, each with its axes in the order x, y, z.
 fn triads(axes: &[AxisCurve]) -> Result<Vec<Triad<'_>>, InvalidOptions> {
     axes.chunk_by(|one, other| one.sensor == other.sensor).map(triad).collect()
 }

@@ -27,7 +27,7 @@ pub(super) fn left_over_time(axes: &[(&AxisCurve, &Points)]) -> String {
     picture(said, axes, |point| (point.at_s / 60.0, point.left), |_| Vec::new())
 }
 
-/// A panel for each axis: a dot at each of its means, and its curve.
+/// Draws a panel for each axis: a dot at each of its means, and its curve.
 fn picture(
     [title, subtitle, x_name]: [&str; 3],
     axes: &[(&AxisCurve, &Points)],

@@ -34,7 +34,6 @@ pub struct Sensor {
     axes: Vec<SensorAxis>,
 }
 
-/// An axis with the means of each log.
 struct SensorAxis {
     name: String,
     logs: Vec<LogMeans>,
@@ -115,7 +114,7 @@ impl Sensors {
     }
 }
 
-/// True if two logs have the same means, which then are means of the same samples.
+/// True if two logs have means, and the same ones: then these are means of the same samples.
 fn is_same(one: &LogMeans, other: &LogMeans) -> bool {
     !one.blocks().is_empty() && one.blocks() == other.blocks()
 }

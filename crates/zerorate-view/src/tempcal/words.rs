@@ -29,8 +29,8 @@ pub fn table(axes: &[AxisCurve]) -> String {
         if axis.sensor != last {
             let (low_c, high_c) = axis.span_c();
             let head = if last.is_empty() { "" } else { "\n" };
-            // writing to a string cannot fail
             last = &axis.sensor;
+            // writing to a string cannot fail
             let _ = writeln!(text, "{head}{last}, {low_c:.1} to {high_c:.1} °C");
         }
         row(&mut text, axis);
