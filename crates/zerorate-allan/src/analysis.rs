@@ -148,7 +148,7 @@ pub fn analyse(input: &Input<'_>, rate_hz: f64, options: &Options) -> Result<Ana
 struct Request {
     tau_s: f64,
     m: u64,
-    /// Whether this is the first request of its length.
+    /// Whether this is the first request of its length. True for every request of the length 0.
     is_first: bool,
 }
 

@@ -31,9 +31,9 @@ impl fmt::Display for PlusMinus {
     }
 }
 
-/// A value with limits that may be asymmetric, in the same unit. All three numbers are shown with two significant
-/// digits of half the interval: `0.5591 [0.5543, 0.5639]`. If both limits are equal, only the value is shown, as by
-/// [`number`].
+/// A value with limits that may be asymmetric, in the same unit. All three numbers are shown with two
+/// significant digits of half the interval: `0.5591 [0.5543, 0.5639]`. If both limits are equal, only the value
+/// is shown, as by [`number`]. With an infinite limit, each number is shown as by [`number`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// The estimate.

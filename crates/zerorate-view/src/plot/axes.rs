@@ -130,7 +130,8 @@ pub fn round_step(least: f64) -> (f64, usize) {
     (step, usize::try_from(-exponent(step)).unwrap_or(0))
 }
 
-/// Formats a number with three significant digits: 0.0123 or 1.23·10⁻⁵. From 1000 to 99 999, all digits are written.
+/// Formats a number with three significant digits: 0.0123 or 1.23·10⁻⁵. From 1000 to 99 900, all digits before
+/// the decimal point are written.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return minus(&value.to_string());
