@@ -1,3 +1,5 @@
+use core::ops::AddAssign;
+
 /// A sum of squares of integers, exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ExactSum {
@@ -21,14 +23,16 @@ impl ExactSum {
         self.add(low * low, 0);
     }
 
-    pub fn join(&mut self, more: Self) {
-        self.add(more.low, 0);
-        self.high += more.high;
-    }
-
     /// The nearest f64, or one of its neighbours.
     pub fn to_f64(self) -> f64 {
         self.high as f64 * TWO_POW_128 + self.low as f64
+    }
+}
+
+impl AddAssign for ExactSum {
+    fn add_assign(&mut self, more: Self) {
+        self.add(more.low, 0);
+        self.high += more.high;
     }
 }
 

@@ -11,7 +11,7 @@ use super::threads;
 use crate::kernel::{Order, Plain};
 use alloc::vec;
 use alloc::vec::Vec;
-use core::ops::Range;
+use core::ops::{AddAssign, Range};
 
 /// Number of starts in a block. The data that one averaging time reads for a block fit into the first-level cache, and
 /// the data of all averaging times fit into the second-level cache.
@@ -28,13 +28,12 @@ const COLUMN_BYTES: usize = 2048;
 pub(super) trait Step {
     /// A value of the running sum.
     type Number: Number + Default + Send + Sync;
-    type Sum: Copy + Default + Send;
+    type Sum: Copy + Default + Send + AddAssign;
 
     /// 2 · `end` − `number`.
     fn reflected(number: Self::Number, end: Self::Number) -> Self::Number;
     fn second(a: &[Self::Number], b: &[Self::Number], c: &[Self::Number]) -> Self::Sum;
     fn third(a: &[Self::Number], b: &[Self::Number], c: &[Self::Number], d: &[Self::Number]) -> Self::Sum;
-    fn join(sum: &mut Self::Sum, more: Self::Sum);
 }
 
 /// Sum of the squared differences for each of `m`.
@@ -79,7 +78,7 @@ fn far_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> 
 fn joined<T: Step>(parts: Vec<Vec<T::Sum>>, len: usize) -> Vec<T::Sum> {
     let mut sums = vec![T::Sum::default(); len];
     for part in parts {
-        sums.iter_mut().zip(part).for_each(|(sum, more)| T::join(sum, more));
+        sums.iter_mut().zip(part).for_each(|(sum, more)| *sum += more);
     }
     sums
 }
@@ -90,7 +89,7 @@ fn block_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize], starts: Range
         for (&m, sum) in m.iter().zip(&mut sums) {
             let end = plain.starts_end(x.len(), m).min(start + BLOCK).min(starts.end);
             if start < end {
-                T::join(sum, block_sum::<T>(x, plain, m, start..end));
+                *sum += block_sum::<T>(x, plain, m, start..end);
             }
         }
     }
@@ -132,12 +131,12 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
         let mut sum = T::Sum::default();
         for edge in [1..start_end, start_end.max(x.len() - m[i])..last] {
             for from in edge.clone().step_by(BLOCK) {
-                T::join(&mut sum, reflected::<T>(x, m[i], from..edge.end.min(from + BLOCK)));
+                sum += reflected::<T>(x, m[i], from..edge.end.min(from + BLOCK));
             }
         }
         sum
     });
-    sums.iter_mut().zip(edges).for_each(|(sum, edge)| T::join(sum, edge));
+    sums.iter_mut().zip(edges).for_each(|(sum, edge)| *sum += edge);
     sums
 }
 
@@ -148,7 +147,7 @@ fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Su
     let mut sum = T::Sum::default();
     for middles in [middles.start..cut, cut..middles.end] {
         if !middles.is_empty() {
-            T::join(&mut sum, reflected_alike::<T>(x, m, middles));
+            sum += reflected_alike::<T>(x, m, middles);
         }
     }
     sum
@@ -188,10 +187,6 @@ impl Step for f64 {
     fn third(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
         lanes::third_f64(a, b, c, d)
     }
-
-    fn join(sum: &mut f64, more: f64) {
-        *sum += more;
-    }
 }
 
 /// Exact sums over a running sum that wraps modulo 2^32. Every difference must be below 2^28.
@@ -210,10 +205,6 @@ impl Step for i32 {
     fn third(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum {
         lanes::third_i32(a, b, c, d)
     }
-
-    fn join(sum: &mut ExactSum, more: ExactSum) {
-        sum.join(more);
-    }
 }
 
 /// Exact sums over a running sum that wraps modulo 2^64. Every difference must be below 2^56.
@@ -231,10 +222,6 @@ impl Step for i64 {
 
     fn third(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum {
         lanes::third_i64(a, b, c, d)
-    }
-
-    fn join(sum: &mut ExactSum, more: ExactSum) {
-        sum.join(more);
     }
 }
 
@@ -255,9 +242,5 @@ impl Step for FixedPoint {
 
     fn third(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
         lanes::third_fixed(a, b, c, d)
-    }
-
-    fn join(sum: &mut f64, more: f64) {
-        *sum += more;
     }
 }
