@@ -3,6 +3,7 @@
 //! The drift of a warming sensor looks like a rate random walk. Detection and removal use means over at most
 //! [`BLOCKS`] equal parts of the record, which keep all slow changes.
 
+use crate::linear::dot;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
@@ -348,10 +349,6 @@ fn mean_of_known(values: &[f64]) -> Option<f64> {
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
