@@ -7,22 +7,42 @@ use serde::Serialize;
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, Correction, IntegerCorrection, IntegerCurve, Scale, TableRow};
 
-/// The export of the only axis of an ADIS16130.
+/// The exported object. The only axis of an ADIS16130 has its `terms` and `derived` here; other axes are in `axes`, and
+/// then the object names the part.
 #[derive(Serialize)]
-struct One<'a> {
+struct Object<'a> {
     calibration_id: String,
     simulated: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part: Option<&'a str>,
     serial: Option<&'a str>,
+    #[serde(flatten)]
+    terms: Option<Terms>,
+    temp_min_c: Option<f64>,
+    temp_max_c: Option<f64>,
+    valid: Valid,
+    #[serde(flatten)]
+    derived: Option<Derived>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axes: Option<Vec<Axis<'a>>>,
+}
+
+#[derive(Serialize)]
+struct Axis<'a> {
+    name: &'a str,
+    #[serde(flatten)]
+    terms: Terms,
+    #[serde(flatten)]
+    derived: Derived,
+}
+
+#[derive(Serialize)]
+struct Terms {
     pbc_dps: f64,
     btc_dps_per_c: f64,
     t3_c: f64,
     #[serde(flatten)]
     curve: Option<Curve>,
-    temp_min_c: Option<f64>,
-    temp_max_c: Option<f64>,
-    valid: Valid,
-    integer: Option<Integer>,
-    table: Table,
 }
 
 #[derive(Serialize)]
@@ -31,27 +51,8 @@ struct Curve {
     btc3_dps_per_c3: f64,
 }
 
-/// The export of any number of axes of any part.
 #[derive(Serialize)]
-struct Several<'a> {
-    calibration_id: String,
-    simulated: bool,
-    part: &'a str,
-    serial: Option<&'a str>,
-    temp_min_c: Option<f64>,
-    temp_max_c: Option<f64>,
-    valid: Valid,
-    axes: Vec<Axis<'a>>,
-}
-
-#[derive(Serialize)]
-struct Axis<'a> {
-    name: &'a str,
-    pbc_dps: f64,
-    btc_dps_per_c: f64,
-    t3_c: f64,
-    #[serde(flatten)]
-    curve: Option<Curve>,
+struct Derived {
     /// The integer correction; null if the calibration does not state the scale of the codes.
     integer: Option<Integer>,
     table: Table,
@@ -71,7 +72,7 @@ struct Line {
     offset_q: i64,
     slope_q: i32,
     t3_code: i32,
-    /// The ranges of the codes. Absent in [`One`], because the ranges of an ADIS16130 are known.
+    /// The ranges of the codes. Absent for an ADIS16130, whose ranges are known.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     codes: Option<Ranges>,
 }
@@ -130,41 +131,22 @@ pub(super) fn text(export: &Export) -> Result<String> {
     let axes = calibration.axes.iter().zip(tables);
     let mut axes: Vec<Axis> =
         axes.map(|(axis, rows)| self::axis(calibration, axis, layout, rows)).collect::<Result<_>>()?;
-    let (calibration_id, serial) = (calibration.id(), calibration.serial.as_deref());
-    let simulated = calibration.is_simulated();
-    let temp_min_c = calibration.validity.map(|span| span.temp_min_c);
-    let temp_max_c = calibration.validity.map(|span| span.temp_max_c);
-    let valid = valid(layout, calibration.temp.as_ref());
-    let text = if calibration.is_plain() {
-        let Axis { pbc_dps, btc_dps_per_c, t3_c, curve, integer, table, .. } = axes.remove(0);
-        serde_json::to_string_pretty(&One {
-            calibration_id,
-            simulated,
-            serial,
-            pbc_dps,
-            btc_dps_per_c,
-            t3_c,
-            curve,
-            temp_min_c,
-            temp_max_c,
-            valid,
-            integer,
-            table,
-        })?
-    } else {
-        let part = &calibration.part;
-        serde_json::to_string_pretty(&Several {
-            calibration_id,
-            simulated,
-            part,
-            serial,
-            temp_min_c,
-            temp_max_c,
-            valid,
-            axes,
-        })?
+    let is_plain = calibration.is_plain();
+    let only = is_plain.then(|| axes.remove(0));
+    let (terms, derived) = only.map(|axis| (axis.terms, axis.derived)).unzip();
+    let object = Object {
+        calibration_id: calibration.id(),
+        simulated: calibration.is_simulated(),
+        part: (!is_plain).then_some(calibration.part.as_str()),
+        serial: calibration.serial.as_deref(),
+        terms,
+        temp_min_c: calibration.validity.map(|span| span.temp_min_c),
+        temp_max_c: calibration.validity.map(|span| span.temp_max_c),
+        valid: valid(layout, calibration.temp.as_ref()),
+        derived,
+        axes: (!is_plain).then_some(axes),
     };
-    Ok(text + "\n")
+    Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
 
 fn axis<'a>(
@@ -177,20 +159,19 @@ fn axis<'a>(
     let &Layout { step_c, span_c, .. } = layout;
     let curved = Some(&axis.correction).filter(|correction| !correction.is_line());
     let row = |row: &TableRow| LookUpRow { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
+    let Correction { pbc_dps, btc_dps_per_c, t3_c, .. } = axis.correction;
+    let table = Table {
+        step_c,
+        span_c,
+        nearest_dps: curved.map(|curve| tidy(curve.steepest_dps_per_c(span_c) * step_c / 2.0)),
+        linear_dps: curved.map(|curve| tidy(curve.bend_dps(step_c, span_c))),
+        rows: rows.iter().map(row).collect(),
+    };
+    let integer = codes.map(|codes| integer(&codes, !calibration.is_plain()));
     Ok(Axis {
         name: &axis.name,
-        pbc_dps: axis.correction.pbc_dps,
-        btc_dps_per_c: axis.correction.btc_dps_per_c,
-        t3_c: axis.correction.t3_c,
-        curve: curve(&axis.correction),
-        integer: codes.map(|codes| integer(&codes, !calibration.is_plain())),
-        table: Table {
-            step_c,
-            span_c,
-            nearest_dps: curved.map(|curve| tidy(curve.steepest_dps_per_c(span_c) * step_c / 2.0)),
-            linear_dps: curved.map(|curve| tidy(curve.bend_dps(step_c, span_c))),
-            rows: rows.iter().map(row).collect(),
-        },
+        terms: Terms { pbc_dps, btc_dps_per_c, t3_c, curve: curve(&axis.correction) },
+        derived: Derived { integer, table },
     })
 }
 
