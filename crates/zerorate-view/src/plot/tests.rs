@@ -108,7 +108,7 @@ fn names_that_xml_cannot_hold_are_replaced() {
 fn marks_off_the_axis_are_left_out() {
     let mut short = white("short");
     short.points.truncate(3);
-    let found = texts(&allan(&[short], &Options::default()));
+    let found = texts(&allan(&[short], &Options { marks: an1042(), ..Options::default() }));
     assert!(!found.iter().any(|text| text.contains("AN-1042")), "{found:?}");
 }
 
