@@ -30,6 +30,12 @@ fn texts(svg: &str) -> Vec<String> {
     texts.filter_map(|node| node.text()).map(|text| text.trim().to_owned()).collect()
 }
 
+fn assert_has(found: &[String], all: &[&str]) {
+    for expected in all {
+        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
+    }
+}
+
 fn attribute(svg: &str, tag: &str, name: &str) -> Vec<f64> {
     let xml = Document::parse(svg).unwrap();
     let nodes = xml.descendants().filter(|node| node.has_tag_name(tag));
@@ -41,7 +47,7 @@ fn all_labels_are_text() {
     let (title, subtitle) = (Some("A title".into()), Some("a line".into()));
     let options = Options { title, subtitle, marks: an1042(), ..Options::default() };
     let found = texts(&allan(&[fitted()], &options));
-    for expected in [
+    let expected = [
         "A title",
         "a line",
         "averaging time τ, s",
@@ -56,9 +62,8 @@ fn all_labels_are_text() {
         "0.01",
         "1000",
         "fit",
-    ] {
-        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
-    }
+    ];
+    assert_has(&found, &expected);
 }
 
 /// In a plot of 960 × 640 without headings, the frame starts at the pixel (92, 40) and is 772 wide and 532 high. The
@@ -91,9 +96,7 @@ fn only_degrees_per_second_have_a_scale_per_hour() {
 fn several_curves_have_a_legend_with_names_as_they_are() {
     let hostile = "<script>&\"'.csv";
     let found = texts(&allan(&[white("a.csv"), white(hostile), fitted()], &Options::default()));
-    for name in ["a.csv", hostile, "unit.arrows"] {
-        assert!(found.iter().any(|text| text == name), "{name} in {found:?}");
-    }
+    assert_has(&found, &["a.csv", hostile, "unit.arrows"]);
     assert!(!found.iter().any(|text| text.starts_with("N =")), "labels of one fit among three curves");
 }
 
@@ -139,9 +142,7 @@ fn the_correction_is_drawn_over_its_span() {
     let points = [20.0, 30.0, 40.0].map(point).to_vec();
     let svg = correction(&CorrectionCurve { points, means: Vec::new(), t3_c: 30.0, valid_c: Some((25.0, 35.0)) });
     let found = texts(&svg);
-    for expected in ["temperature, °C", "correction, °/s", "T3", "measured here", "20", "40"] {
-        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
-    }
+    assert_has(&found, &["temperature, °C", "correction, °/s", "T3", "measured here", "20", "40"]);
     // the axis from 20 to 40 °C is 832 pixels wide from pixel 100 on, so 25 to 35 °C starts at 308 and is 416 wide
     assert!(
         attribute(&svg, "rect", "x").contains(&308.0) && attribute(&svg, "rect", "width").contains(&416.0),
@@ -172,9 +173,7 @@ fn axes_side_by_side_have_their_coefficients() {
     let curves = [fitted(), Curve { label: "gyro <y>".into(), ..fitted() }, remarked, Curve::default()];
     let found = texts(&allan_multiples(&curves, &Options { marks: an1042(), ..Options::default() }));
     assert_eq!(found.iter().filter(|text| *text == "N = 0.6 °/√h").count(), 2);
-    for expected in ["unit.arrows", "gyro <y>", "z", "rejected", "averaging time τ, s", "Allan deviation, °/s"] {
-        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
-    }
+    assert_has(&found, &["unit.arrows", "gyro <y>", "z", "rejected", "averaging time τ, s", "Allan deviation, °/s"]);
     Document::parse(&allan_multiples(&[], &Options::default())).unwrap();
 }
 
@@ -205,9 +204,7 @@ fn a_record_of_any_length_is_its_envelope() {
     let signal = Signal { label: "a<b".into(), envelope, marks_s: vec![300.0] };
     let svg = signals("The record", &[signal.clone(), signal], "°/s");
     let found = texts(&svg);
-    for expected in ["time, min", "deviation from the mean, °/s", "15"] {
-        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
-    }
+    assert_has(&found, &["time, min", "deviation from the mean, °/s", "15"]);
     assert!(found.iter().any(|text| text.starts_with("a<b, mean 0.00")) && svg.len() < 60_000, "{}", svg.len());
     // one band before the missing samples, and one after them
     let xml = Document::parse(&svg).unwrap();
@@ -229,9 +226,7 @@ fn each_tone_of_a_spectrum_is_labelled_once() {
     let model = vec![(0.01, 0.01), (1.0, 0.01), (0.0, f64::NAN)];
     let svg = spectra("Spectrum", &[Spectrum { label: "x".into(), points, model, tones }], "°/s/√Hz");
     let found = texts(&svg);
-    for expected in ["10.0 Hz, 0.5 °/s rms", "50.0 Hz", "frequency, Hz", "density, °/s/√Hz", "x"] {
-        assert!(found.iter().any(|text| text == expected), "{expected} in {found:?}");
-    }
+    assert_has(&found, &["10.0 Hz, 0.5 °/s rms", "50.0 Hz", "frequency, Hz", "density, °/s/√Hz", "x"]);
     assert!(!found.iter().any(|text| text == "its foot") && !svg.contains("NaN"));
     assert_eq!(attribute(&svg, "circle", "r").len(), 2);
     Document::parse(&spectra("", &[Spectrum::default()], "")).unwrap();
