@@ -248,15 +248,3 @@ fn longer(needed_s: f64) -> String {
 const fn plural(count: u64) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use alloc::string::ToString;
-
-    #[test]
-    fn a_count_of_one_has_no_plural() {
-        let glitch = AllanWarning::Glitches { glitches: 1, samples: 1, ratio: 1.2 }.to_string();
-        assert!(glitch.starts_with("1 glitch (1 sample) replaced"), "{glitch}");
-    }
-}
