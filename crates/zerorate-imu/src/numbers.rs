@@ -197,10 +197,9 @@ impl Axis<'_> {
     fn left_out(&self) -> Option<String> {
         let (fit, unit) = (self.fit, if self.kind == Kind::Gyroscope { "rad/s" } else { "m/s²" });
         let size = |value: f64| format!("{:.1e} {unit}", value.abs() * self.si());
-        let line = |term: &Term| if let Term::Line(line) = term { Some(*line) } else { None };
-        let strongest = fit.terms.iter().filter_map(line).max_by(|a, b| a.rms.total_cmp(&b.rms));
+        let strongest = fit.lines().max_by(|a, b| a.rms.total_cmp(&b.rms));
         let strongest = strongest.map(|line| (line.frequency_hz, size(line.rms)));
-        let lines = strongest.map(|(hz, rms)| match fit.terms.iter().filter_map(line).count() {
+        let lines = strongest.map(|(hz, rms)| match fit.lines().count() {
             1 => format!("a line at {} ({rms} rms)", hertz(hz)),
             count => format!("{count} lines, the strongest at {} ({rms} rms)", hertz(hz)),
         });

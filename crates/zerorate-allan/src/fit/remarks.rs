@@ -43,10 +43,9 @@ pub(super) fn remarks(
     if raw.missing > 0 {
         warnings.push(AllanWarning::Gaps { missing: raw.missing as u64, samples: curves.samples() as u64 });
     }
-    let lines = fit.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None });
-    if let Some(strongest) = lines.clone().max_by(|a, b| a.rms.total_cmp(&b.rms)) {
+    if let Some(strongest) = fit.lines().max_by(|a, b| a.rms.total_cmp(&b.rms)) {
         let Line { frequency_hz, rms, .. } = *strongest;
-        warnings.push(AllanWarning::Lines { count: lines.count(), frequency_hz, rms });
+        warnings.push(AllanWarning::Lines { count: fit.lines().count(), frequency_hz, rms });
     }
     if let Some(q) = fit.q {
         let below_s = 3.0 * q.value * q.value / (fit.n.value * fit.n.value).max(f64::MIN_POSITIVE);

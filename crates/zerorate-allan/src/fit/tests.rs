@@ -391,8 +391,7 @@ fn a_sine_and_a_resonance_are_left_out() {
     let mut rate = HOUR.noise(360_000, 11);
     rate.iter_mut().zip(&ring).for_each(|(rate, y)| *rate += strength * y);
     let fit = of(&rate);
-    let lines = fit.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None });
-    let line = lines.max_by(|a, b| a.rms.total_cmp(&b.rms)).unwrap();
+    let line = fit.lines().max_by(|a, b| a.rms.total_cmp(&b.rms)).unwrap();
     assert!(near(line.frequency_hz, 20.0, 0.02) && near(line.rms, strength * rms, 0.15), "{line:?}");
     assert!(fit.n.lo < HOUR.n && HOUR.n < fit.n.hi && near(fit.n.value, HOUR.n, 0.015), "{:?}", fit.n);
 }

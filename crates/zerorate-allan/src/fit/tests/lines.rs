@@ -10,7 +10,7 @@ fn with_sine(n: usize, rate_hz: f64, hz: f64, amplitude: f64) -> Vec<f64> {
 }
 
 fn lines(fit: &Fit) -> Vec<Line> {
-    fit.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(*line) } else { None }).collect()
+    fit.lines().copied().collect()
 }
 
 /// Below a few hundred coefficients a strong sine leaks over whole bins. These bins were once masked and became a
