@@ -205,13 +205,9 @@ mod tests {
     use alloc::vec;
 
     fn noise(n: usize) -> Vec<f64> {
-        let mut state = 1_234_567_890u64;
-        let next = || {
-            let value = state as f64 / 2_147_483_647.0;
-            state = 16_807 * state % 2_147_483_647;
-            value
-        };
-        core::iter::repeat_with(next).take(n).collect()
+        let next = |state: &u64| Some(16_807 * state % 2_147_483_647);
+        let states = core::iter::successors(Some(1_234_567_890u64), next);
+        states.take(n).map(|state| state as f64 / 2_147_483_647.0).collect()
     }
 
     fn with(stat: Stat, taus: Taus) -> Options {
