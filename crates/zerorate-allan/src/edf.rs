@@ -256,7 +256,6 @@ const FLICKER_PHASE: [(f64, f64); 3] = [(6.0, 4.0), (15.23, 12.0), (47.8, 40.0)]
 mod tests {
     use super::*;
     use alloc::vec;
-    use alloc::vec::Vec;
 
     /// Parts per sample. The paper averages the phase over each sample. A sum over these parts approximates the
     /// average.
@@ -319,16 +318,9 @@ mod tests {
         }
     }
 
-    fn differences() -> Vec<Difference> {
-        let of = |order, overlapped, modified| Difference { order, overlapped, modified };
-        vec![
-            of(2, false, false),
-            of(2, true, false),
-            of(2, true, true),
-            of(3, false, false),
-            of(3, true, false),
-            of(3, true, true),
-        ]
+    fn differences() -> impl Iterator<Item = Difference> {
+        let kinds = [(false, false), (true, false), (true, true)];
+        (2..=3).flat_map(move |order| kinds.map(|(overlapped, modified)| Difference { order, overlapped, modified }))
     }
 
     /// The relative error is 3e-3 if the correlations are summed with the filter factor m. For m (d + 1) > 100 the
