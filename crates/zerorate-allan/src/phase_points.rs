@@ -18,13 +18,8 @@ pub(crate) enum Run<'a> {
 
 /// Number of phase points of `input`, missing ones included. A rate has one more phase point than samples.
 pub(crate) fn phase_points(input: &Input<'_>) -> u64 {
-    match input {
-        Input::Codes { codes, gaps } => {
-            gaps.iter().fold(codes.len() as u64 + 1, |n, gap| n.saturating_add(gap.missing))
-        }
-        Input::Rate(rate) => rate.len() as u64 + 1,
-        Input::Phase(phase) => phase.len() as u64,
-    }
+    let is_rate = !matches!(input, Input::Phase(_));
+    input.len().saturating_add(is_rate.into())
 }
 
 /// Slope per point of the phase from [`for_each_run`]. It is 0 for a rate, whose mean is removed.
