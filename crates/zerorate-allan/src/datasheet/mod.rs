@@ -98,11 +98,7 @@ impl Line {
             Figure::BiasInstability => fit.map(|fit| of(&fit.b, 1.0)),
             Figure::RateRandomWalk => fit.map(|fit| of(&fit.k, 1.0)),
         };
-        let measured = measured.map(|Estimate { value, lo, hi }| Estimate {
-            value: value / self.factor,
-            lo: lo / self.factor,
-            hi: hi / self.factor,
-        });
+        let measured = measured.map(|measured| measured.map(|value| value / self.factor));
         Comparison { measured, verdict: measured.map_or(Verdict::Open, |measured| self.verdict(&measured)) }
     }
 

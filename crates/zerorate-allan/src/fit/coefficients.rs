@@ -112,7 +112,7 @@ impl Coefficients<'_> {
 }
 
 impl Estimate {
-    fn map(self, of: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn map(self, of: impl Fn(f64) -> f64) -> Self {
         Self { value: of(self.value), lo: of(self.lo), hi: of(self.hi) }
     }
 }
