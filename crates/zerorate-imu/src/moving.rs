@@ -47,11 +47,9 @@ pub fn shared(axes: &[&[(f64, f64)]]) -> Vec<(f64, f64)> {
     for (time_s, change) in edges {
         match (open, open + change) {
             (before, now) if before < enough && now >= enough => found.push((time_s, time_s)),
-            (before, now) if before >= enough && now < enough => found.iter_mut().for_each(|last| {
-                if last.0 == last.1 {
-                    last.1 = time_s;
-                }
-            }),
+            (before, now) if before >= enough && now < enough => {
+                found.last_mut().into_iter().for_each(|last| last.1 = time_s);
+            }
             _ => {}
         }
         open += change;
