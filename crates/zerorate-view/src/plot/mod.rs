@@ -28,7 +28,7 @@ mod tests;
 
 pub use allan::{Curve, Mark, Minimum, Options, Point, PowerLaw, allan, an1042};
 pub use axes::number;
-pub(crate) use axes::{minus, round_step, superscript};
+pub(crate) use axes::{minus, range, round_step, superscript};
 pub use canvas::stacked;
 pub use correction::{CorrectionCurve, CorrectionPoint, correction};
 pub use lines::{Lines, Panel, lines};

@@ -1,6 +1,7 @@
 //! The gyroscopes and accelerometers of logs, and the fits of their axes.
 
 use super::{AxisCurve, Measured, Points};
+use crate::plot::range;
 use std::path::Path;
 use zerorate::temperature::curve::{
     AxisRecord, CurveRefusal, CurveWarning, LagLikelihood, LogCurve, LogMeans, MeansBuilder, check,
@@ -169,10 +170,7 @@ pub fn foreign_unit(name: &str) -> Option<&'static str> {
 /// Lowest and highest of the finite temperatures; `None` if there are none.
 #[must_use]
 pub fn span_c(temps_c: &[f64]) -> Option<(f64, f64)> {
-    let known = temps_c.iter().copied().filter(|value| value.is_finite());
-    known.fold(None, |ends, value| {
-        Some(ends.map_or((value, value), |(low, high): (f64, f64)| (low.min(value), high.max(value))))
-    })
+    range(temps_c.iter().copied())
 }
 
 /// The topic or message of a column: `sensor_gyro#0` for the column `sensor_gyro#0.x`.
