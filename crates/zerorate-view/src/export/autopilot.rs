@@ -106,8 +106,7 @@ pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> 
     }
     parameter(format!("INS_GYR{sensor}_CALTEMP"), offset_c);
     // the parameters of the first IMU have no number, for historical reasons
-    let number = if sensor == 1 { String::new() } else { sensor.to_string() };
-    let offsets = if sensor == 1 { "INS_GYROFFS".to_owned() } else { format!("INS_GYR{number}OFFS") };
+    let offsets = if sensor == 1 { "INS_GYROFFS".to_owned() } else { format!("INS_GYR{sensor}OFFS") };
     for (axis, bias) in ["X", "Y", "Z"].iter().zip(&biases) {
         parameter(format!("{offsets}_{axis}"), bias.at(offset_c));
     }
