@@ -3,8 +3,8 @@
 use super::bins::at_coefficients;
 use super::density::Table;
 use super::masked::loud;
-use super::scoring::{N2, Problem, SHAPE};
-use super::select::Selection;
+use super::scoring::{N2, Problem};
+use super::select::{Selection, without_shape};
 use super::spectrum::Spectrum;
 use super::spectrum::averages::{averages, fill_gaps, slot_length, white_in};
 use super::transform::{cosine_transform, series, smooth_length};
@@ -105,8 +105,7 @@ fn density_of_averages(chosen: &Selection, slots: usize, slot_rate_hz: f64, whit
     let table = Table::new(super::bins::all_edges(slots).into_iter(), &[], slots, slot_rate_hz);
     let middles: Vec<f64> = table.rows.iter().map(|row| row.bin.middle()).collect();
     let mut form = chosen.found.form;
-    let mut at = chosen.found.at.clone();
-    at.drain(SHAPE..SHAPE + form.shape());
+    let mut at = without_shape(&chosen.found);
     at[N2] *= white;
     (form.cosines, form.poles, form.drift) = (0, 0, None);
     let density = Problem::new(table, 0.0).density(&form, &at);
