@@ -1,10 +1,9 @@
 //! Compares the errors of simulated filters with the variances that they claim. Each filter has the numbers of its
 //! noise file.
 
-use super::{Axis, Combine, Format, Kind, NoiseFileOptions, Rejections, Rule};
+use super::{Axis, Format, Kind, NoiseFileOptions, Rejections, Rule};
 use std::f64::consts::PI;
 use zerorate_allan::{Fit, FitOptions, Input, fit};
-use zerorate_logs::{Names, Setting};
 
 const RATE_HZ: f64 = 100.0;
 const HOUR: usize = 360_000;
@@ -65,9 +64,7 @@ impl Belief {
     /// The model that a program builds from its noise file, according to the documentation of the program.
     fn of(format: Format, rule: Rule, model: &Fit) -> Self {
         let axis = |name| Axis { name, kind: Kind::Gyroscope, rate_hz: RATE_HZ, fit: model, scale: 1.0 };
-        let (names, warnings) = (Names(Setting::name), Vec::new());
-        let (log, combine) = (String::from("log"), Combine::Worst);
-        let choice = NoiseFileOptions { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
+        let choice = NoiseFileOptions { rule, ..NoiseFileOptions::default() };
         let text = format.file(choice, &["x", "y", "z"].map(axis), &Rejections::default(), false).unwrap();
         let number = |key: &str| -> f64 {
             let line = text.lines().find_map(|line| line.trim_start().strip_prefix(key)?.strip_prefix(": ")).unwrap();
