@@ -100,9 +100,7 @@ impl FitReport {
             rate_units: units(&B.of(quantity)),
         }
     }
-}
 
-impl FitReport {
     /// The coefficients with their letters in IEEE Std 952-1997; N, B and K come first.
     pub fn coefficients(&self) -> impl Iterator<Item = (char, &CoefficientReport)> {
         let always = [('N', &self.n), ('B', &self.b), ('K', &self.k)].into_iter();
