@@ -2,25 +2,30 @@
 
 use super::*;
 
+/// The axes of a CSV file with this head and these rows.
+fn read(head: &str, rows: impl Iterator<Item = String>, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
+    let text = rows.fold(format!("{head}\n"), |text, row| text + &row + "\n");
+    let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+    Axes::read(Path::new("imu.csv"), parts, options)
+}
+
 /// `rostopic echo -p` writes the covariance of an angular velocity beside it. They are not axes, unless the user lists
 /// them.
 #[test]
 fn columns_beside_the_axes_are_left_out() {
-    let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\
-                1000,0.5,0.0,0\n2000,0.25,0.0,0\n3000,1.5,0.0,1\n";
-    let read = |columns: Option<Vec<String>>| {
+    let head = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping";
+    let rows = ["1000,0.5,0.0,0", "2000,0.25,0.0,0", "3000,1.5,0.0,1"].map(str::to_owned);
+    let of = |columns: Option<Vec<String>>| {
         let log = ColumnOptions { rate: Some(200.0), ..ColumnOptions::default() };
-        let options = ImuOptions { columns, log, ..ImuOptions::default() };
-        let parts = vec![(std::path::PathBuf::from("imu.csv"), text.as_bytes().to_vec().into())];
-        Axes::read(Path::new("imu.csv"), parts, &options).unwrap()
+        read(head, rows.iter().cloned(), &ImuOptions { columns, log, ..ImuOptions::default() }).unwrap()
     };
-    let found = read(None);
+    let found = of(None);
     assert_eq!(found.columns.len(), 1);
     assert_eq!(found.columns[0].name, "field.angular_velocity.x");
     assert!(
         found.warnings.iter().any(|one| one.code() == "columns-left-out" && one.to_string().contains("gyro_clipping"))
     );
-    assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
+    assert_eq!(of(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
 }
 
 fn axes(head: &str) -> zerorate_logs::Result<Axes> {
@@ -46,10 +51,8 @@ fn axes_with(head: &str, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
 /// A log of integers at rest, in which the third axis of the accelerometer always has the value `gravity`.
 fn codes(gravity: i32, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
     let row =
-        |at: i32| format!("{},{},{},{},{},{},{}\n", at * 10, at % 5, at % 3, -at % 7, at % 3 - 1, at % 5 - 2, gravity);
-    let text = (0..90).map(row).fold("t_ms,gx,gy,gz,ax,ay,az\n".to_owned(), |text, row| text + &row);
-    let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
-    Axes::read(Path::new("imu.csv"), parts, options)
+        |at: i32| format!("{},{},{},{},{},{},{}", at * 10, at % 5, at % 3, -at % 7, at % 3 - 1, at % 5 - 2, gravity);
+    read("t_ms,gx,gy,gz,ax,ay,az", (0..90).map(row), options)
 }
 
 #[test]
@@ -97,22 +100,20 @@ fn fractions_are_not_scaled_as_codes() {
 /// and stays.
 #[test]
 fn a_kind_of_zeros_is_left_out_of_a_table() {
-    let read = |zero: fn(usize) -> bool| {
+    let of = |zero: fn(usize) -> bool| {
         let row = |at: usize| {
             let cells =
                 (0..6).map(|axis| if zero(axis) { "0.0".to_owned() } else { format!("0.{}", at * (axis + 3) % 7) });
-            format!("{},{}\n", at * 5, cells.collect::<Vec<_>>().join(","))
+            format!("{},{}", at * 5, cells.collect::<Vec<_>>().join(","))
         };
-        let head = "t_ms,wx_dps,wy_dps,wz_dps,ax_g,ay_g,az_g\n".to_owned();
-        let text = (0..60).map(row).fold(head, |text, row| text + &row);
-        let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
-        Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default()).unwrap()
+        let head = "t_ms,wx_dps,wy_dps,wz_dps,ax_g,ay_g,az_g";
+        read(head, (0..60).map(row), &ImuOptions::default()).unwrap()
     };
-    let found = read(|axis| axis >= 3);
+    let found = of(|axis| axis >= 3);
     assert_eq!(names(&found), ["wx_dps", "wy_dps", "wz_dps"]);
     assert!(found.warnings.iter().any(|one| one.to_string().contains("being 0 in every row: ax_g, ay_g, az_g")));
-    assert_eq!(names(&read(|axis| axis == 1)).len(), 6);
-    assert_eq!(names(&read(|_| true)).len(), 6);
+    assert_eq!(names(&of(|axis| axis == 1)).len(), 6);
+    assert_eq!(names(&of(|_| true)).len(), 6);
 }
 
 fn names(found: &Axes) -> Vec<&str> {
@@ -167,17 +168,15 @@ fn topics_that_differ_in_gyro_and_accel_are_one_imu() {
 /// Kalibr's tools define the units of these names, but other programs use the names as well.
 #[test]
 fn units_of_kalibr_are_taken_where_gravity_fits() {
-    let read = |gravity: f64| {
-        let row = |at: i32| format!("{},{gravity}{},0.1,0.{},0.3,0.{},0.1\n", at * 10, at % 3, at % 7, at % 5);
-        let head = "t_ms,alpha_z,omega_x,omega_y,omega_z,alpha_x,alpha_y\n".to_owned();
-        let text = (0..60).map(row).fold(head, |text, row| text + &row);
-        let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
-        Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default())
+    let of = |gravity: f64| {
+        let row = |at: i32| format!("{},{gravity}{},0.1,0.{},0.3,0.{},0.1", at * 10, at % 3, at % 7, at % 5);
+        let head = "t_ms,alpha_z,omega_x,omega_y,omega_z,alpha_x,alpha_y";
+        read(head, (0..60).map(row), &ImuOptions::default())
     };
-    let found = read(9.81).unwrap();
+    let found = of(9.81).unwrap();
     assert_eq!((found.columns.len(), found.columns[0].scale), (6, Unit::RadPerS.in_results()));
     assert!(found.warnings.iter().any(|warning| warning.code() == "units-taken"));
-    assert!(read(0.51).map(drop).unwrap_err().to_string().contains("omega_x, omega_y, omega_z (gyroscope) state"));
+    assert!(of(0.51).map(drop).unwrap_err().to_string().contains("omega_x, omega_y, omega_z (gyroscope) state"));
 }
 
 /// Wheel speeds, biases and set points have the unit of a rate.
@@ -195,11 +194,9 @@ fn noisy(head: &str, sample: impl Fn(usize, usize) -> f64) -> zerorate_logs::Res
     let width = head.split(',').count();
     let row = |at: usize| {
         let cells = (1..width).map(|column| format!("{:.5}", sample(at, column)));
-        std::iter::once((at * 10).to_string()).chain(cells).collect::<Vec<_>>().join(",") + "\n"
+        std::iter::once((at * 10).to_string()).chain(cells).collect::<Vec<_>>().join(",")
     };
-    let text = (0..1200).map(row).fold(format!("{head}\n"), |text, row| text + &row);
-    let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
-    Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default())
+    read(head, (0..1200).map(row), &ImuOptions::default())
 }
 
 fn noise(at: usize, column: usize) -> f64 {
@@ -264,10 +261,8 @@ fn sensors_beside_each_other_have_their_own_times() {
 /// codes are signed.
 #[test]
 fn an_axis_that_is_always_negative_gets_its_sign_from_another() {
-    let row = |at: i16| format!("{},0x{:04X},0x{:04X},0x{:04X}\n", 10 * at, at % 9 - 4, at % 5 - 900, at % 7);
-    let text = (0..300).map(row).fold("t_ms,gx_dps,gy_dps,gz_dps\n".to_owned(), |text, row| text + &row);
-    let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
-    let found = Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default()).unwrap();
+    let row = |at: i16| format!("{},0x{:04X},0x{:04X},0x{:04X}", 10 * at, at % 9 - 4, at % 5 - 900, at % 7);
+    let found = read("t_ms,gx_dps,gy_dps,gz_dps", (0..300).map(row), &ImuOptions::default()).unwrap();
     let zerorate_logs::Series::Codes(codes) = &found.columns[1].series else { panic!("integers") };
     assert_eq!(codes[..3], [-900, -899, -898]);
     assert!((found.columns[1].facts().mean() + 898.0).abs() < 0.1);
