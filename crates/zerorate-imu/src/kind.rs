@@ -181,34 +181,12 @@ mod tests {
 
     #[test]
     fn names_say_what_they_are() {
-        let cases = [
-            ("gyro_x", Some(Kind::Gyroscope)),
-            ("GyrX", Some(Kind::Gyroscope)),
-            ("wx", Some(Kind::Gyroscope)),
-            ("w_x", Some(Kind::Gyroscope)),
-            ("g.z", Some(Kind::Gyroscope)),
-            ("accel_y", Some(Kind::Accelerometer)),
-            ("ax", Some(Kind::Accelerometer)),
-            ("fz", Some(Kind::Accelerometer)),
-            ("gyX", Some(Kind::Gyroscope)),
-            ("BodyRateX", Some(Kind::Gyroscope)),
-            ("gyRaw", Some(Kind::Gyroscope)),
-            ("ayRaw", Some(Kind::Accelerometer)),
-            ("gx_raw", Some(Kind::Gyroscope)),
-            ("AcX", Some(Kind::Accelerometer)),
-            ("w[0]", Some(Kind::Gyroscope)),
-            ("yaw_rate", Some(Kind::Gyroscope)),
-            ("gyro_x_tempcomp", Some(Kind::Gyroscope)),
-            ("linear_velocity_x", None),
-            ("twist.linear.x", None),
-            ("mag_x", None),
-            ("temp_acc", None),
-            ("axle", None),
-            ("x", None),
-            ("height", None),
-        ];
-        for (name, kind) in cases {
-            assert_eq!(Kind::named(name), kind, "{name}");
-        }
+        let are = |names: &[&str], kind: Option<Kind>| {
+            names.iter().for_each(|name| assert_eq!(Kind::named(name), kind, "{name}"));
+        };
+        are(&["gyro_x", "GyrX", "wx", "w_x", "g.z", "gyX", "BodyRateX", "gyRaw", "gx_raw"], Some(Kind::Gyroscope));
+        are(&["w[0]", "yaw_rate", "gyro_x_tempcomp"], Some(Kind::Gyroscope));
+        are(&["accel_y", "ax", "fz", "ayRaw", "AcX"], Some(Kind::Accelerometer));
+        are(&["linear_velocity_x", "twist.linear.x", "mag_x", "temp_acc", "axle", "x", "height"], None);
     }
 }
