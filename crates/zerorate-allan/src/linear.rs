@@ -90,20 +90,15 @@ impl Cholesky {
         white
     }
 
-    /// L⁻ᵀ·b, with the factor L.
-    #[must_use]
-    pub fn unwhiten(&self, mut b: Vec<f64>) -> Vec<f64> {
-        for i in (0..b.len()).rev() {
-            let below: f64 = (i + 1..b.len()).map(|k| self.0[k][i] * b[k]).sum();
-            b[i] = (b[i] - below) / self.0[i][i];
-        }
-        b
-    }
-
     /// The solution x of L·Lᵀ·x = b.
     #[must_use]
     pub fn solve(&self, b: impl IntoIterator<Item = f64>) -> Vec<f64> {
-        self.unwhiten(self.whiten(b))
+        let mut x = self.whiten(b);
+        for i in (0..x.len()).rev() {
+            let below: f64 = (i + 1..x.len()).map(|k| self.0[k][i] * x[k]).sum();
+            x[i] = (x[i] - below) / self.0[i][i];
+        }
+        x
     }
 }
 
