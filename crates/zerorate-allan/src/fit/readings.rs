@@ -1,7 +1,7 @@
 //! Other explanations of a spectrum that a filter or a Gauss–Markov term bends.
 
 use super::scoring::{Explanation, ModelForm, N2, Optimum, Problem, SHORTEST};
-use super::select::{DESCENT, LOOK, SURVIVORS, level_near, start, white, with_cosine};
+use super::select::{descents, level_near, start, white, with_cosine};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
@@ -72,11 +72,6 @@ fn joining(problem: &Problem, corner_hz: f64, low_pass: &[f64]) -> Vec<f64> {
     at
 }
 
-/// The best of several starts: a short trial from each, and a full descent from the best trials.
 fn best(problem: &Problem, form: ModelForm, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Optimum> {
-    let mut looks: Vec<Optimum> = starts.into_iter().map(|at| problem.descend(form, &at, None, LOOK)).collect();
-    looks.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
-    looks.truncate(SURVIVORS);
-    let found = looks.iter().map(|found| problem.descend(form, &found.at, None, DESCENT));
-    found.min_by(|a, b| a.deviance.total_cmp(&b.deviance))
+    descents(problem, form, starts.into_iter()).into_iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance))
 }

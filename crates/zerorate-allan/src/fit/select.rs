@@ -30,14 +30,14 @@ const STARTS: u32 = 18;
 const FIRST_START: f64 = 25.0;
 const LAST_START: f64 = 1.0 / 6.0;
 /// The number of best starts from which a descent goes on.
-pub(super) const SURVIVORS: usize = 3;
+const SURVIVORS: usize = 3;
 /// Time constants of a warm-up to try, as shares of the record. A shorter warm-up ends before slow noise shows.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 /// Steps in which the time constant of a warm-up is refined, to a factor of 2^(1/2^`WARM_UP_STEPS`). A time constant
 /// that is a few percent off would leave a part of the warm-up that looks like random walk.
 const WARM_UP_STEPS: u32 = 8;
 /// Steps of a short trial and of a full descent, with the gain below which they end.
-pub(super) const LOOK: (usize, f64) = (8, 1e-2);
+const LOOK: (usize, f64) = (8, 1e-2);
 pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
 /// The model error is measured above this share of the upper end, where bins hold many coefficients.
 const ERROR_ABOVE: f64 = 1.0 / 64.0;
@@ -284,7 +284,7 @@ pub(super) fn with_cosine(problem: &Problem, before: &Optimum) -> Optimum {
     problem.descend(ModelForm { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
 }
 
-/// Adds a Gauss–Markov term: a short trial from every start, and a full descent from the best trials.
+/// Adds a Gauss–Markov term. Empty if the record is too short for one.
 pub(super) fn with_markov(problem: &Problem, fewer: &Optimum) -> Vec<Optimum> {
     let table = &problem.table;
     let (first, last) = (FIRST_START / table.rate_hz, LAST_START * table.span_s);
@@ -292,13 +292,17 @@ pub(super) fn with_markov(problem: &Problem, fewer: &Optimum) -> Vec<Optimum> {
         return Vec::new();
     }
     let form = ModelForm { markovs: fewer.form.markovs + 1, ..fewer.form };
-    let look = |start: u32| {
+    let start = |start: u32| -> Vec<f64> {
         let tau_s = first * libm::pow(last / first, f64::from(start) / f64::from(STARTS - 1));
         let variance = 0.3 * level_near(table, 1.0 / (2.0 * core::f64::consts::PI * tau_s)) / tau_s;
-        let at: Vec<f64> = fewer.at.iter().copied().chain([variance, libm::log(tau_s)]).collect();
-        problem.descend(form, &at, None, LOOK)
+        fewer.at.iter().copied().chain([variance, libm::log(tau_s)]).collect()
     };
-    let mut looks: Vec<Optimum> = (0..STARTS).map(look).collect();
+    descents(problem, form, (0..STARTS).map(start))
+}
+
+/// A short trial from every start, and a full descent from the best trials.
+pub(super) fn descents(problem: &Problem, form: ModelForm, starts: impl Iterator<Item = Vec<f64>>) -> Vec<Optimum> {
+    let mut looks: Vec<Optimum> = starts.map(|at| problem.descend(form, &at, None, LOOK)).collect();
     looks.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
     looks.truncate(SURVIVORS);
     looks.iter().map(|found| problem.descend(form, &found.at, None, DESCENT)).collect()
