@@ -1,5 +1,6 @@
 //! The Allan variance of a fitted model, and the variance of its overlapping estimate.
 
+use super::bins::interpolated;
 use super::density::{Drift, shape_angle};
 use super::prediction::{PredictionError, Variances};
 use super::scoring::{B2, Explanation, K2, N2, Optimum, Q2, low_pass_memory, shape};
@@ -57,13 +58,8 @@ pub(super) struct MeasuredSpectrum {
 impl MeasuredSpectrum {
     /// The density above the upper end, linear between the bins; `None` up to the upper end.
     fn density(&self, f_hz: f64) -> Option<f64> {
-        let next = self.above.partition_point(|(middle_hz, _)| *middle_hz < f_hz);
-        let (_, level) = *self.above.get(next).or(self.above.last()).filter(|_| f_hz > self.top_hz)?;
-        let (Some((from_hz, from)), Some((to_hz, to))) = (self.above.get(next.wrapping_sub(1)), self.above.get(next))
-        else {
-            return Some(level);
-        };
-        Some(from + (to - from) * (f_hz - from_hz) / (to_hz - from_hz))
+        let is_known = f_hz > self.top_hz && !self.above.is_empty();
+        is_known.then(|| interpolated(&self.above, f_hz))
     }
 
     /// Number of lags of the shaped noise, after which the response of the shape up to `top_hz`, or of its low-pass,
