@@ -193,10 +193,8 @@ impl<'d> Entry<'d> {
     /// # Errors
     /// Returns [`EntryError`] if the value is out of bounds.
     pub fn number(self, value: f64, bounds: &Bounds) -> Result<f64, EntryError> {
-        match bounds.hold(value) {
-            true => Ok(value),
-            false => Err(self.error(format_args!("{} is {value}; {bounds}", self.key))),
-        }
+        self.require(bounds.hold(value), || format!("{} is {value}; {bounds}", self.key))?;
+        Ok(value)
     }
 
     /// Returns the error `why` for this entry if `holds` is false.
