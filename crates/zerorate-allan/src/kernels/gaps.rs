@@ -53,9 +53,8 @@ fn sum(record: &impl Record, kernel: Kernel, m: usize) -> Result<Squares, Reason
         Kernel::Modified => modified(record, m, starts, &mut valid),
     }
     match valid.n {
-        // the correction for losses exceeds the whole square
-        _ if valid.sum < 0.0 => Err(Reason::Gaps),
-        0 => Err(Reason::Gaps),
+        // the sum is negative if the correction for losses exceeds the whole square
+        n if n == 0 || valid.sum < 0.0 => Err(Reason::Gaps),
         n => Ok(Squares { sum: valid.sum, n, per: 1.0 }),
     }
 }

@@ -106,10 +106,9 @@ fn whole_squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Option<Vec<R
     }
     match *input {
         Input::Codes { codes, .. } if input.missing() == 0 => Some(codes::squares(codes, kernel, m)),
-        Input::Codes { .. } => None,
         Input::Rate(rate) => float::phase(rate).map(|phase| float::squares(&phase, kernel, m)),
         Input::Phase(phase) if input.missing() == 0 => Some(float::squares(phase, kernel, m)),
-        Input::Phase(_) => None,
+        Input::Codes { .. } | Input::Phase(_) => None,
     }
 }
 
