@@ -3,8 +3,7 @@
 //! The command line and the page analyse columns in this way. Python analyses arrays, by the same functions.
 
 use crate::moving::{moving, shared};
-use crate::{Axis, ImuWarning, Kind, Rejection, Rejections, coded};
-use crate::{Detrending, DetrendingError};
+use crate::{Axis, Detrending, DetrendingError, ImuWarning, Kind, Rejection, Rejections, coded};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysis, AnalysisError, Averaging, Density, DetrendedRate, Envelope, Fit, FitError,
