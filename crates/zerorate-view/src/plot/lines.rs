@@ -67,17 +67,13 @@ pub fn lines(lines: &Lines) -> String {
             inside =
                 inside.add(line((area.left, at), (area.right, at)).set("stroke", INK).set("stroke-dasharray", "6 4"));
         }
-        for (points, colour) in panel.lines.iter().zip(colours()) {
+        for (points, colour) in panel.lines.iter().zip(COLOURS.into_iter().cycle()) {
             let drawn = points.iter().filter(|point| lines.shows(point)).map(|(to, value)| (x.at(*to), y.at(*value)));
             inside = inside.add(stroke(path(drawn), colour, 1.8));
         }
         paper = paper.add(stack.frame(index, &x, &y)).add(inside).add(stack.name(index, &panel.label).0);
     }
     paper.to_string()
-}
-
-fn colours() -> impl Iterator<Item = &'static str> {
-    COLOURS.into_iter().cycle()
 }
 
 impl Lines {
@@ -105,6 +101,6 @@ impl Lines {
             let sample = line((from, y), (from + SAMPLE, y)).set("stroke", colour).set("stroke-width", 3);
             Group::new().add(sample).add(canvas::text(name, (from + SAMPLE + 6.0, NAMES), Anchor::Start))
         };
-        self.names.iter().zip(colours()).map(name).fold(Group::new(), Group::add)
+        self.names.iter().zip(COLOURS.into_iter().cycle()).map(name).fold(Group::new(), Group::add)
     }
 }
