@@ -50,13 +50,13 @@ pub(super) fn top_hz(table: &Table) -> f64 {
     let middle = tops[tops.len() / 2];
     let with = |top_hz: f64| {
         let problem = Problem::new(table.below(top_hz), 0.0);
-        let plain = best(&problem, &[plain_start(&problem)], 0, 2)?;
+        let plain = best(&problem, &[start(&problem, 0)], 0, 2)?;
         let found = with_markov(&problem, &plain.found);
         found.into_iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map(|found| without_shape(&found))
     };
     let starts = [middle, full].into_iter().filter_map(with).collect();
     let one = scan(table, &tops, 1, starts).filter(|look| look.is_fair && has_memory(table, look));
-    let plain = || Vec::from([plain_start(&Problem::new(table.below(lowest), 0.0))]);
+    let plain = || Vec::from([start(&Problem::new(table.below(lowest), 0.0), 0)]);
     let look = one.or_else(|| scan(table, &tops, 0, plain()));
     look.map_or(full, |look| look.top_hz)
 }
@@ -170,13 +170,9 @@ fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> 
 fn has_memory(table: &Table, look: &FitUpTo) -> bool {
     let problem = Problem::new(table.below(look.top_hz), look.error);
     let one = best(&problem, core::slice::from_ref(&look.slow), 1, MOST_CHOSEN);
-    let none = best(&problem, &[plain_start(&problem), look.slow[..SHAPE].to_vec()], 0, MOST_CHOSEN);
+    let none = best(&problem, &[start(&problem, 0), look.slow[..SHAPE].to_vec()], 0, MOST_CHOSEN);
     let (Some(one), Some(none)) = (one, none) else { return false };
     has_followed(&none.found) && one.price < none.price && is_sound(&problem, &one.found)
-}
-
-fn plain_start(problem: &Problem) -> Vec<f64> {
-    start(problem, 0)
 }
 
 #[cfg(test)]
