@@ -334,17 +334,13 @@ impl Record {
                 _ => None,
             };
         }
-        if self.follows_temperature() {
+        if self.of_noise().any(|warning| matches!(warning, AllanWarning::FollowsTemperature { .. })) {
             return None;
         }
         let points = &self.analysis.points;
         let least = points.iter().min_by(|a, b| a.dev.total_cmp(&b.dev))?;
         let inside = least.m > points.first()?.m && least.m < points.last()?.m;
         inside.then_some((least.tau_s, least.dev))
-    }
-
-    fn follows_temperature(&self) -> bool {
-        self.of_noise().any(|warning| matches!(warning, AllanWarning::FollowsTemperature { .. }))
     }
 }
 

@@ -173,7 +173,7 @@ fn sines((variance, bin): &(f64, Bin), hz: f64) -> [(f64, f64); 4] {
 
 /// Adjacent masked bins as one line: the centre of its power, and the width in Hz that holds half of it.
 fn line(run: &[(f64, Bin)], hz: f64) -> Line {
-    let total = variance_of(run);
+    let total: f64 = run.iter().map(|(variance, _)| variance.max(0.0)).sum();
     let at = |part: f64| {
         let mut sum = 0.0;
         let reaches = |(variance, _): &&(f64, Bin)| {
@@ -184,10 +184,6 @@ fn line(run: &[(f64, Bin)], hz: f64) -> Line {
     };
     let narrowest = run.iter().map(|(_, bin)| (bin.end - bin.first) as f64 * hz).fold(f64::INFINITY, f64::min);
     Line { frequency_hz: at(0.5), width_hz: (at(0.75) - at(0.25)).max(narrowest), rms: libm::sqrt(total) }
-}
-
-fn variance_of(run: &[(f64, Bin)]) -> f64 {
-    run.iter().map(|(variance, _)| variance.max(0.0)).sum()
 }
 
 /// Density of a resonance at frequency 0: P·w/(π(f² + w²)), with half width w and power P. Returns 0 for a line more
