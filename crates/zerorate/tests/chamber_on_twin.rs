@@ -168,6 +168,19 @@ fn a_part_that_is_shaken_is_refused() {
 }
 
 #[test]
+fn a_part_that_turns_too_fast_is_refused_for_its_rate() {
+    let (mut bench, mut procedure) = (Bench::new(&quick(9)), procedure(&[soak(25.0)]));
+    let refusal = loop {
+        let scan = Scan { out_of_range: 1, ..bench.scan(25.0) };
+        procedure.begin(scan.t_ns);
+        if let Err(refusal) = procedure.take(&scan) {
+            break refusal;
+        }
+    };
+    assert!(matches!(refusal, ChamberRefusal::OutOfRange { step: 1, .. }), "{refusal}");
+}
+
+#[test]
 fn air_beyond_the_plan_and_silence_end_the_measurement() {
     let mut bench = Bench::new(&quick(9));
     let mut procedure = procedure(&[soak(25.0), soak(30.0)]);

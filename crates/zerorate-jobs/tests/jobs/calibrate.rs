@@ -127,6 +127,15 @@ fn a_failed_calibration_names_its_cause_and_writes_nothing() {
 }
 
 #[test]
+fn a_recording_too_short_for_a_curve_is_refused() {
+    let plan = Plan { average_s: 10.0, warmup_s: 10.0, settle_s: 10.0, offset_s: 5.0, ..by(Method::Warmup) };
+    let error = calibrate("twin:", plan).err().unwrap();
+    assert_eq!(refusal(&error), Some("no-curve"));
+    let text = format!("{error:#}");
+    assert!(text.contains("only 23 means over time") && text.contains("settle longer (settle_s)"), "{text}");
+}
+
+#[test]
 fn an_output_that_cannot_be_written_is_refused_first() {
     let folder = Folder::new();
     let claim = |name: &str| {

@@ -84,6 +84,7 @@ struct Present {
     /// Length of the average, s, if the state is an average.
     average_s: f64,
     out_of_range: bool,
+    has_temp: bool,
 }
 
 /// The procedure of a measurement in a chamber, step by step.
@@ -346,6 +347,7 @@ impl ChamberProcedure {
         let state = &mut self.axes[index];
         state.second[(at_ns % SECOND_NS / BLOCK_NS) as usize].push(judged);
         self.present.out_of_range |= judged.flags.has(Flags::OUT_OF_RANGE);
+        self.present.has_temp |= judged.temp().is_some();
     }
 
     fn close_second(&mut self) {

@@ -16,6 +16,8 @@ pub enum ChamberRefusal {
     Frozen { at_s: f64, for_s: f64 },
     /// The temperature of the part was not read.
     NoTemperature { step: usize, after_s: f64, wrong_edge: bool },
+    /// Readings were beyond the range, and no second of the step had a valid rate of every axis.
+    OutOfRange { step: usize, after_s: f64 },
     /// No reading came for `for_s` seconds.
     Silent { step: usize, for_s: f64 },
     /// More samples were lost than the limit allows.
@@ -60,6 +62,13 @@ rows!(match ChamberRefusal {
             } else {
                 "Read the temperature more often"
             }
+        ),
+    },
+    Self::OutOfRange { step, after_s } => Row {
+        code: "out-of-range",
+        text: format_args!(
+            "step {step}: no rate within {after_s:.0} s, but readings out of range: the part turns, or its supply or \
+             wiring is wrong. Keep it still"
         ),
     },
     Self::Silent { step, for_s } => Row {

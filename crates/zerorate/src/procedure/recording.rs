@@ -278,7 +278,6 @@ fn curve(
     seconds: &[Second],
     hour: Option<&Findings>,
 ) -> Result<BiasCurve, Refusal> {
-    let (window, samples) = (State::Recording, summary.samples);
     let (steps_s, motions_hz) = (steps_s(hour), motions_hz(summary.end_s - summary.start_s, hour));
     let assumed = Assumed {
         axis: seen.axis,
@@ -287,14 +286,13 @@ fn curve(
         steps_s: &steps_s,
         motions_hz: &motions_hz,
         max_order: if seen.plan.assume_linear { 1 } else { temperature::TERMS - 1 },
-        t3_c: final_temp_c(seconds).ok_or(seen.tally.no_temperature(window))?,
+        t3_c: final_temp_c(seconds).ok_or(seen.tally.no_temperature(State::Recording))?,
     };
     let blocks = blocks(seconds);
-    let too_few = |_| Refusal::TooFew { window, samples, needed: 80 };
-    let first = temperature::fit(&blocks, &assumed).map_err(too_few)?;
+    let first = temperature::fit(&blocks, &assumed).map_err(Refusal::NoCurve)?;
     let Some((white_dps_per_rt_hz, terms)) = own_noise(sums, &first) else { return Ok(first) };
     let assumed = Assumed { white_dps_per_rt_hz, gauss_markov: &terms, ..assumed };
-    temperature::fit(&blocks, &assumed).map_err(too_few)
+    temperature::fit(&blocks, &assumed).map_err(Refusal::NoCurve)
 }
 
 /// Takes the uncertainties of PBC and BTC from a curve. The others were not measured, and are zero.

@@ -100,8 +100,12 @@ impl ChamberProcedure {
         }
         let here_s = self.now_s() - self.present.began_s;
         if self.record.len() == self.present.first && here_s > TEMPERATURE_S {
+            let (step, after_s) = (self.step + 1, here_s);
+            if self.present.has_temp && self.present.out_of_range {
+                return Err(ChamberRefusal::OutOfRange { step, after_s });
+            }
             let wrong_edge = self.tally.hears_wrong_edge();
-            return Err(ChamberRefusal::NoTemperature { step: self.step + 1, after_s: here_s, wrong_edge });
+            return Err(ChamberRefusal::NoTemperature { step, after_s, wrong_edge });
         }
         if self.record.len() - self.blocks_from >= REST_S && self.state != ChamberState::Average {
             self.judge_rest();
