@@ -70,7 +70,6 @@ impl StreamReader {
         decode(&mut self.decoder, bytes.into()).map_err(damaged)
     }
 
-    /// Marks the stream as ended, after its end-of-stream marker. Sets a warning if bytes other than zeros follow.
     fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         self.stated.warning = InputWarning::behind_end(&self.path, &self.rest, self.messages.position())?;

@@ -16,7 +16,6 @@ pub struct Lines {
     reader: BufReader<Input>,
     bytes: Vec<u8>,
     number: u64,
-    /// Number of bytes read so far.
     position: u64,
 }
 

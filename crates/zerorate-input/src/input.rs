@@ -38,7 +38,6 @@ enum Kind {
     Memory(Cursor<Bytes>),
     Remote {
         bytes: Arc<dyn RemoteBytes>,
-        /// Offset of the next read.
         at: u64,
     },
 }

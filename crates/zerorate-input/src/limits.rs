@@ -18,7 +18,6 @@ pub const TEXT: Bytes = Bytes(1 << 20);
 /// Lowest memory limit of the process, bytes. The commands need this much for their threads and batches.
 const LEAST_BYTES: u64 = 256 << 20;
 
-/// Default memory limit, bytes.
 const DEFAULT_BYTES: u64 = 1 << 30;
 
 static MAX_MEMORY: OnceLock<u64> = OnceLock::new();

@@ -226,7 +226,7 @@ impl From<MessageBytes> for Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Writes a stream with only a schema without fields, in this byte order. Returns the schema as read back.
+    /// Writes a stream with an empty schema in this byte order, and reads the schema back.
     fn schema(endianness: ipc::Endianness) -> Result<SchemaRef, String> {
         let mut builder = FlatBufferBuilder::new();
         let fields = Some(builder.create_vector::<flatbuffers::ForwardsUOffset<ipc::Field<'_>>>(&[]));
