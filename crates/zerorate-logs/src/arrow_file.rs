@@ -26,7 +26,6 @@ const MARK: &[u8] = b"ARROW1";
 
 const BUFFER: usize = 1 << 18;
 
-/// Reads an Arrow file, batch by batch.
 pub struct ArrowFile {
     path: PathBuf,
     /// Offset of the stream in the file.
@@ -42,7 +41,6 @@ pub struct ArrowFile {
 }
 
 impl ArrowFile {
-    /// Opens a file and reads its schema.
     pub fn open(path: &Path, mut file: Input, room: MemoryBudget) -> Result<Self, InputError> {
         let failed = |error| InputError::io("read", path, error);
         let wrong = |what: String| InputError::damaged(path, "as an Arrow file", what);
@@ -62,7 +60,7 @@ impl ArrowFile {
         Ok(Self { path: path.to_owned(), start, end, rest, messages, decoder, room, stated })
     }
 
-    /// Marks the stream as ended. Sets a warning if more than the index of the file follows.
+    /// Sets a warning if more than the index of the file follows.
     fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         let end = self.start + self.messages.position();

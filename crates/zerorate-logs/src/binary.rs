@@ -2,7 +2,6 @@
 
 use crate::series::SeriesBuilder;
 
-/// A number of a binary log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BinaryNumber {
     Integer(i64),
@@ -10,7 +9,6 @@ pub enum BinaryNumber {
     Float(f64),
 }
 
-/// The coding of a number's bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coding {
     Signed,
@@ -53,7 +51,6 @@ impl BinaryNumber {
         true
     }
 
-    /// Adds the number to times. Returns an error if the number is not finite.
     #[cfg(any(feature = "hdf5", feature = "matlab", feature = "numpy"))]
     pub fn add_to_times(self, times: &mut crate::clock::Times) -> Result<(), String> {
         match self {

@@ -43,7 +43,6 @@ macro_rules! fixture {
     };
 }
 
-/// Asserts that each flipped bit of these files is noticed.
 #[track_caller]
 fn never_silent(files: &[(&str, &[u8])], said: &str) {
     for (name, file) in files {
@@ -130,7 +129,6 @@ fn every_fixture_is_read() {
     }
 }
 
-/// A damaged variable is an error, so that no column vanishes silently.
 #[test]
 fn a_damaged_variable_does_not_vanish() {
     let (_, file) = fixture!("packed.mat");

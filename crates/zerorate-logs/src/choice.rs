@@ -61,20 +61,16 @@ impl ColumnSpec {
     }
 }
 
-/// All columns of a file, to choose from.
 pub struct Columns<'a> {
     pub path: &'a Path,
     /// The names of the columns, or their numbers.
     pub names: Vec<&'a str>,
-    /// True for each column that holds numbers.
     pub numeric: Vec<bool>,
     /// True for each column that holds times by its content or its type; empty if none does.
     pub clocks: Vec<bool>,
-    /// The names of the options, for messages.
     pub settings: Names,
 }
 
-/// The columns that were chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The columns with the numbers, in the requested order. If a column holds the fractions of a second that `time`
@@ -87,7 +83,7 @@ pub struct Choice {
 }
 
 impl Columns<'_> {
-    /// Chooses the wanted columns. If the request names none, columns in `default` have precedence over all others.
+    /// If the request names no column, those in `default` have precedence over all others.
     pub fn choose(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
         let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
@@ -348,7 +344,6 @@ impl Columns<'_> {
         self.names.iter().filter(is_near).min_by_key(|name| name.len().abs_diff(wanted.len())).copied()
     }
 
-    /// The error that lists the columns to choose from.
     fn ambiguous(&self, why: &str, setting: Setting) -> LogError {
         let (path, option) = (self.path.display(), self.settings.of(setting));
         LogError::Ask(match self.names[..] {

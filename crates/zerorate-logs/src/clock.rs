@@ -77,7 +77,7 @@ impl Times {
         self.since_first.push(since_first);
     }
 
-    /// Adds a time that is not an integer. Returns an error if the time is not finite.
+    /// Returns an error if the time is not finite.
     pub fn push_number(&mut self, time: f64) -> Result<(), String> {
         if !time.is_finite() {
             return Err("no time; every row must have one".to_owned());
@@ -106,7 +106,7 @@ impl Times {
         self.since_first.extend(next.since_first.iter().map(|time| time + shift));
     }
 
-    /// The time of the first row.
+    /// The time of the first row; 0 without rows.
     pub fn first(&self) -> f64 {
         match self.origin {
             Some(Origin::Integer(first)) => first as f64,
@@ -115,7 +115,6 @@ impl Times {
         }
     }
 
-    /// Times since the first row, in the unit of the file.
     pub fn since_first(&self) -> &[f64] {
         &self.since_first
     }
@@ -159,7 +158,6 @@ impl Times {
         self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
     }
 
-    /// The rate and the gaps, or an error if the clock is too uneven. `names` are the names of options in messages.
     pub fn time_base(&self, unit: TimeUnit, names: Names) -> Result<TimeBase, String> {
         let rate = names.of(Setting::Rate);
         let interval = self.interval();
@@ -459,7 +457,6 @@ mod tests {
         assert!((times.time_base(TimeUnit::Ns, Names::default()).unwrap().rate_hz * 175_439e-9 - 1.0).abs() < 1e-15);
     }
 
-    /// Rows 300..305 and 700 are missing.
     #[test]
     fn gaps_are_counted() {
         let there = (0..1000).filter(|i| !(300..305).contains(i) && *i != 700);
@@ -468,7 +465,6 @@ mod tests {
         assert!((found.rate_hz - 100.0).abs() < 1e-9);
     }
 
-    /// Samples at 400 Hz and at 640 Hz, with stamps in whole milliseconds.
     #[test]
     fn a_clock_that_rounds_has_no_gaps() {
         for rate in [400.0, 640.0] {
@@ -510,7 +506,6 @@ mod tests {
         assert!(found.gaps.is_empty());
     }
 
-    /// 200 Hz with a jitter of 1 ms, and of 2 ms: no gap is found without a loss, and 7 lost samples are found.
     #[test]
     fn jitter_is_not_a_gap() {
         for jitter_s in [0.001, 0.002] {
@@ -558,7 +553,6 @@ mod tests {
         }
     }
 
-    /// One row is late by 0.9 intervals, and five rows come at once.
     #[test]
     fn rows_that_were_late_are_no_gap() {
         let time = |i: i32| match i {

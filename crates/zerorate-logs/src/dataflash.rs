@@ -252,7 +252,6 @@ struct Topic {
     instance: Option<u8>,
     form: Form,
     messages: u64,
-    /// Times of the first and the last message, ns.
     span_ns: [i64; 2],
 }
 

@@ -42,7 +42,6 @@ pub enum LogError {
 /// The result of reading a log.
 pub type Result<T, E = LogError> = std::result::Result<T, E>;
 
-/// The error for a MATLAB file that holds an object in place of numbers.
 #[cfg(any(feature = "hdf5", feature = "matlab"))]
 pub fn object_of_matlab(path: &Path, name: &str, class: &str) -> LogError {
     let remedy = match class {
@@ -62,7 +61,6 @@ pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
     LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
 }
 
-/// The question for the rate if a column holds the steps between rows.
 pub fn rate_of_steps(path: &Path, column: &str, rate_hz: f64, names: Names) -> LogError {
     let (path, rate) = (path.display(), names.of(Setting::Rate));
     let what = format!("`{column}` holds the step between rows; the usual step means {rate} {rate_hz:.6}");
@@ -78,7 +76,6 @@ pub fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
     )
 }
 
-/// The error for wrong content at `place` of the file at `path`.
 pub fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> InputError {
     InputError::damaged(path, place.to_string(), what)
 }

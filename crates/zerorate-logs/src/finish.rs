@@ -52,7 +52,6 @@ impl Clock {
         stated.or_else(|| time_unit::dated(times))
     }
 
-    /// The time of the first row on the clock of the log, s.
     fn start_s(&self, args: &ColumnOptions) -> Option<f64> {
         let Self::Column(_, times) = self else { return None };
         Some(times.first() / self.unit(args)?.per_s())
@@ -83,7 +82,6 @@ impl Clock {
         Some((name, unit.per_s() / usual_step(steps).filter(|_| falls)?))
     }
 
-    /// The warning that the unit was inferred from dates.
     fn dated(&self, path: &Path, args: &ColumnOptions) -> Option<LogWarning> {
         let Self::Column(name, times) = self else { return None };
         let is_stated = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name)).is_some();

@@ -9,7 +9,6 @@ use super::*;
 use std::path::Path;
 use std::path::PathBuf;
 
-/// Compares a column with the samples that were written.
 #[track_caller]
 fn is_z(column: &Column, name: &str) {
     let expected: Vec<Option<f64>> = (0..20).map(|n| (n != 12).then_some(0.25 * f64::from(n))).collect();
@@ -298,7 +297,7 @@ fn packed_by_bzip2_and_lz4() {
     assert!(folder.fails(&bzip2[..20], "--rate 1").contains("as Bzip2: it cannot be unpacked"));
 }
 
-/// Lines of a EuRoC recording, whose header is a comment. Columns are requested by their names in the header.
+/// Lines of a EuRoC recording, whose header is a comment.
 #[test]
 fn names_as_they_stand_in_a_comment() {
     let text = "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]\n1403636579758555392,-0.0991,0.1473\n\

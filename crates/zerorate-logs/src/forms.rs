@@ -20,7 +20,6 @@ pub struct Form {
     pub reader: Result<Reader, NotBuiltIn>,
 }
 
-/// The kind of content of a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Arrays or messages. Their rows cannot be selected by the values of columns.

@@ -45,7 +45,6 @@ const CACHE: usize = 64 << 20;
 /// Largest size of an object header, which holds attributes, in bytes.
 const MAX_HEADER: usize = 1 << 22;
 
-/// Reads columns of the data sets of an HDF5 file.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let behind = end(&input).map(|end| InputWarning::behind_end(path, &input, end)).transpose()?.flatten();
@@ -83,8 +82,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns { stated_rate: StatedRate::among(rates), ..found })
 }
 
-/// Finds the data sets of numbers, the stated sample rates, and MATLAB's objects. Sorts the sets by name, because a
-/// file lists them in any order.
+/// Sorts the data sets by name, because a file lists them in any order.
 fn content(path: &Path, input: Input, room: MemoryBudget) -> Result<Content, InputError> {
     let most = usize::try_from(room.bytes()).unwrap_or(usize::MAX) / 4;
     let options = OpenOptions::default()
@@ -203,7 +201,6 @@ struct Content {
     objects: Vec<(String, String)>,
 }
 
-/// Finds the data sets of numbers below a group.
 fn collect(group: &Group, name: &str, cut: char, depth: usize, found: &mut Content) -> Result<(), Error> {
     let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
     let (groups, members) = group.members()?;
@@ -279,7 +276,6 @@ impl Set {
     }
 }
 
-/// The sample rates among the attributes of `owner`.
 fn stated_rates(attributes: Vec<Attribute>, owner: &str) -> Vec<(String, f64)> {
     let stated = attributes.into_iter().filter(|attribute| is_rate(&attribute.name));
     stated.filter_map(|of| Some((format!("{owner}@{}", of.name), of.read_as_f64().ok()?))).collect()
@@ -300,7 +296,6 @@ impl Set {
 }
 
 impl SetColumn<'_> {
-    /// The unit in the attributes of the data set.
     fn unit_text(&self) -> Option<String> {
         let attributes = self.set.attributes();
         let named = attributes.iter().find(|of| matches!(of.name.to_lowercase().as_str(), "unit" | "units"))?;
@@ -349,7 +344,6 @@ fn size(of: &Datatype) -> Option<usize> {
     }
 }
 
-/// Decodes the number at the start of these bytes.
 fn number(bytes: &[u8], of: &Datatype) -> Option<BinaryNumber> {
     let (coding, byte_order) = match of {
         Datatype::FloatingPoint { byte_order, .. } => (Coding::Float, byte_order),

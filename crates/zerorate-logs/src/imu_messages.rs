@@ -60,7 +60,6 @@ impl Source {
         if self.is_temperature { &TEMPERATURE } else { &QUANTITIES }
     }
 
-    /// The type of the messages or fields.
     fn kind(&self) -> &'static str {
         if self.is_temperature { "sensor_msgs/Temperature" } else { "sensor_msgs/Imu" }
     }
@@ -145,14 +144,13 @@ fn folder(topic: &str) -> &str {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantities {
     name: String,
-    /// The topic of the sensor, and its place in the messages.
     pub source: Source,
     /// The quantities by name, each with its index among the numbers of a message.
     all: Vec<(&'static str, usize)>,
 }
 
 impl Quantities {
-    /// Chooses the wanted quantities of one topic. If the request leaves the topic open, `survey` lists the topics.
+    /// If the request leaves the topic open, `survey` lists the topics.
     pub fn choose(
         path: &Path,
         topics: &Sources,
@@ -208,7 +206,7 @@ impl Quantities {
     }
 }
 
-/// The error for a bag without an IMU. `others` maps its topics to their types.
+/// `others` maps the topics of the bag to their types.
 pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
     /// Largest number of topics that are named: a bag may have thousands.
     const NAMED: usize = 20;
@@ -267,7 +265,6 @@ impl Survey {
     }
 }
 
-/// Collects the wanted quantities of messages into columns.
 pub struct Collector<'a> {
     path: &'a Path,
     wanted: Quantities,

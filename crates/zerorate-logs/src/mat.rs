@@ -31,7 +31,6 @@ const TAG: usize = 8;
 /// Largest number of columns of a matrix; one with more is probably an image.
 const MAX_COLUMNS: usize = 4096;
 
-/// Greatest depth of nested structures.
 const MAX_DEPTH: usize = 4;
 
 const INT8: u32 = 1;
@@ -42,7 +41,6 @@ const UINT64: u32 = 13;
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
-/// Reads columns of the matrices of a MATLAB file.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let mut file = BufReader::with_capacity(BUFFER, input);
@@ -109,7 +107,6 @@ fn damaged(path: &Path, before: usize, what: &str) -> InputError {
     InputError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
 }
 
-/// True if numbers are big endian, as the header of the file states.
 fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_input::Input>) -> Result<bool, InputError> {
     let mut head = [0; HEAD];
     let damaged = |what: &str| InputError::damaged(path, "as a MATLAB file", what);
@@ -194,7 +191,6 @@ impl<'a> Iterator for Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Returns the next part, or an error that says that `what` is missing.
     fn part(&mut self, what: &str) -> Result<(u32, &'a [u8]), String> {
         self.next().ok_or_else(|| format!("its {what} are missing or cut short"))
     }
@@ -207,7 +203,6 @@ struct Element {
 }
 
 impl Element {
-    /// Adds the columns of the variable, if it has any.
     fn columns<'a>(&'a self, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
         collect(Parts { bytes: &self.data, big_endian: self.big_endian }, "", MAX_DEPTH, found)
     }
@@ -273,7 +268,6 @@ fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<V
     }
 }
 
-/// Finds the columns of the fields of a structure.
 fn collect_fields<'a>(
     mut parts: Parts<'a>,
     name: &str,

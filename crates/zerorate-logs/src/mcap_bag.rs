@@ -18,7 +18,6 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// Reads quantities of the IMU or temperature messages of one topic.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, mut file) = (log.path, log.input);
     let (topics, others) = topics(path, &mut file, log.room)?;

@@ -9,7 +9,6 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// Looks an encoding up by its name in a bag.
     pub fn of(name: &str) -> Option<Self> {
         match name {
             "cdr" => Some(Self::Cdr),

@@ -47,8 +47,8 @@ const NOISES: f64 = 1.4;
 /// A difference of level or noise counts only above this many of its own standard deviations.
 const SURE: f64 = 6.0;
 
-/// For n Gaussian samples, a median scatters by this many standard deviations of a sample over √n, and the noise
-/// scatters by this fraction of itself over √n. The noise is [`PER_MEDIAN`] times the median absolute deviation.
+/// The median of n Gaussian samples of standard deviation σ scatters by `OF_MEDIAN`·σ/√n. Their noise, which is
+/// [`PER_MEDIAN`] times the median absolute deviation, scatters by `OF_NOISE`/√n of itself.
 const OF_MEDIAN: f64 = 1.253;
 const OF_NOISE: f64 = 1.167;
 
@@ -177,7 +177,6 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps })
 }
 
-/// True if the name of a column contains one of the `known` words.
 fn is_known(name: &str, known: &[&str]) -> bool {
     words(name).iter().any(|word| known.contains(&word.as_str()))
 }

@@ -57,7 +57,6 @@ fn short(name: &str) -> String {
 
 struct Definitions<'a> {
     by_name: BTreeMap<String, &'a str>,
-    /// Number of fields that were read.
     fields: usize,
 }
 

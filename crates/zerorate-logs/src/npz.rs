@@ -79,7 +79,6 @@ fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<
     Ok((archive, names))
 }
 
-/// An archive that is being unpacked.
 struct Archive<'a> {
     path: &'a Path,
     archive: ZipArchive<BufReader<Input>>,

@@ -13,14 +13,12 @@ pub enum Decimal {
     Comma,
 }
 
-/// The content of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
     /// An empty cell, or a word for a missing value.
     Missing,
-    /// An integer.
     Integer(i64),
-    /// Any other number; may be infinite or, in HDF5, NaN.
+    /// Any other number; it may be infinite or, as in `-nan`, NaN.
     Decimal(f64),
 }
 
@@ -44,12 +42,10 @@ impl Numerals {
         Self { decimal, doubtful: None }
     }
 
-    /// The decimal mark, if it is known by now.
     pub fn decimal(&self) -> Option<Decimal> {
         self.decimal
     }
 
-    /// Reads a cell; `Err` tells why it is not a number.
     pub fn read(&mut self, cell: &str, line: u64) -> Result<Number, String> {
         if let Some(number) = plain(cell.as_bytes()) {
             return match number {

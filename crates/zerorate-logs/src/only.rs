@@ -22,7 +22,6 @@ pub struct Condition {
 }
 
 impl RowFilter {
-    /// The error for values that no row has.
     pub(crate) fn without_rows(&self, path: &Path) -> LogError {
         let all = self.conditions.iter().map(|Condition { column, value }| format!("`{column}` is `{value}`"));
         LogError::Ask(format!("{}: column {} in no row", path.display(), all.collect::<Vec<_>>().join(" and ")))

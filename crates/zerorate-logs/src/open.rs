@@ -12,16 +12,13 @@ const MARK: u64 = 16;
 const BUFFER: usize = 1 << 18;
 
 pub struct Log<'a> {
-    /// The name of the log, for messages.
     pub path: &'a Path,
     /// The content of the log, from the start.
     pub input: Input,
-    /// The memory limit for reading the log.
     pub room: MemoryBudget,
     pub start: Vec<u8>,
 }
 
-/// Opens a log, and unpacks it if it is compressed.
 pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     let failed = |error| InputError::io("read", path, error);
     if input.is_directory().map_err(failed)? {
@@ -82,10 +79,8 @@ pub const ARDUPILOT: [u8; 2] = [0xA3, 0x95];
 /// The start of a MATLAB file of version 5 to 7.2.
 pub const MATLAB: &[u8] = b"MATLAB 5.0 MAT";
 
-/// The start of a log of PX4.
 pub const ULOG: &[u8] = b"ULog\x01\x12\x35";
 
-/// The start of a bag of ROS 1.
 pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
 
 /// The starts of common files that are not supported, and what to do with them. JSON is supported if each line is an
@@ -141,7 +136,6 @@ const RDA: &str = "it is a workspace of R; save a table there: `write.csv(DATA, 
 
 const PICKLE: &str = "it is a pickle of Python, which runs what is in it; save a table there: `to_csv`, `numpy.save`";
 
-/// The compression of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Packing {
     Bzip2,
@@ -163,7 +157,6 @@ impl Packing {
         }
     }
 
-    /// The missing feature, if the unpacker is not built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Zstd if cfg!(feature = "zstd") => None,
@@ -227,14 +220,12 @@ impl Read for Lz4Frames {
 
 /// The reason why a file could not be unpacked.
 pub enum Unpacking {
-    /// The file holds more than the memory limit allows.
     OverBudget(OverBudget),
     /// The file is damaged, or cannot be read.
     Failed(io::Error),
 }
 
 impl Unpacking {
-    /// Turns the failure into an error about the file at `path`.
     pub fn in_file(self, path: &Path, place: &str) -> InputError {
         match self {
             Self::OverBudget(why) => InputError::over_budget(path, why),

@@ -81,7 +81,6 @@ impl ColumnOptions {
         if self.increments == Some(true) { rate_hz } else { 1.0 }
     }
 
-    /// The error for a choice of rows in a log that is not a table.
     pub(crate) fn only_of_tables(&self, path: &Path) -> LogError {
         let option = self.names.of(Setting::Where);
         LogError::Ask(format!("{}: {option} chooses rows of text and of tables only; leave it out", path.display()))

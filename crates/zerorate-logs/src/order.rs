@@ -26,7 +26,8 @@ const MODULI: [f64; 13] = [
 /// A step back in time is a wrap only if the rows around it are within this many intervals of the place of the wrap.
 const AT_WRAP: f64 = 1000.0;
 
-/// The rows around a wrap are also within this share of the modulus. A log that was started again may end anywhere.
+/// Largest distance of these rows from the place of the wrap, as a share of the modulus. A log that was started again
+/// may end anywhere.
 const AT_MOST: f64 = 1.0 / 16.0;
 
 /// Largest number of rows by which a row may be late. The queue of a bag reorders rows by up to this number.
@@ -285,7 +286,6 @@ fn even_times(rows: &[TimedRow], fine: f64) -> Option<Vec<f64>> {
     (misfits as f64 <= UNEVEN * rows.len() as f64 + 1.0).then_some(times)
 }
 
-/// The usual step of a coarse clock.
 fn clock_step(rows: &[TimedRow]) -> f64 {
     let steps = rows.windows(2).map(|pair| pair[1].time - pair[0].time).filter(|step| *step > 0.0);
     let mut steps: Vec<f64> = steps.collect();
@@ -405,7 +405,6 @@ mod tests {
         }
     }
 
-    /// A counter with a sign, and the time of day.
     #[test]
     fn counters_wrap_below_zero_and_at_midnight() {
         for (start, modulus, what) in [

@@ -57,7 +57,6 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     reading.finish(None)
 }
 
-/// The wanted columns in the row groups of a file.
 struct Groups<'a> {
     path: &'a Path,
     file: Mutex<Input>,
@@ -81,7 +80,6 @@ impl Groups<'_> {
         usize::try_from(stated).unwrap_or_default().min(MAX_RESERVED)
     }
 
-    /// The first rows, from as many row groups as needed.
     fn first_rows(&self) -> Vec<RecordBatch> {
         let mut rows = 0;
         let next = |group: usize| {

@@ -3,7 +3,6 @@
 use crate::choice::ColumnSelection;
 use crate::options::ColumnOptions;
 
-/// The wanted columns, and the options that apply to them.
 pub struct ColumnQuery<'a> {
     pub wanted: ColumnSelection<'a>,
     pub args: &'a ColumnOptions,
@@ -12,7 +11,6 @@ pub struct ColumnQuery<'a> {
 }
 
 impl<'a> ColumnQuery<'a> {
-    /// Asks for these columns without a temperature beside them.
     pub fn of(wanted: ColumnSelection<'a>, args: &'a ColumnOptions) -> Self {
         Self { wanted, args, with_temperature: false }
     }

@@ -17,7 +17,6 @@ pub struct RawColumns {
     /// The first rows of all columns of the file; empty if the reader saw only `columns`. For a bag with a given rate,
     /// only the first stamps.
     pub sample: Vec<Sampled>,
-    /// The sample rate that the file states beside the columns.
     pub stated_rate: Option<StatedRate>,
 }
 
@@ -47,7 +46,6 @@ pub struct RawColumn {
 }
 
 impl RawColumn {
-    /// A column without a unit and without warnings.
     pub fn new(name: String, values: SeriesBuilder) -> Self {
         Self { name, values, stated: None, step: 1.0, warnings: Vec::new(), is_beside: false }
     }

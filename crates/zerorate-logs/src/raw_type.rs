@@ -81,7 +81,6 @@ impl RawType {
         if self.channels == 1 { "raw".to_owned() } else { channel.to_string() }
     }
 
-    /// The numbers of a channel.
     fn channel(self, block: &[u8], channel: usize) -> Vec<f64> {
         match self.number {
             RawNumber::I16 => self.numbers(block, channel, |bytes| i16::from_le_bytes(bytes).into()),

@@ -58,7 +58,6 @@ pub fn read_table(
     columns.finish(None)?.finish(path, args)
 }
 
-/// The table as the bytes of an Arrow stream.
 fn arrow_stream(table: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
     let mut writer = StreamWriter::try_new(Vec::new(), table.schema_ref())?;
     writer.write(table)?;

@@ -33,7 +33,6 @@ pub struct Sampled {
 }
 
 impl Cell {
-    /// A number, or a missing value if it is not finite.
     pub fn number(number: f64) -> Self {
         if number.is_finite() { Self::Number(number) } else { Self::Missing }
     }
@@ -61,7 +60,6 @@ impl Sampled {
         Self { name: name.to_owned(), cells: Vec::new(), time_unit: None }
     }
 
-    /// A column of a table, without rows.
     pub fn of_field(field: &Field) -> Self {
         Self { time_unit: time_unit(field.data_type()), ..Self::new(field.name()) }
     }
@@ -73,7 +71,6 @@ impl Sampled {
         Self { cells, time_unit: times.unit, ..Self::new(name) }
     }
 
-    /// Adds rows of a table, up to [`ROWS`].
     pub fn take(&mut self, column: &ArrayRef) {
         let rows = column.len().min(ROWS.saturating_sub(self.cells.len()));
         self.cells.extend(cells(&column.slice(0, rows)));

@@ -83,7 +83,6 @@ impl SeriesBuilder {
         self.rows
     }
 
-    /// Adds a row without a value.
     pub fn push_missing(&mut self) {
         self.rows += 1;
         match &mut self.series {
@@ -284,7 +283,7 @@ fn merged(empty_rows: &[Gap], between_rows: &[Gap]) -> Vec<Gap> {
             rows_empty += next.missing;
             join(&mut all, next);
         }
-        // a gap within a run of empty rows may as well be at its end
+        // a gap within a run of empty rows may as well be at the end of the run
         let at = (gap.at as u64).saturating_sub(rows_empty) as usize;
         let at = at.max(all.last().map_or(0, |last| last.at));
         join(&mut all, Gap { at: at.min(empty.peek().map_or(at, |next| next.at)), missing: gap.missing });

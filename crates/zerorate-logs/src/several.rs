@@ -33,7 +33,6 @@ fn same(content: &[u8], names: &[&str], said: &str) -> Vec<Column> {
     all(content, ColumnSelection::Listed(&names), said).unwrap()
 }
 
-/// A table in memory is read like a file: names, time, gaps and cells that are not numbers.
 #[test]
 fn a_table_in_memory_is_a_log() {
     let since_ns = [0, 10, 20, 50, 60].map(|ms| ms * 1_000_000_i64).to_vec();
@@ -103,7 +102,6 @@ fn rows_of_two_sensors_in_tables() {
     }
 }
 
-/// Rows of four sensors, which two columns tell apart, in tables and in text.
 #[test]
 fn rows_of_sensors_that_two_columns_tell() {
     let rows = || 0..800;
@@ -251,7 +249,6 @@ fn a_column_is_chosen_once_and_by_a_name_that_exists() {
     assert!(error(&[]).contains("no column of numbers"));
 }
 
-/// More columns take more of the memory limit of the file.
 #[test]
 fn the_memory_of_all_columns_is_counted() {
     let one = SeriesBuilder::new(zerorate_input::limits::MemoryBudget::of(0));

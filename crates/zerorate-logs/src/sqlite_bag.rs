@@ -13,7 +13,6 @@ use rusqlite::{Connection, OpenFlags, types::ValueRef};
 use std::io::Seek;
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// Reads quantities of the IMU or temperature messages of one topic.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, room) = (log.path, log.room);
     let failed = |error: rusqlite::Error| {

@@ -1,6 +1,5 @@
 //! A sample rate that a file states beside its columns, as a single number or an attribute such as `Fs`.
 
-/// A sample rate in Hz, and the name under which the file states it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatedRate {
     pub name: String,

@@ -20,7 +20,6 @@ use zerorate_input::limits::MemoryBudget;
 use zerorate_input::table::{BatchSource, Described, DescribedTable, Source, describes_itself};
 use zerorate_input::{InputError, InputWarning, Quantity};
 
-/// Reads columns of a table.
 pub fn read(
     path: &Path,
     mut source: Box<dyn BatchSource>,
@@ -41,7 +40,6 @@ pub fn read(
     reading.finish(source.stated().warning.clone())
 }
 
-/// Reads columns of a table that describes itself.
 pub fn read_described(
     path: &Path,
     table: Box<dyn DescribedTable>,
@@ -64,7 +62,6 @@ pub struct TableColumns<'a> {
     time: Option<(String, Times)>,
     /// The filter of rows, and the names of its columns, which are the last of `columns`; `None` reads all rows.
     only: Option<(&'a RowFilter, Vec<String>)>,
-    /// The first rows of all columns of a table.
     sample: Vec<Sampled>,
 }
 
@@ -185,7 +182,6 @@ impl<'a> TableColumns<'a> {
         self.values.iter_mut().zip(columns).try_for_each(|(column, values)| column.append(self.path, values))
     }
 
-    /// The columns, after all rows were read.
     pub fn finish(self, warning: Option<InputWarning>) -> Result<RawColumns> {
         let clock = match self.time {
             Some((name, times)) => Clock::Column(name, times),
@@ -204,7 +200,6 @@ impl<'a> TableColumns<'a> {
         })
     }
 
-    /// The columns of a table that describes itself, after all rows were read.
     fn finish_described(self, described: Described) -> Result<RawColumns> {
         let Described { rate_hz, lost, warnings, of_columns, refused } = described;
         if let Some((code, why)) = refused {

@@ -46,7 +46,6 @@ pub fn options(text: &str) -> ColumnOptions {
     options
 }
 
-/// The names of the options on a command line.
 fn flag(setting: Setting) -> SettingName {
     SettingName { prefix: "--", joint: '-', ..setting.name() }
 }
@@ -479,7 +478,6 @@ fn clock_times_whose_name_states_a_unit_are_the_time() {
     assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
 }
 
-/// A column with the time since the row before is not a time column, but its steps tell the rate.
 #[test]
 fn steps_between_rows_tell_the_rate() {
     // steps of 9 or 11 ms in no order, from the high bits of a hash; the first step is the time since power-on

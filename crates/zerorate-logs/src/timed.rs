@@ -58,7 +58,6 @@ pub fn read_timed(path: &Path, input: Input, specs: &[ColumnSpec], args: &Column
     Ok(TimedColumns { columns, t_ns, gaps, warnings })
 }
 
-/// Time of each row in ns, and the samples lost between rows.
 fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result<(Vec<u64>, Vec<Gap>)> {
     let silent = |rate_hz: f64| (0..rows).map(|row| (row as f64 * 1e9 / rate_hz).round() as u64).collect();
     let (t_ns, gaps): (Vec<u64>, Vec<Gap>) = match (args.rate, clock) {

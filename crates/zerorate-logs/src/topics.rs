@@ -6,7 +6,6 @@ use crate::setting::Setting;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The topics with an IMU, by name.
 #[derive(Debug, Default)]
 pub struct Survey(pub(super) BTreeMap<String, Topic>);
 
@@ -27,7 +26,6 @@ impl Survey {
         self.0.insert(name.to_owned(), Topic { kind: kind.to_owned(), frame: None, messages, span_ns });
     }
 
-    /// A table with a header and a row for each topic.
     pub fn table(&self) -> Vec<String> {
         let head = ["topic", "type", "messages", "rate", "duration", "frame_id"].map(str::to_owned);
         let rows: Vec<[String; 6]> = self.0.iter().map(|(name, topic)| topic.row(name)).collect();

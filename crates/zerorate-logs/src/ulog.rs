@@ -26,7 +26,6 @@ const HEAD: usize = 16;
 /// Number of rows between two checks of the memory limit.
 const PIECE: u64 = 1024;
 
-/// Greatest depth of nested types.
 const MAX_DEPTH: usize = 8;
 
 /// Largest number of fields of a topic; the longest topics of PX4 have some hundreds.
@@ -45,7 +44,6 @@ const IMUS: [(&str, &str, Unit); 6] = [
 /// The topic of a gyroscope driver's own readings.
 const GYRO: &str = "sensor_gyro";
 
-/// Reads fields of a topic.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let mut messages = Messages::new(path, BufReader::with_capacity(BUFFER, input))?;
@@ -161,7 +159,6 @@ impl<'a> Messages<'a> {
     }
 }
 
-/// The topics of a log, as the log states them.
 #[derive(Default)]
 struct Topics {
     /// The fields of each format, as they are written, by the name of the format.
@@ -184,7 +181,6 @@ struct Chosen {
     id: u16,
     topic: String,
     time: Field,
-    /// Name and place of each field.
     fields: Vec<(String, Field)>,
 }
 

@@ -167,12 +167,10 @@ rows!(match LogWarning {
 });
 
 impl LogWarning {
-    /// The warning about a bag that states another number of messages of a topic than it has.
     pub(crate) fn miscounted(path: &Path, topic: &str, stated: u64, found: u64) -> Self {
         Self::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
     }
 
-    /// The warning about damage to the file with this text; no warning without a text.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }

@@ -29,7 +29,6 @@ pub struct Facts {
     pub sum: f64,
     /// Least difference between neighbours that is not 0; infinite if all samples are equal.
     pub step: f64,
-    /// Number of samples that differ from the one before.
     pub changes: usize,
     /// Range of each window: its largest minus its least sample.
     pub ranges: [f64; WINDOWS],
@@ -140,7 +139,6 @@ fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
     }
 }
 
-/// Combines all samples of a window pairwise into one number, with `join`.
 #[inline(always)]
 fn folded(window: &[f64; WINDOW], join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut lanes: [f64; WINDOW / 2] = std::array::from_fn(|lane| join(window[lane], window[lane + WINDOW / 2]));

@@ -12,7 +12,6 @@ const SAID: f64 = 1e-3;
 /// frequent.
 const MORE: u64 = 3;
 
-/// The most extreme values of a column, and the number of samples at each.
 #[derive(Default)]
 pub struct Clipped {
     largest: Outermost,
@@ -63,7 +62,6 @@ impl Default for Outermost {
 }
 
 impl Outermost {
-    /// True if a sample is at least as large as the least of these values.
     #[inline]
     fn reaches(&self, sample: f64) -> bool {
         sample >= self.0[3].0
@@ -76,7 +74,6 @@ impl Outermost {
         }
     }
 
-    /// Counts a sample if it is among the four largest values so far.
     fn count(&mut self, sample: f64) {
         match self.0.iter().position(|(value, _)| *value <= sample) {
             Some(at) if self.0[at].0 == sample => self.0[at].1 += 1,

@@ -11,7 +11,6 @@ const SAID: f64 = 0.577;
 /// window is at least 1/62 of the square of its range.
 const WIDE: f64 = 5.0;
 
-/// Step size of a column, and its noise per window.
 pub struct Coarse {
     /// Smallest difference between neighbouring samples that is not 0.
     step: f64,

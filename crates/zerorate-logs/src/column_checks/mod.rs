@@ -29,7 +29,6 @@ pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Resul
     ColumnFacts::of(&input).changes.stopped(gaps, rate_hz, path, name)
 }
 
-/// All checks of the samples of a column.
 #[derive(Default)]
 pub struct ColumnChecks {
     clipped: Clipped,
@@ -38,7 +37,6 @@ pub struct ColumnChecks {
     facts: ColumnFacts,
     #[cfg(test)]
     read: u64,
-    /// Number of samples that checks looked at one by one.
     #[cfg(test)]
     looked_at: u64,
 }
@@ -46,11 +44,9 @@ pub struct ColumnChecks {
 /// Facts about the samples that are needed after the checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ColumnFacts {
-    /// The changes of the column, and its longest run of equal samples.
     pub changes: Changes,
     /// The sum of the samples that are finite.
     sum: f64,
-    /// The number of samples that are finite.
     finite: u64,
 }
 
@@ -73,7 +69,6 @@ impl ColumnChecks {
         }
     }
 
-    /// The warnings about the column `name` of the log at `path`, and the facts that are needed later.
     pub fn finish(self, path: &Path, name: &str) -> (Vec<LogWarning>, ColumnFacts) {
         let Self { clipped, coarse, resampled, facts, .. } = self;
         let (path, column) = (|| path.display().to_string(), || name.to_owned());
@@ -85,7 +80,6 @@ impl ColumnChecks {
 }
 
 impl ColumnFacts {
-    /// Computes the facts of a column, without the checks.
     pub fn of(input: &Input<'_>) -> Self {
         let mut facts = Self::default();
         for_each_block(input, |block| facts.feed(block));

@@ -9,7 +9,6 @@ use zerorate_allan::Gap;
 /// A column that changes more often than not, and then stays the same for this many samples, has stopped.
 const STOPPED_SAMPLES: usize = 1000;
 
-/// Consecutive samples of one value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Run {
     /// Index of the first sample; missing samples count.
@@ -20,7 +19,6 @@ struct Run {
     samples: usize,
 }
 
-/// The changes of a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Changes {
     /// Number of samples that are not missing.
@@ -31,7 +29,6 @@ pub struct Changes {
     count: usize,
     /// The last sample that is not missing.
     before: Option<f64>,
-    /// The current run of equal samples.
     run: Run,
     /// The last of the longest runs without a change. Runs that begin and end inside a block with facts are left out.
     longest: Run,
@@ -86,7 +83,6 @@ impl Changes {
         self.total += 1;
     }
 
-    /// Extends the current run by this many samples.
     fn grow(&mut self, samples: usize) {
         self.run.len += samples;
         self.run.samples += samples;

@@ -120,8 +120,6 @@ fn gaps_among_codes_count_to_the_time_of_a_stop() {
     assert_eq!(found, Some(expected));
 }
 
-/// All checks share one pass over the samples. A check reads samples one by one only where the facts of a block do not
-/// suffice.
 #[test]
 fn one_pass_serves_all_checks() {
     let looked_at = |samples: &[f64]| {
@@ -145,7 +143,6 @@ fn one_pass_serves_all_checks() {
     assert!(looks < 4.5, "{looks}");
 }
 
-/// The results of the checks stay with the column, so that the checks do not run again.
 #[test]
 fn a_column_keeps_its_facts_until_it_changes() {
     let bytes: Vec<u8> = noise(5000).iter().flat_map(|sample| sample.to_le_bytes()).collect();

@@ -33,7 +33,6 @@ pub enum Torn {
     /// The decoder panicked.
     #[error("a record makes no sense")]
     Nonsense,
-    /// The file holds more than the memory limit allows.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
 }

@@ -20,7 +20,6 @@ pub struct Element {
     pub form: Form,
 }
 
-/// The structure of an element.
 pub enum Form {
     /// One value. `kind` is `None` if the value is not a supported number.
     Value { kind: Option<Kind>, big_endian: bool, time_unit: Option<TimeUnit> },

@@ -31,7 +31,6 @@ pub struct Block {
     buffer: Vec<u8>,
     /// The end of the whole lines in the buffer.
     end: usize,
-    /// True if the text ends with this block.
     pub is_last: bool,
 }
 
@@ -77,7 +76,6 @@ pub struct Blocks<'a> {
     spare: Vec<Vec<u8>>,
     /// The delimiter to put between a stamp and the next line; `None` if stamps have no lines of their own.
     stamps: Option<u8>,
-    /// The marks to erase from the lines.
     marks: Marks,
 }
 
@@ -95,7 +93,6 @@ impl<'a> Blocks<'a> {
         Self { marks: marks.clone(), ..self }
     }
 
-    /// Takes blocks back to reuse their buffers.
     pub fn reuse(&mut self, blocks: Vec<Block>) {
         self.spare.extend(blocks.into_iter().map(|block| block.buffer));
     }

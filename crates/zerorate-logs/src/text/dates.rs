@@ -17,11 +17,9 @@ pub enum DateOrder {
 pub struct DateColumn {
     /// True if nearly all cells are times of day, with or without a date, and nearly all rise from row to row.
     pub are_times: bool,
-    /// How the cells are written.
     pub format: DateFormat,
 }
 
-/// How dates and times of day are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DateFormat {
     /// The order of day and month, if a day above 12 or the points of a German date show it.
@@ -36,7 +34,6 @@ const TIMES: f64 = 0.95;
 const FALLS: f64 = 0.01;
 
 impl DateColumn {
-    /// Learns the format of a column from its first cells.
     pub fn of<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
         let decided = cells.clone().find_map(order_of);
         let order = decided.or_else(|| cells.clone().find_map(dotted).map(|_| DateOrder::DayFirst));
@@ -209,7 +206,6 @@ fn dotted(cell: &str) -> Option<&str> {
     cell.split_whitespace().find(|word| !word.contains(':') && word.matches('.').count() == 2)
 }
 
-/// Parses a number of at most `digits` digits.
 fn number(field: &str, digits: usize) -> Option<i64> {
     let is_number = (1..=digits).contains(&field.len()) && field.bytes().all(|byte| byte.is_ascii_digit());
     is_number.then(|| field.parse().ok())?

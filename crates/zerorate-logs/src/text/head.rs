@@ -21,14 +21,12 @@ const LINES: usize = 1000;
 /// A line with its number, counted from 1.
 type Numbered<'a> = (u64, &'a str);
 
-/// The layout of a text.
 #[derive(Clone, Debug)]
 pub struct Head {
     pub delimiter: Delimiter,
     pub width: usize,
     /// The names of the columns, or their numbers.
     pub names: Vec<String>,
-    /// True for each column that holds numbers.
     pub numeric: Vec<bool>,
     /// The facts about dates in each column without numbers.
     pub dates: Vec<DateColumn>,
@@ -40,7 +38,6 @@ pub struct Head {
     pub sentence: Option<String>,
     /// The delimiter of the lines between stamps; `None` if stamps have no lines of their own.
     pub stamps: Option<u8>,
-    /// The marks to erase between the cells.
     pub marks: Marks,
     /// The decimal mark, if the first lines of the text show it.
     pub decimal: Option<Decimal>,
@@ -49,16 +46,13 @@ pub struct Head {
     cuts_numbers: bool,
     /// True if the first cell of a row is an index, which has no name.
     pub index: bool,
-    /// The scales in the lines above the data.
     pub scales: Scales,
-    /// The question that only the whole text can answer.
     pub open: Open,
 }
 
 /// A question that the first lines leave open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Open {
-    /// No question is open.
     Nothing,
     /// The header has one name less than the rows have cells.
     OneNameLess,
@@ -66,7 +60,6 @@ pub enum Open {
     TwoOrDecimals,
 }
 
-/// The common layout of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Shape {
     delimiter: Delimiter,
@@ -77,7 +70,6 @@ pub fn is_comment(line: &str) -> bool {
     line.starts_with(['#', '%'])
 }
 
-/// The error for a file of bytes that are not text.
 pub fn not_text(path: &Path, names: Names) -> LogError {
     let what = format!("it is not UTF-8 text; raw numbers need their type ({})", names.of(Setting::Raw));
     InputError::damaged(path, "as a text file", what).into()
@@ -278,7 +270,6 @@ impl Head {
         }
     }
 
-    /// The error for a header with more or fewer names than the rows have cells.
     pub fn miscounted(&self, path: &Path, line: u64, names: usize) -> LogError {
         let Self { delimiter, width, decimal, cuts_numbers, .. } = *self;
         let is_cut = delimiter == Delimiter::Comma && decimal.is_none();

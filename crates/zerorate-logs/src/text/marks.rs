@@ -31,7 +31,6 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// The marks in the first lines of `text`.
     pub fn of(text: &str) -> Self {
         let colours = text.contains('\x1b');
         let text = if colours { Cow::Owned(plain(text)) } else { Cow::Borrowed(text) };

@@ -28,7 +28,6 @@ pub struct Cut<'a> {
     pub wanted: Vec<(usize, usize)>,
     /// The index of the time among the wanted cells; `None` if no time is read.
     pub time: Option<usize>,
-    /// How dates and times of day are written.
     pub format: DateFormat,
     pub names: Vec<String>,
     /// Number of lines at the start that are not data.
@@ -109,7 +108,6 @@ impl Piece {
 }
 
 impl Cut<'_> {
-    /// Reads the lines of a block into an empty piece.
     pub fn read(&self, block: &Block, is_first: bool, piece: &mut Piece) {
         let text = block.text();
         let has_quotes = memchr(b'"', text.as_bytes()).is_some();
@@ -225,7 +223,6 @@ impl<'t> Reading<'_, 't> {
         Ok(())
     }
 
-    /// True if the line is a row that is not wanted.
     fn is_left_out(&self, line: &str) -> bool {
         let mut wanted = self.cut.only.iter();
         wanted.any(|(place, value)| {
@@ -326,7 +323,6 @@ fn read_time(numerals: &mut Numerals, cell: &str, line: u64, format: DateFormat)
 pub struct Broken {
     /// Number of rows, including broken lines.
     pub rows: u64,
-    /// Number of broken lines.
     pub bad: u64,
     pub first: Option<Wrong>,
 }
@@ -363,7 +359,6 @@ pub fn at_line(path: &Path, line: u64, what: &str) -> InputError {
     }
 }
 
-/// The places of the chosen columns in a line.
 pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize>) -> Cut<'a> {
     let shift = usize::from(head.index);
     let mut wanted: Vec<(usize, usize)> =

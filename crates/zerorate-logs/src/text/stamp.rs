@@ -16,7 +16,6 @@ const DECIMALS: usize = 3;
 
 /// The time in front of a line.
 pub struct Stamp {
-    /// The place of the time.
     pub time: Range<usize>,
     /// The end of the time and the marks behind it.
     pub end: usize,

@@ -73,7 +73,6 @@ fn one_column_with_decimal_commas() {
     assert!(fails("gz\n1,234\n5,678\n", "--rate 10").contains("`1,234` is 1.234 or 1234; give --decimal comma"));
 }
 
-/// Commas separate both the cells and the decimals.
 #[test]
 fn decimal_commas_between_commas() {
     let clash = "decimal commas and comma separators clash in this file. Export it with \";\" or with decimal points";
@@ -315,7 +314,6 @@ fn a_semicolon_at_the_end_of_lines_is_dropped() {
     assert_eq!(numbers(&read(&format!("gz_dps;temp_c\n{text}"), "--column gz_dps --rate 10"))[4], 0.04);
 }
 
-/// A line of names, a line of units, and a comma at the end of each line.
 #[test]
 fn units_stand_below_names_that_end_with_a_comma() {
     let rows: String = (0..40).map(|at| format!("{},{}.5,\n", 10 * at, at % 3)).collect();
@@ -339,7 +337,6 @@ fn the_empty_comment_of_labview_is_dropped() {
     assert!((column.rate_hz - 100.0).abs() < 1e-6);
 }
 
-/// Messages of a receiver, of `rostopic echo` and in JSON are not tables.
 #[test]
 fn messages_that_are_not_tables_are_named() {
     for (text, named) in [
