@@ -1,6 +1,5 @@
 //! Stand-ins for formats that are not in this build. Each returns an error that tells how to include the format.
 
-/// Stands in for the Parquet format, [`crate::parquet`].
 #[cfg(not(feature = "parquet"))]
 pub mod parquet {
     use crate::CaptureError;

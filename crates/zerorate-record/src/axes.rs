@@ -24,7 +24,6 @@ fn rows(n: u32) -> Vec<Row> {
     (0..n).map(row).collect()
 }
 
-/// The bytes of a capture with `count` rows.
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");
@@ -32,7 +31,6 @@ pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     fs::read(&path).unwrap()
 }
 
-/// The part file of an ADIS16405.
 pub fn part() -> Part {
     Part::parse(
         r#"

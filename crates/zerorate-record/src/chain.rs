@@ -60,7 +60,7 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// Makes a chain without rows. It begins with the hash of the description.
+    /// The chain begins with the hash of the description.
     pub fn new(schema: &Schema, layout: &Layout) -> Self {
         let raw = layout.raw_fields().iter().map(|field| field.name().clone()).collect();
         let (link, samples) = (head_digest(schema), SampleHash::new(layout));
@@ -100,7 +100,6 @@ impl Chain {
         End { rows: self.rows, samples_sha256, check: hex(&digest.finalize())[..DIGITS].to_owned() }
     }
 
-    /// The sample hash of all rows so far.
     pub fn samples_sha256(&self) -> String {
         self.samples.hex()
     }

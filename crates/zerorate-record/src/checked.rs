@@ -24,7 +24,6 @@ pub struct Checked {
     ended: bool,
 }
 
-/// The checks that a file carries.
 enum Checks {
     /// Schema 1: the file has no checks.
     Absent,
@@ -37,7 +36,6 @@ enum Checks {
 /// Totals of the rows that were read so far.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// Number of rows.
     pub rows: u64,
     /// Sum of the rows' losses.
     pub lost: u64,

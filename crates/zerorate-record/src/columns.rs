@@ -93,7 +93,6 @@ fn narrowed(status: &ArrayRef, fields: &[Field]) -> Result<ArrayRef, ArrowError>
     })
 }
 
-/// A column of codes that is being built.
 enum CodeBuilder {
     Unsigned(PrimitiveBuilder<UInt32Type>),
     Signed(PrimitiveBuilder<Int32Type>),
@@ -124,7 +123,6 @@ impl CodeBuilder {
     }
 }
 
-/// A column of codes that was read.
 enum Codes {
     Unsigned(UInt32Array),
     Signed(Int32Array),
@@ -263,7 +261,6 @@ impl Rows {
     }
 }
 
-/// A batch, with file name and place for errors.
 struct Batch<'a> {
     path: &'a Path,
     place: &'a str,

@@ -31,7 +31,6 @@ pub struct CsvSink {
 }
 
 impl CsvSink {
-    /// Starts a file with the description and the header.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let mut sink = Self { path: path.to_owned(), out: BufWriter::with_capacity(WRITE_BUFFER, out) };
         schema.metadata().iter().try_for_each(|(key, value)| sink.state(key, value))?;
@@ -91,7 +90,6 @@ pub struct CsvReader {
     columns: Vec<NamedColumn>,
     /// True if the rows have checks, as in version 2 of the format.
     is_checked: bool,
-    /// Length of the file, bytes.
     length: u64,
     /// Position behind the end statement, bytes; 0 before the statement was read.
     end: u64,
@@ -111,7 +109,6 @@ enum Entry {
 }
 
 impl CsvReader {
-    /// Reads the description and the header.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
         let mut lines = Lines::new(path, input);
@@ -148,7 +145,6 @@ impl CsvReader {
         })
     }
 
-    /// Reads a line. A row is added to the columns.
     fn read_entry(&mut self) -> Result<Entry, InputError> {
         let Some(line) = self.lines.next_line()? else {
             return Ok(Entry::Nothing);

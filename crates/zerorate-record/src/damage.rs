@@ -19,7 +19,6 @@ fn slow(n: u32) -> Vec<Row> {
     (0..n).map(row).collect()
 }
 
-/// The result of reading a file.
 #[derive(Debug, PartialEq)]
 enum Outcome {
     Refused,

@@ -16,7 +16,6 @@ use zerorate_input::Opened;
 use zerorate_input::table::{Described, DescribedTable, Source, describes_itself};
 use zerorate_input::{InputError, Quantity};
 
-/// The name of the temperature column.
 const TEMP_CODE: &str = "temp_code";
 
 /// Opens a capture as a self-describing table; `None` if the file is not a capture.
@@ -85,7 +84,6 @@ fn coded(warning: &CaptureWarning) -> (&'static str, String) {
     (warning.code(), warning.to_string())
 }
 
-/// A callback that receives checked rows.
 type TakeRows<'a> = &'a mut (dyn FnMut(&RecordBatch, &Rows) -> Result<(), InputError> + Send);
 
 /// Largest number of checked batches that wait for the thread that takes them.
@@ -244,7 +242,6 @@ impl Valid {
     }
 }
 
-/// The kind of readings in a column.
 #[derive(Clone, Copy, Debug)]
 enum Channel {
     Rate,

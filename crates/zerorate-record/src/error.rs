@@ -67,7 +67,6 @@ impl CaptureError {
     }
 }
 
-/// Converts the error to one that readers of self-describing tables return.
 impl From<CaptureError> for InputError {
     fn from(error: CaptureError) -> Self {
         match error {

@@ -231,7 +231,6 @@ impl Layout {
         Some(self.reading_of(axis, code, row.temp_code, row.status, row.mark()))
     }
 
-    /// Makes the reading of an axis from the cells of one row.
     #[inline]
     pub(super) fn reading_of(
         &self,
@@ -438,7 +437,6 @@ pub(super) fn number<T: FromStr>(path: &Path, metadata: &Metadata, key: &str) ->
     text.parse().map_err(|_| wrong())
 }
 
-/// The value of a key as a number, or `default` if the key is absent.
 pub(super) fn number_or<T: FromStr + Display>(
     path: &Path,
     metadata: &Metadata,

@@ -17,7 +17,6 @@ use zerorate_input::table::{BATCH_CHECKS, END};
 /// Largest number of rows in a row group, which is built in memory.
 const ROW_GROUP: usize = 1 << 20;
 
-/// Starts a Parquet file; `path` names it in messages.
 pub fn sink(path: &Path, out: Out, schema: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
     Ok(Box::new(ParquetSink::create(path, out, schema)?))
 }
@@ -29,7 +28,6 @@ pub struct ParquetSink {
 }
 
 impl ParquetSink {
-    /// Starts a file with the columns and the metadata of `schema`.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let writer = ArrowWriter::try_new(out, schema.clone(), Some(properties(schema)))
             .map_err(|error| CaptureError::parquet("write", path, error))?;

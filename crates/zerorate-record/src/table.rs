@@ -49,7 +49,6 @@ impl Format {
         }
     }
 
-    /// The part of the build that the format lacks; `None` if the format is built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),

@@ -5,7 +5,6 @@ use adis16130::Width;
 use std::fs::{self, File};
 use tempfile::TempDir;
 
-/// The formats that are built in.
 pub(super) const FORMATS: &[Format] = &[
     Format::Arrows,
     Format::Csv,
@@ -50,7 +49,6 @@ pub(super) fn start(path: &Path, format: Format, info: &CaptureInfo) -> CaptureW
     CaptureWriter::create(path, Box::new(File::create(path).unwrap()), format, info).unwrap()
 }
 
-/// The bytes of a capture with `count` samples.
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");

@@ -67,7 +67,6 @@ impl Edits {
         Self(draw[1..].as_chunks::<EDIT_BYTES>().0.iter().take(count).map(Edit::of).collect())
     }
 
-    /// Applies the edits.
     pub fn apply(&self, bytes: &[u8]) -> Vec<u8> {
         let mut edited = bytes.to_vec();
         self.0.iter().for_each(|edit| edit.apply(&mut edited));
