@@ -248,8 +248,8 @@ fn plain(unit: &str) -> String {
         ("per", "/"),
         ("degrees", "deg"),
         ("degree", "deg"),
-        // the degree sign: as GBK read as Latin-1, as UTF-8 read as Latin-1 (in lower case), as UTF-8, and as an ordinal
-        // sign
+        // the degree sign: as GBK read as Latin-1, as UTF-8 read as Latin-1 (in lower case), as UTF-8, and as an
+        // ordinal sign
         ("¡ã", "deg"),
         ("â°", "deg"),
         ("°", "deg"),
