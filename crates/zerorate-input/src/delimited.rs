@@ -54,17 +54,11 @@ impl Lines {
 
     /// The next line that is not blank; `None` at the end of the text.
     pub fn next_line(&mut self) -> Result<Option<Line<'_>>, InputError> {
-        self.next_where(|_| true)
-    }
-
-    /// The next line that is not blank and for whose text `wanted` is true; `None` at the end of the text.
-    pub fn next_where(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Line<'_>>, InputError> {
         loop {
             if !self.read()? {
                 return Ok(None);
             }
-            let text = self.text()?;
-            if !text.is_empty() && wanted(text) {
+            if !self.text()?.is_empty() {
                 break;
             }
         }
