@@ -6,6 +6,7 @@ use adis16130::{ChannelStatus, RateCode, Sample, TempCode, Width};
 use std::fs;
 use tempfile::TempDir;
 use zerorate::{Axis, Part, Reading, Scan};
+use zerorate_input::table::BatchSource;
 
 /// The description of a capture of an ADIS16405, with a status of 16 bits.
 fn imu() -> CaptureInfo {

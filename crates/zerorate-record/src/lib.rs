@@ -54,7 +54,6 @@ use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
 use zerorate_input::Input;
 use zerorate_input::Opened;
-use zerorate_input::table::BatchSource;
 
 /// Writes rows to a capture. Dropping it also closes the file, but only [`CaptureWriter::finish`] reports errors.
 pub struct CaptureWriter {
@@ -141,17 +140,12 @@ pub struct CaptureReader {
 impl CaptureReader {
     /// Opens a capture. Its format is recognised by content; `path` names it in messages.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
-        match table::recognise(path, input)? {
-            Opened::Table(source) => Self::from_source(path, source),
-            Opened::Other(_) => Err(CaptureError::not_a_capture(
+        let Opened::Table(source) = table::recognise(path, input)? else {
+            return Err(CaptureError::not_a_capture(
                 path,
                 "it does not start as one (a CSV capture begins with lines `# zerorate.…`)",
-            )),
-        }
-    }
-
-    /// Reads a capture from a table that is already open.
-    pub fn from_source(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
+            ));
+        };
         let schema = source.stated().schema.clone();
         let table = Checked::new(path, source)?;
         let corrected = table.info().layout.axes().iter().map(CodedAxis::corrected_column);
