@@ -317,7 +317,7 @@ mod tests {
     /// Repairs times and values as a file has them. Returns the times, the values and the texts.
     fn mended(rows: &[(f64, f64)]) -> Result<(Vec<f64>, Vec<f64>, String), String> {
         let mut times = Times::new();
-        let mut values = SeriesBuilder::new(MemoryBudget::of(0));
+        let mut values = SeriesBuilder::sharing(MemoryBudget::of(0), 1);
         for (time, value) in rows {
             times.push_number(*time)?;
             values.push_number(*value);

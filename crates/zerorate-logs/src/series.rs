@@ -56,11 +56,6 @@ pub struct SeriesBuilder {
 }
 
 impl SeriesBuilder {
-    #[cfg(test)]
-    pub fn new(room: MemoryBudget) -> Self {
-        Self::sharing(room, 1)
-    }
-
     /// Creates one of `series` series that share the memory limit.
     pub fn sharing(room: MemoryBudget, series: usize) -> Self {
         let sharing = series.max(1) as u64;
@@ -331,7 +326,7 @@ mod tests {
 
     /// Rows: empty, 10, empty, 11, 12, empty, empty and the `last` row, and samples lost between some of them.
     fn build(last: impl Fn(&mut SeriesBuilder)) -> (Series, Vec<Gap>) {
-        let mut builder = SeriesBuilder::new(MemoryBudget::of(0));
+        let mut builder = SeriesBuilder::sharing(MemoryBudget::of(0), 1);
         builder.push_missing();
         builder.push_integer(10);
         builder.push_missing();
@@ -372,7 +367,7 @@ mod tests {
 
     #[test]
     fn large_integers_are_numbers() {
-        let mut builder = SeriesBuilder::new(MemoryBudget::of(0));
+        let mut builder = SeriesBuilder::sharing(MemoryBudget::of(0), 1);
         builder.push_integer(-7);
         builder.push_integer(1 << 40);
         assert_eq!(builder.finish(&[]).unwrap().0, Series::Numbers(vec![-7.0, 1_099_511_627_776.0]));
@@ -380,7 +375,7 @@ mod tests {
 
     #[test]
     fn infinity_and_endless_gaps_are_refused() {
-        let mut builder = SeriesBuilder::new(MemoryBudget::of(0));
+        let mut builder = SeriesBuilder::sharing(MemoryBudget::of(0), 1);
         assert!(!builder.push_number(f64::INFINITY));
         assert_eq!(builder.extend_numbers([1.0, f64::NEG_INFINITY].into_iter()), Err(1));
         builder.extend_numbers([1.0, 2.0].into_iter()).unwrap();

@@ -251,7 +251,7 @@ fn a_column_is_chosen_once_and_by_a_name_that_exists() {
 
 #[test]
 fn the_memory_of_all_columns_is_counted() {
-    let one = SeriesBuilder::new(zerorate_input::limits::MemoryBudget::of(0));
+    let one = SeriesBuilder::sharing(zerorate_input::limits::MemoryBudget::of(0), 1);
     let eight = SeriesBuilder::sharing(zerorate_input::limits::MemoryBudget::of(0), 8);
     let rows = zerorate_input::limits::FREE_BYTES / 16;
     assert!(one.check_room(rows).is_ok() && one.check_room(rows + 1).is_err());
