@@ -275,12 +275,7 @@ impl RawColumn {
             LogWarning::UnitUnknown { path, column, unit, scale }
         }));
         Ok(Column {
-            name,
-            series,
             gaps,
-            skipped_s: 0.0,
-            start_s: None,
-            rate_hz,
             quantity: declared.map(|(quantity, _)| quantity),
             scale: declared.map_or(1.0, |(quantity, scale)| match quantity {
                 Quantity::Temperature => scale,
@@ -289,6 +284,7 @@ impl RawColumn {
             step,
             warnings,
             facts: Some(facts),
+            ..Column::new(&name, series, rate_hz)
         })
     }
 }
