@@ -274,14 +274,7 @@ impl Set {
             _ => Vec::new(),
         }
     }
-}
 
-fn stated_rates(attributes: Vec<Attribute>, owner: &str) -> Vec<(String, f64)> {
-    let stated = attributes.into_iter().filter(|attribute| is_rate(&attribute.name));
-    stated.filter_map(|of| Some((format!("{owner}@{}", of.name), of.read_as_f64().ok()?))).collect()
-}
-
-impl Set {
     /// The sample rates that the data set states: in its attributes, or as its only number, if its name is that of a
     /// rate.
     fn rates(&self) -> Vec<(String, f64)> {
@@ -293,6 +286,11 @@ impl Set {
         }
         rates
     }
+}
+
+fn stated_rates(attributes: Vec<Attribute>, owner: &str) -> Vec<(String, f64)> {
+    let stated = attributes.into_iter().filter(|attribute| is_rate(&attribute.name));
+    stated.filter_map(|of| Some((format!("{owner}@{}", of.name), of.read_as_f64().ok()?))).collect()
 }
 
 impl SetColumn<'_> {

@@ -31,9 +31,7 @@ impl StreamSink {
         writer.flush().map_err(wrong)?;
         Ok(Self { path: path.to_owned(), schema: schema.clone(), writer })
     }
-}
 
-impl StreamSink {
     /// Writes a batch whose message carries the metadata entry `key` = `note`, and flushes it.
     fn write_noted(&mut self, batch: &RecordBatch, key: &str, note: &str) -> Result<(), CaptureError> {
         let options = IpcWriteOptions::default();

@@ -215,9 +215,7 @@ impl CaptureInfo {
             },
         })
     }
-}
 
-impl CaptureInfo {
     /// The recorded part, with its settings. If the part is not built in, only the facts in the capture are known:
     /// the scales of its codes, and its bandwidth if that was set.
     #[must_use]
