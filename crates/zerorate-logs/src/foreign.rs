@@ -6,8 +6,7 @@ use super::tests::{
     ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4, ULOG, numbers, options, there,
 };
 use super::*;
-use std::path::Path;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[track_caller]
 fn is_z(column: &Column, name: &str) {

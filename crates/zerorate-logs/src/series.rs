@@ -1,7 +1,6 @@
 //! The samples of a column: codes or numbers, some of which are missing.
 
-use zerorate_allan::Gap;
-use zerorate_allan::Input;
+use zerorate_allan::{Gap, Input};
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 
 /// Largest number of missing samples that are filled in: a bound on memory if a clock leaps.

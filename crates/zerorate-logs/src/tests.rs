@@ -15,8 +15,7 @@ use std::fs::{self, File};
 use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
-use zerorate_allan::Gap;
-use zerorate_allan::SettingName;
+use zerorate_allan::{Gap, SettingName};
 
 /// Parses options as a user types them: each name is followed by a value.
 pub fn options(text: &str) -> ColumnOptions {

@@ -1,7 +1,6 @@
 //! Reads columns of a log together with the time of each row.
 
-use crate::choice::ColumnSelection;
-use crate::choice::ColumnSpec;
+use crate::choice::{ColumnSelection, ColumnSpec};
 use crate::clock::TimeBase;
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;

@@ -1,8 +1,7 @@
 //! The CSV format of a capture: the description as comment lines, a header, then the rows.
 
 use super::CaptureError;
-use super::blocks::cut_off;
-use super::blocks::{BlockSink, Out};
+use super::blocks::{BlockSink, Out, cut_off};
 use super::chain::{self, End};
 use super::columns::MAX_ROWS;
 use super::info::CaptureInfo;

@@ -52,8 +52,7 @@ use arrow_schema::SchemaRef;
 use blocks::Out;
 use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
-use zerorate_input::Input;
-use zerorate_input::Opened;
+use zerorate_input::{Input, Opened};
 
 /// Writes rows to a capture. Dropping it also closes the file, but only [`CaptureWriter::finish`] reports errors.
 pub struct CaptureWriter {

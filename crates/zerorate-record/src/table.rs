@@ -14,8 +14,7 @@ use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
-use zerorate_input::{Input, InputError, NotBuiltIn};
-use zerorate_input::{Opened, open_table};
+use zerorate_input::{Input, InputError, NotBuiltIn, Opened, open_table};
 
 /// The format of a capture file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,7 @@
 //! (.lvm) are used, and other scales are reported.
 
 use crate::clock::Times;
-use zerorate_input::TimeUnit;
-use zerorate_input::Unit;
+use zerorate_input::{TimeUnit, Unit};
 
 /// The column with the time in Gyroflow's logs.
 const TIME: &str = "t";
