@@ -76,6 +76,27 @@ pub fn not_text(path: &Path, names: Names) -> LogError {
 }
 
 impl Head {
+    /// The head of a text that begins with its first row, and whose columns all hold numbers.
+    fn new(delimiter: Delimiter, names: Vec<String>) -> Self {
+        Self {
+            delimiter,
+            width: names.len(),
+            numeric: vec![true; names.len()],
+            dates: vec![DateColumn::default(); names.len()],
+            names,
+            lines: 0,
+            skipped: None,
+            sentence: None,
+            stamps: None,
+            marks: Marks::default(),
+            decimal: None,
+            cuts_numbers: false,
+            index: false,
+            scales: Scales::default(),
+            open: Open::Nothing,
+        }
+    }
+
     /// Reads the head from `text`, the lines with which the file begins.
     pub fn read(path: &Path, text: &str, marks: &Marks, args: &ColumnOptions) -> Result<Self> {
         check_line_ends(path, text)?;
@@ -98,21 +119,14 @@ impl Head {
         let comments: Vec<&str> =
             comments.iter().take_while(|(number, _)| *number < start).map(|(_, line)| *line).collect();
         let mut head = Self {
-            delimiter: shape.delimiter,
-            width: shape.width,
-            names: (0..shape.width).map(|number| number.to_string()).collect(),
             numeric: rows.numeric,
             dates: rows.dates,
             lines: start.saturating_sub(1),
-            skipped: None,
             sentence,
-            stamps: None,
             marks: marks.clone(),
             decimal: rows.decimal,
             cuts_numbers: rows.cuts_numbers,
-            index: false,
-            scales: Scales::default(),
-            open: Open::Nothing,
+            ..Self::new(shape.delimiter, (0..shape.width).map(|number| number.to_string()).collect())
         };
         let end = head.names_end(above);
         let (used, is_named) = head.name_by_marks(path, &above[..end], &comments)?;
@@ -145,25 +159,7 @@ impl Head {
         let names: Vec<String> = delimiter.cells(first).map(str::to_owned).collect();
         let is_text = !first.contains(['\0', '\u{FFFD}']);
         if some == 1 && is_text && delimiter != Delimiter::Blanks {
-            let width = names.len();
-            let (open, index, decimal, cuts_numbers) = (Open::Nothing, false, None, false);
-            return Ok(Self {
-                delimiter,
-                width,
-                names,
-                numeric: vec![true; width],
-                dates: vec![DateColumn::default(); width],
-                lines,
-                skipped: None,
-                sentence: None,
-                stamps: None,
-                marks: Marks::default(),
-                decimal,
-                cuts_numbers,
-                index,
-                scales: Scales::default(),
-                open,
-            });
+            return Ok(Self { lines, ..Self::new(delimiter, names) });
         }
         if args.decimal == Some(Decimal::Comma) && first.contains(',') {
             return Err(InputError::damaged(path, "as a text file", CLASH).into());
