@@ -91,12 +91,7 @@ impl Marks {
     }
 
     pub fn are_there(&self) -> bool {
-        self.json.is_some()
-            || self.colours
-            || self.stamp.is_some()
-            || self.labels.is_some()
-            || self.words.is_some()
-            || self.brackets
+        *self != Self::default()
     }
 
     /// Replaces the marks in whole lines by blanks. Labels that differ from the usual ones stay, so that their line
