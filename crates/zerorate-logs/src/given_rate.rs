@@ -1,6 +1,7 @@
 //! Compares a rate that the user or the log states with the timestamps of the log.
 
 use crate::TimeUnit;
+use crate::clock::median;
 use crate::sample::Sampled;
 use crate::setting::Names;
 use crate::warning::LogWarning;
@@ -49,7 +50,6 @@ pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> 
 /// not rise.
 fn median_rate_hz(rows: &[f64], unit: TimeUnit) -> Option<f64> {
     let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    steps.sort_unstable_by(f64::total_cmp);
     let rise = steps.len() > FEWEST_STEPS && 10 * steps.len() >= 9 * (rows.len() - 1);
-    rise.then(|| unit.per_s() / steps[steps.len() / 2])
+    rise.then(|| unit.per_s() / median(&mut steps))
 }

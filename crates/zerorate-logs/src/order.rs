@@ -2,7 +2,7 @@
 //! drops duplicate rows, and follows a clock that was set back. Each repair is counted and reported. If repairs are
 //! too frequent, the log is refused, and the error names the place.
 
-use super::clock::Times;
+use super::clock::{Times, median};
 use crate::raw_columns::RawColumn;
 
 /// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, 32-bit counters of µs
@@ -288,9 +288,7 @@ fn even_times(rows: &[TimedRow], fine: f64) -> Option<Vec<f64>> {
 
 fn clock_step(rows: &[TimedRow]) -> f64 {
     let steps = rows.windows(2).map(|pair| pair[1].time - pair[0].time).filter(|step| *step > 0.0);
-    let mut steps: Vec<f64> = steps.collect();
-    steps.sort_unstable_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or_default()
+    median(&mut steps.collect::<Vec<f64>>())
 }
 
 /// The interval of the samples under a clock of coarse steps: the total time of the steps of usual length over the
@@ -300,9 +298,7 @@ fn fine_interval(rows: &[TimedRow]) -> Option<f64> {
     let starts: Vec<usize> =
         (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();
     let steps = || starts.windows(2).map(|pair| (rows[pair[1]].time - rows[pair[0]].time, pair[1] - pair[0]));
-    let mut lengths: Vec<f64> = steps().map(|(time, _)| time).collect();
-    lengths.sort_unstable_by(f64::total_cmp);
-    let usual = lengths.get(lengths.len() / 2).copied().unwrap_or_default();
+    let usual = median(&mut steps().map(|(time, _)| time).collect::<Vec<f64>>());
     let whole = steps().filter(|(time, _)| *time < 1.5 * usual);
     let (time, count) = whole.fold((0.0, 0), |(time, count), (more, rows)| (time + more, count + rows));
     (count > 0).then(|| time / count as f64)
