@@ -58,9 +58,9 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (mut row, mut full) = (0u64, None);
     again.all(&mut pending, |kind, body| {
         let Some(data) = body.strip_prefix(&chosen.id.to_le_bytes()[..]).filter(|_| kind == b'D') else { return true };
-        let time = chosen.time.integer(data);
+        let Some(BinaryNumber::Integer(time)) = chosen.time.value(data) else { return true };
         let numbers: Option<Vec<BinaryNumber>> = chosen.fields.iter().map(|(_, field)| field.value(data)).collect();
-        let (Some(time), Some(numbers)) = (time, numbers) else { return true };
+        let Some(numbers) = numbers else { return true };
         row += 1;
         times.push_integer(time);
         for (values, number) in values.iter_mut().zip(numbers) {
@@ -365,12 +365,5 @@ fn basic_type(name: &str) -> Option<(Option<Coding>, usize)> {
 impl Field {
     fn value(&self, data: &[u8]) -> Option<BinaryNumber> {
         Some(BinaryNumber::decode(self.coding, data.get(self.at..)?.get(..self.size)?, false))
-    }
-
-    fn integer(&self, data: &[u8]) -> Option<i64> {
-        match self.value(data)? {
-            BinaryNumber::Integer(integer) => Some(integer),
-            BinaryNumber::Float(_) => None,
-        }
     }
 }
