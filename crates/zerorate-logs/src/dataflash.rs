@@ -171,11 +171,7 @@ impl Form {
     /// Parses the fields of FMT: number, length, name, letters, labels. Returns `None` if they contradict each other
     /// or have an unknown letter.
     fn parse(body: &[u8]) -> Option<(u8, Self)> {
-        let text = |range: std::ops::Range<usize>| {
-            let bytes = body.get(range)?;
-            let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
-            std::str::from_utf8(&bytes[..end]).ok()
-        };
+        let text = |range: std::ops::Range<usize>| until_zero(body.get(range)?);
         let (id, length) = (*body.first()?, usize::from(*body.get(1)?).checked_sub(HEAD)?);
         let (name, letters, labels) = (text(2..6)?, text(6..22)?, text(22..86)?);
         let (mut fields, mut at) = (Vec::new(), 0);
@@ -196,9 +192,7 @@ impl Form {
 
     pub fn text(&self, name: &str, body: &[u8]) -> Option<String> {
         let field = self.field(name)?;
-        let bytes = body.get(field.at..field.at + size(field.kind)?)?;
-        let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
-        Some(std::str::from_utf8(&bytes[..end]).ok()?.to_owned())
+        until_zero(body.get(field.at..field.at + size(field.kind)?)?).map(str::to_owned)
     }
 
     /// The number of the sensor; `None` if the message does not state it.
@@ -212,6 +206,10 @@ impl Form {
         let units = [("SampleUS", TimeUnit::Us), ("TimeUS", TimeUnit::Us), ("TimeMS", TimeUnit::Ms)];
         units.into_iter().find_map(|(name, unit)| Some((self.field(name)?.clone(), unit)))
     }
+}
+
+fn until_zero(bytes: &[u8]) -> Option<&str> {
+    std::str::from_utf8(bytes.split(|byte| *byte == 0).next()?).ok()
 }
 
 fn size(kind: u8) -> Option<usize> {
