@@ -14,6 +14,7 @@ use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::sample::Sampled;
 use crate::setting::{Names, Setting};
 use crate::warning::LogWarning;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 #[cfg(not(feature = "zstd"))]
@@ -290,15 +291,9 @@ impl<'a> Collector<'a> {
         let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.name), what);
         let room = self.values.first().map_or(Ok(()), |first| first.check_room(1));
         room.map_err(|why| InputError::over_budget(self.path, why))?;
-        let unpacked;
-        let message = if message.starts_with(&ZSTD) {
-            unpacked = unpacked_message(message).map_err(at)?;
-            &unpacked
-        } else {
-            message
-        };
+        let message = unpacked(message).map_err(at)?;
         let source = &self.wanted.source;
-        let Stamped { stamp_ns, numbers } = decode(encoding, source, message)
+        let Stamped { stamp_ns, numbers } = decode(encoding, source, &message)
             .ok_or_else(|| at(format!("its {} bytes are not a {} in {encoding:?}", message.len(), source.kind())))?;
         self.times.push_integer(stamp_ns);
         self.recorded.push_integer(recorded_ns);
@@ -352,14 +347,15 @@ impl<'a> Collector<'a> {
     }
 }
 
-#[cfg(feature = "zstd")]
-fn unpacked_message(message: &[u8]) -> Result<Vec<u8>, String> {
-    zstd::bulk::decompress(message, MAX_MESSAGE).map_err(|error| error.to_string())
-}
-
-#[cfg(not(feature = "zstd"))]
-fn unpacked_message(_: &[u8]) -> Result<Vec<u8>, String> {
-    Err(NotBuiltIn::ZSTD.to_string())
+fn unpacked(message: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+    if !message.starts_with(&ZSTD) {
+        return Ok(Cow::Borrowed(message));
+    }
+    #[cfg(feature = "zstd")]
+    let unpacked = zstd::bulk::decompress(message, MAX_MESSAGE).map_err(|error| error.to_string());
+    #[cfg(not(feature = "zstd"))]
+    let unpacked: Result<Vec<u8>, String> = Err(NotBuiltIn::ZSTD.to_string());
+    unpacked.map(Cow::Owned)
 }
 
 /// The stamp of a message, and the numbers after its header.
@@ -377,14 +373,8 @@ pub struct Head {
 impl Head {
     /// Decodes the header; `None` if the message does not hold this IMU.
     fn of(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Self> {
-        let unpacked;
-        let message = if message.starts_with(&ZSTD) {
-            unpacked = unpacked_message(message).ok()?;
-            &unpacked
-        } else {
-            message
-        };
-        let body = source.body(encoding, message)?;
+        let message = unpacked(message).ok()?;
+        let body = source.body(encoding, &message)?;
         let (frame, _) = body.frame()?;
         // a CDR string includes its final zero byte
         let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
