@@ -295,19 +295,3 @@ fn packed_by_bzip2_and_lz4() {
     assert_eq!(numbers(&folder.read(bzip2, "--rate 1").unwrap()), [0.5, 0.25, -1.5, 2.0]);
     assert!(folder.fails(&bzip2[..20], "--rate 1").contains("as Bzip2: it cannot be unpacked"));
 }
-
-/// Lines of a EuRoC recording, whose header is a comment.
-#[test]
-fn names_as_they_stand_in_a_comment() {
-    let text = "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]\n1403636579758555392,-0.0991,0.1473\n\
-                1403636579763555392,-0.0992,0.1474\n";
-    for time in ["#timestamp [ns]", "timestamp [ns]"] {
-        let options = ColumnOptions {
-            column: Some("w_RS_S_x [rad s^-1]".to_owned()),
-            time_column: Some(time.to_owned()),
-            ..ColumnOptions::default()
-        };
-        let column = read(Path::new("data.csv"), text.as_bytes().to_vec().into(), &options).unwrap();
-        assert_eq!((column.rate_hz, column.scale), (200.0, 1f64.to_degrees()));
-    }
-}

@@ -12,7 +12,7 @@ use arrow_array::{
 };
 use arrow_ipc::writer::{FileWriter, StreamWriter};
 use std::fs::{self, File};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 use zerorate_allan::{Gap, SettingName};
@@ -238,10 +238,13 @@ fn text_of_many_dialects() {
 fn a_header_in_a_comment() {
     let text = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad \
         s^-1]\n1403636579758555392,-0.0991,0.1473\n1403636579763555584,-0.0991,0.1473\n";
-    let options = "--column 1 --time-column 0";
-    let column = Folder::new().read(text, options).unwrap();
-    assert_eq!((column.name.as_str(), column.scale), ("w_RS_S_x [rad s^-1]", 1f64.to_degrees()));
-    assert!((column.rate_hz / 199.992_32 - 1.0).abs() < 1e-8, "{}", column.rate_hz);
+    for (name, time) in [("1", "0"), ("w_RS_S_x [rad s^-1]", "#timestamp [ns]"), ("1", "timestamp [ns]")] {
+        let (column, time_column) = (Some(name.to_owned()), Some(time.to_owned()));
+        let options = ColumnOptions { column, time_column, ..options("") };
+        let column = read(Path::new("data.csv"), text.as_bytes().to_vec().into(), &options).unwrap();
+        assert_eq!((column.name.as_str(), column.scale), ("w_RS_S_x [rad s^-1]", 1f64.to_degrees()));
+        assert!((column.rate_hz / 199.992_32 - 1.0).abs() < 1e-8, "{}", column.rate_hz);
+    }
 }
 
 #[test]
