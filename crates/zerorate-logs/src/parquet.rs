@@ -119,7 +119,7 @@ impl Groups<'_> {
         };
         if !columns.iter().all(has_all) {
             let what = format!("a column of row group {group} does not have the {stated} rows that the index states");
-            return Err(damaged(self.path, &what));
+            return Err(InputError::damaged(self.path, "as a Parquet file", what));
         }
         Ok((0..pieces).map(|piece| columns.iter().map(|column| column[piece].clone()).collect()).collect())
     }
@@ -200,8 +200,4 @@ impl ChunkReader for Chunk {
         }
         Ok(rest.slice(..length))
     }
-}
-
-fn damaged(path: &Path, what: &str) -> InputError {
-    InputError::damaged(path, "as a Parquet file", what)
 }
