@@ -50,7 +50,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         variable.columns(&mut columns).map_err(|what| damaged(path, number, &what))?;
     }
     // a single number is not a column of the log, and may be its sample rate
-    let (columns, single): (Vec<_>, Vec<_>) = columns.into_iter().partition(|column| column.rows() > 1);
+    let (columns, single): (Vec<_>, Vec<_>) = columns.into_iter().partition(|column| column.rows > 1);
     let stated_rate = StatedRate::among(single.iter().filter_map(Variable::number));
     if let (true, Some((name, class))) = (columns.is_empty(), variables.iter().find_map(Element::object)) {
         return Err(object_of_matlab(path, &name, &class));
@@ -59,7 +59,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let all =
         Columns { path, names, numeric: vec![true; columns.len()], clocks: Vec::new(), settings: asked.args.names };
     let (Choice { values: chosen, time, .. }, _) =
-        all.choose_alike(asked.wanted, asked.args, |at| columns[at].rows() as u64)?;
+        all.choose_alike(asked.wanted, asked.args, |at| columns[at].rows as u64)?;
     let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let time = time.map(|time| Ok::<_, InputError>((columns[time].name.clone(), columns[time].times(path)?)));
@@ -226,7 +226,7 @@ struct Variable<'a> {
     /// Index of the first number of the column in `bytes`, and the distance to the next, counted in numbers.
     first: usize,
     step: usize,
-    len: usize,
+    rows: usize,
     big_endian: bool,
 }
 
@@ -297,7 +297,7 @@ fn split<'a>(
     big_endian: bool,
     found: &mut Vec<Variable<'a>>,
 ) {
-    let (count, len) = (rows.min(columns), rows.max(columns));
+    let (count, longer) = (rows.min(columns), rows.max(columns));
     if count > MAX_COLUMNS {
         return;
     }
@@ -305,7 +305,7 @@ fn split<'a>(
     found.extend((0..count).map(|at| {
         let (first, step) = if upright { (at * rows, 1) } else { (at, rows) };
         let name = if count == 1 { name.to_owned() } else { format!("{name}.{at}") };
-        Variable { name, kind, bytes, first, step, len, big_endian }
+        Variable { name, kind, bytes, first, step, rows: longer, big_endian }
     }));
 }
 
@@ -320,10 +320,6 @@ fn size(kind: u32) -> Option<usize> {
 }
 
 impl Variable<'_> {
-    fn rows(&self) -> usize {
-        self.len
-    }
-
     fn cells(&self) -> impl Iterator<Item = BinaryNumber> {
         let size = size(self.kind).unwrap_or(1);
         let coding = match self.kind {
@@ -331,7 +327,7 @@ impl Variable<'_> {
             INT8 | 3 | 5 | INT64 => Coding::Signed,
             _ => Coding::Unsigned,
         };
-        (0..self.len).map(move |row| {
+        (0..self.rows).map(move |row| {
             let bytes = &self.bytes[(self.first + row * self.step) * size..][..size];
             BinaryNumber::decode(coding, bytes, self.big_endian)
         })
@@ -344,7 +340,7 @@ impl Variable<'_> {
 
     fn values(&self, path: &Path, room: MemoryBudget, sharing: usize) -> Result<RawColumn, InputError> {
         let mut values = SeriesBuilder::sharing(room, sharing);
-        values.check_room(self.rows() as u64).map_err(|why| InputError::over_budget(path, why))?;
+        values.check_room(self.rows as u64).map_err(|why| InputError::over_budget(path, why))?;
         for (row, cell) in self.cells().enumerate() {
             if !cell.add_to(&mut values) {
                 return Err(self.wrong(path, row, "it is infinite, which cannot be averaged"));
