@@ -146,13 +146,6 @@ impl Codes {
         }
     }
 
-    fn null_count(&self) -> usize {
-        match self {
-            Self::Unsigned(codes) => codes.null_count(),
-            Self::Signed(codes) => codes.null_count(),
-        }
-    }
-
     fn to_array(&self) -> ArrayRef {
         match self {
             Self::Unsigned(codes) => Arc::new(codes.clone()),
@@ -308,7 +301,7 @@ impl Batch<'_> {
     /// Like [`Self::codes`], but a null is an error.
     fn required_codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
         let codes = self.codes(name, scale)?;
-        self.check_whole(name, codes.null_count())?;
+        self.check_whole(name, codes.to_array().null_count())?;
         Ok(codes)
     }
 
