@@ -105,9 +105,7 @@ impl Layout {
     }
 
     fn new(part: String, axes: Vec<CodedAxis>, temp: Scale, status_bits: u8) -> Result<Self, LayoutError> {
-        let layout = Self { part, axes, temp, status_bits, dropped_bits: 0 };
-        layout.check()?;
-        Ok(layout)
+        Self { part, axes, temp, status_bits, dropped_bits: 0 }.checked()
     }
 
     /// Sets the width of the status register: 8, 16 or 32 bits.
@@ -115,12 +113,10 @@ impl Layout {
     /// # Errors
     /// Returns [`LayoutError::Status`] for another width.
     pub fn with_status_bits(self, status_bits: u8) -> Result<Self, LayoutError> {
-        let layout = Self { status_bits, ..self };
-        layout.check()?;
-        Ok(layout)
+        Self { status_bits, ..self }.checked()
     }
 
-    fn check(&self) -> Result<(), LayoutError> {
+    fn checked(self) -> Result<Self, LayoutError> {
         if !(1..=MAX_AXES).contains(&self.axes.len()) {
             return Err(LayoutError::Axes(self.axes.len()));
         }
@@ -140,7 +136,7 @@ impl Layout {
                 return Err(LayoutError::Codes { name: name.to_owned(), first, last, zero });
             }
         }
-        if matches!(self.status_bits, 8 | 16 | 32) { Ok(()) } else { Err(LayoutError::Status(self.status_bits)) }
+        if matches!(self.status_bits, 8 | 16 | 32) { Ok(self) } else { Err(LayoutError::Status(self.status_bits)) }
     }
 
     /// The type name of the part, such as `ADIS16130`.
