@@ -304,16 +304,12 @@ impl Layout {
         let rates = self.axes.iter().map(|axis| Field::new(axis.rate_column(), DataType::Float64, false));
         let temp = Field::new("temp_c", DataType::Float64, true);
         let corrected = self.axes.iter().map(|axis| Field::new(axis.corrected_column(), DataType::Float64, true));
-        let flags = (0..self.axes.len()).map(|axis| Field::new(self.flags_column(axis), DataType::UInt8, false));
+        let flags: Vec<String> = match &self.axes[..] {
+            [_] => vec!["flags".to_owned()],
+            axes => axes.iter().map(|axis| format!("{}_flags", axis.name)).collect(),
+        };
+        let flags = flags.into_iter().map(|name| Field::new(name, DataType::UInt8, false));
         rates.chain([temp]).chain(corrected).chain(flags).collect()
-    }
-
-    /// Name of the column with the fault flags of an axis.
-    pub fn flags_column(&self, axis: usize) -> String {
-        match &self.axes[..] {
-            [_] => "flags".to_owned(),
-            axes => format!("{}_flags", axes.get(axis).map_or("", |axis| &axis.name)),
-        }
     }
 
     /// The metadata entries of the axes and the scales of their codes.
