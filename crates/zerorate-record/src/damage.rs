@@ -3,7 +3,7 @@
 #[cfg(feature = "parquet")]
 mod of_parquet;
 
-use super::tests::{FORMATS, batch_ends, info, read, start, write};
+use super::tests::{FORMATS, batch_ends, info, read, write};
 use super::*;
 use std::fs;
 use tempfile::TempDir;
@@ -204,31 +204,25 @@ fn blocks_that_are_removed_repeated_or_moved_are_noticed() {
 }
 
 /// A CSV capture in version 1 of the format, which has no checks.
-fn version_1(rows: &[Row]) -> String {
+fn version_1(rows: &[Row]) -> CaptureReader {
     let mut text = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n\
         # zerorate.temp_conversion = 5\nt_ns,edge_seq,rate_code,status,temp_code,lost\n"
         .to_owned();
     for row in rows {
         text += &format!("{},{},{},,,{}\n", row.t_ns, row.edge_seq, row.codes()[0], row.lost);
     }
-    text
+    CaptureReader::open(Path::new("old.csv"), text.into_bytes().into()).unwrap()
 }
 
 fn version_1_error(rows: &[Row]) -> Option<String> {
-    let dir = TempDir::new().unwrap();
-    let path = dir.path().join("old.csv");
-    fs::write(&path, version_1(rows)).unwrap();
-    super::tests::open(&path).unwrap().find_map(Result::err).map(|error| error.to_string())
+    version_1(rows).find_map(Result::err).map(|error| error.to_string())
 }
 
 #[test]
 fn version_1_is_read_with_a_note() {
-    let dir = TempDir::new().unwrap();
-    let path = dir.path().join("old.csv");
-    fs::write(&path, version_1(&slow(100))).unwrap();
-    let (found, said) = read(&path);
-    assert_eq!(found.len(), 100);
-    assert!(said.unwrap().contains("version 1 without checks"));
+    let mut reader = version_1(&slow(100));
+    assert_eq!(reader.by_ref().map(Result::unwrap).count(), 100);
+    assert!(reader.warnings()[0].to_string().contains("version 1 without checks"));
 }
 
 #[test]
@@ -258,9 +252,7 @@ fn the_checks_are_those_of_the_document() {
     use sha2::{Digest, Sha256};
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("two.csv");
-    let mut writer = start(&path, Format::Csv, &info());
-    slow(2).iter().for_each(|sample| writer.push(sample).unwrap());
-    writer.finish().unwrap();
+    write(&path, Format::Csv, &slow(2));
     let text = fs::read_to_string(&path).unwrap();
     let stated =
         |key: &str| text.lines().find_map(|line| line.strip_prefix(&format!("# {key} = "))).unwrap().to_owned();
