@@ -4,10 +4,9 @@ use super::edited;
 use crate::tests::options;
 use arrow_array::RecordBatch;
 use arrow_array::types::Int8Type;
-use arrow_array::{ArrayRef, DictionaryArray, Float64Array, Int32Array, TimestampNanosecondArray};
+use arrow_array::{ArrayRef, DictionaryArray, Float64Array, Int32Array, NullArray, TimestampNanosecondArray};
 use arrow_ipc::CompressionType;
 use arrow_ipc::writer::{FileWriter, IpcWriteOptions, StreamWriter};
-use arrow_schema::{DataType, Field, Schema};
 use std::path::Path;
 use std::sync::Arc;
 use zerorate_input::limits::MemoryBudget;
@@ -25,27 +24,18 @@ pub fn read(bytes: &[u8], ways: &[&str]) {
     }
 }
 
-fn columns() -> Vec<(&'static str, ArrayRef)> {
+pub fn table() -> RecordBatch {
     let times: Vec<i64> = (0..40).map(|i| 1_700_000_000_000_000_000 + i * 10_000_000).collect();
     let words = DictionaryArray::<Int8Type>::from_iter((0..40).map(|i| ["a", "b"].get(i % 3).copied()));
-    vec![
+    let columns: [(&str, ArrayRef); 5] = [
         ("t", Arc::new(TimestampNanosecondArray::from(times))),
         ("x", Arc::new(Float64Array::from_iter((0..40).map(|i| (i % 7 != 3).then_some(f64::from(i) * 0.5))))),
         ("n", Arc::new(Int32Array::from_iter_values((0..40).map(|i| i * i - 90)))),
         ("word", Arc::new(words)),
-    ]
-}
-
-pub fn table() -> RecordBatch {
-    let columns = columns();
-    let fields: Vec<Field> = columns
-        .iter()
-        .map(|(name, column)| Field::new(*name, column.data_type().clone(), *name != "n"))
-        .chain([Field::new("none", DataType::Null, true)])
-        .collect();
-    let none: ArrayRef = Arc::new(arrow_array::NullArray::new(40));
-    let arrays = columns.into_iter().map(|(_, column)| column).chain([none]).collect();
-    RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).expect("a batch")
+        ("none", Arc::new(NullArray::new(40))),
+    ];
+    let columns = columns.map(|(name, column)| (name, column, name != "n"));
+    RecordBatch::try_from_iter_with_nullable(columns).expect("a batch")
 }
 
 pub const OF_TABLES: &[&str] = &["--column x --time-column t", "--column n --rate 10"];
@@ -84,11 +74,8 @@ fn raw() {
 }
 
 fn packings() -> Vec<IpcWriteOptions> {
-    let packings = [CompressionType::LZ4_FRAME, CompressionType::ZSTD].into_iter().take(if cfg!(feature = "zstd") {
-        2
-    } else {
-        1
-    });
+    let count = if cfg!(feature = "zstd") { 2 } else { 1 };
+    let packings = [CompressionType::LZ4_FRAME, CompressionType::ZSTD].into_iter().take(count);
     let packed = |packing| IpcWriteOptions::default().try_with_compression(Some(packing)).expect("it can be packed");
     std::iter::once(IpcWriteOptions::default()).chain(packings.map(packed)).collect()
 }
@@ -117,16 +104,8 @@ fn arrow_stream() {
 
 #[test]
 fn wide_text() {
-    let text = "t_ms;gz_dps\r\n0;0,5\r\n10;0,25\r\n20;1,5\r\n";
-    let wide = |to_bytes: fn(u16) -> [u8; 2]| {
-        "\u{FEFF}"
-            .chars()
-            .chain(text.chars())
-            .collect::<String>()
-            .encode_utf16()
-            .flat_map(to_bytes)
-            .collect::<Vec<u8>>()
-    };
+    let text = "\u{FEFF}t_ms;gz_dps\r\n0;0,5\r\n10;0,25\r\n20;1,5\r\n";
+    let wide = |to_bytes: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(to_bytes).collect::<Vec<u8>>();
     edited(300, &[wide(u16::to_le_bytes), wide(u16::to_be_bytes)], |bytes| {
         read(bytes, &["--column 1 --time-column 0"])
     });
