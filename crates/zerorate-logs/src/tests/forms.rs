@@ -219,17 +219,7 @@ pub fn mcap_packed(
     encoding: &str,
     messages: impl Fn(u64) -> Vec<u8>,
 ) -> Vec<u8> {
-    mcap_of_type("sensor_msgs/msg/Imu", packing, topics, encoding, messages)
-}
-
-fn mcap_of_type(
-    kind: &str,
-    packing: Option<mcap::Compression>,
-    topics: &[&str],
-    encoding: &str,
-    messages: impl Fn(u64) -> Vec<u8>,
-) -> Vec<u8> {
-    let topics: Vec<(&str, &str)> = topics.iter().map(|topic| (*topic, kind)).collect();
+    let topics: Vec<(&str, &str)> = topics.iter().map(|topic| (*topic, "sensor_msgs/msg/Imu")).collect();
     mcap_of_types(packing, &topics, encoding, |_, i| messages(i))
 }
 
@@ -346,7 +336,8 @@ fn of_joysticks(bag: &[u8], kind: &[u8]) -> Vec<u8> {
 #[test]
 fn bags_without_an_imu_name_their_topics() {
     let folder = Folder::new();
-    let mcap = mcap_of_type("sensor_msgs/msg/Joy", None, &["/b", "/a"], "cdr", |_| vec![0, 1, 0, 0]);
+    let joy = "sensor_msgs/msg/Joy";
+    let mcap = mcap_of_types(None, &[("/b", joy), ("/a", joy)], "cdr", |_, _| vec![0, 1, 0, 0]);
     for (bag, topics) in [
         (mcap, "it has /a (sensor_msgs/msg/Joy), /b (sensor_msgs/msg/Joy)"),
         (of_joysticks(ROSBAG, b"sensor_msgs/Imu"), "it has /chat (std_msgs/String), /imu (sensor_msgs/Joy)"),
@@ -362,8 +353,8 @@ fn bags_without_an_imu_name_their_topics() {
         );
     }
     let many: Vec<String> = (0..30).map(|at| format!("/{at:02}")).collect();
-    let many: Vec<&str> = many.iter().map(String::as_str).collect();
-    let bag = mcap_of_type("sensor_msgs/msg/Joy", None, &many, "cdr", |_| vec![0, 1, 0, 0]);
+    let many: Vec<(&str, &str)> = many.iter().map(|topic| (topic.as_str(), joy)).collect();
+    let bag = mcap_of_types(None, &many, "cdr", |_, _| vec![0, 1, 0, 0]);
     assert!(folder.fails(bag, "--column z").ends_with("/19 (sensor_msgs/msg/Joy), and 10 more"));
 }
 
