@@ -1,6 +1,7 @@
 //! Tests with logs that common libraries wrote or read back (`fixtures/make.py`): 20 samples at 200 Hz, of which the
 //! thirteenth is missing. Sample n, counted from 0, has z = 0.25·n.
 
+use super::several::all;
 use super::tests::{
     DATAFLASH, Folder, HDF5, HDF5_LATEST, HDF5_UNITS, MAT, MAT_73, MAT_FS, MAT_PACKED, NPZ, NPZ_FS, NPZ_PACKED,
     ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4, ULOG, numbers, options, there,
@@ -200,15 +201,13 @@ fn logs_of_px4() {
     is_z(&folder.read(ULOG, "--column sensor_combined.gyro_rad[2]").unwrap(), "sensor_combined.gyro_rad[2]");
     assert_eq!(numbers(&folder.read(ULOG, "--column sensor_gyro#1.z --rate 1").unwrap())[2], 1.0);
     assert_eq!(numbers(&folder.read(ULOG, "--column sensor_gyro#0.device_id").unwrap())[0], 7.0);
-    let all = read_all(Path::new("log"), ULOG.to_vec().into(), ColumnSelection::All, &options("")).unwrap();
-    let names: Vec<&str> = all.iter().map(|column| column.name.as_str()).collect();
+    let columns = all(ULOG, ColumnSelection::All, "").unwrap();
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     assert_eq!((names.len(), names[3]), (6, "sensor_combined.accelerometer_m_s2[0]"));
-    assert_eq!(all[5].quantity, Some(Quantity::Acceleration));
-    let of_topic =
-        read_all(Path::new("log"), ULOG.to_vec().into(), ColumnSelection::All, &options("--topic sensor_gyro#0"));
-    assert_eq!(of_topic.unwrap()[2].name, "sensor_gyro#0.z");
-    let said =
-        read_all(Path::new("log"), ULOG.to_vec().into(), ColumnSelection::All, &options("--topic chat")).unwrap_err();
+    assert_eq!(columns[5].quantity, Some(Quantity::Acceleration));
+    let of_topic = all(ULOG, ColumnSelection::All, "--topic sensor_gyro#0").unwrap();
+    assert_eq!(of_topic[2].name, "sensor_gyro#0.z");
+    let said = all(ULOG, ColumnSelection::All, "--topic chat").unwrap_err();
     let rows: Vec<Vec<String>> =
         said.to_string().lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect();
     let row = rows.iter().find(|row| row[0] == "sensor_gyro#0").expect("the row of a topic");
@@ -227,12 +226,10 @@ fn logs_of_ardupilot() {
     is_z(&column, "IMU[0].GyrZ");
     assert_eq!(column.scale, 1f64.to_degrees());
     assert_eq!(numbers(&folder.read(DATAFLASH, "--topic IMU[1] --column GyrZ").unwrap())[2], -0.5);
-    let of_topic =
-        read_all(Path::new("log"), DATAFLASH.to_vec().into(), ColumnSelection::All, &options("--topic IMU[1]"));
-    let names: Vec<String> = of_topic.unwrap().into_iter().map(|column| column.name).collect();
+    let of_topic = all(DATAFLASH, ColumnSelection::All, "--topic IMU[1]").unwrap();
+    let names: Vec<String> = of_topic.into_iter().map(|column| column.name).collect();
     assert_eq!((names.len(), &*names[3]), (6, "IMU[1].AccX"));
-    let said = read_all(Path::new("log"), DATAFLASH.to_vec().into(), ColumnSelection::All, &options("")).unwrap_err();
-    let said = said.to_string();
+    let said = all(DATAFLASH, ColumnSelection::All, "").unwrap_err().to_string();
     assert!(said.contains("several IMUs") && said.contains("IMU[0]") && !said.contains("BARO"), "{said}");
     assert!(folder.fails(DATAFLASH, "--column IMU[0].Nothing").contains("one of: IMU[0].GyrX"));
     // four stray bytes between two messages, and a file that ends inside a message

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use zerorate_allan::Gap;
 use zerorate_input::Input;
 
-fn all(content: &[u8], wanted: ColumnSelection<'_>, said: &str) -> Result<Vec<Column>> {
+pub fn all(content: &[u8], wanted: ColumnSelection<'_>, said: &str) -> Result<Vec<Column>> {
     read_all(Path::new("log"), content.to_vec().into(), wanted, &options(said))
 }
 
