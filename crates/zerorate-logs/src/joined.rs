@@ -2,7 +2,7 @@
 //! an error says that there are two files.
 
 use super::tests::{DATAFLASH, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ULOG};
-use super::tests::{Folder, npy, tables, there};
+use super::tests::{fails, npy, read_file, tables, there};
 use super::*;
 use arrow_array::{ArrayRef, Float64Array};
 use std::sync::Arc;
@@ -40,7 +40,7 @@ fn with_an_end() -> Vec<(Vec<u8>, &'static str)> {
 
 /// The number of bytes behind the end of the first file, according to the warning; `None` without the warning.
 fn behind(content: impl AsRef<[u8]>, options: &str) -> Option<u64> {
-    let column = Folder::new().read(content, options).unwrap();
+    let column = read_file(content, options).unwrap();
     column.warnings.iter().find_map(|warning| match warning {
         LogWarning::File(zerorate_input::InputWarning::BytesBehindEnd { bytes, .. }) => Some(*bytes),
         _ => None,
@@ -50,10 +50,10 @@ fn behind(content: impl AsRef<[u8]>, options: &str) -> Option<u64> {
 #[test]
 fn a_file_that_is_filled_up_with_zeros_is_as_good_as_alone() {
     for (bytes, options) in with_an_end() {
-        let alone = Folder::new().read(&bytes, options).unwrap();
+        let alone = read_file(&bytes, options).unwrap();
         assert_eq!(behind(&bytes, options), None, "{options}");
         let filled = [&bytes[..], &[0; 5000]].concat();
-        let column = Folder::new().read(&filled, options).unwrap();
+        let column = read_file(&filled, options).unwrap();
         let codes = |column: &Column| column.warnings.iter().map(LogWarning::code).collect::<Vec<_>>();
         assert_eq!((there(&column), codes(&column)), (there(&alone), codes(&alone)), "{options}");
     }
@@ -91,7 +91,7 @@ fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
         [(&parquet[..], "--column x --time-column t_ns"), (&[NPZ, NPZ_PACKED][..], "--column gz_rad_s")]
     {
         for (first, last) in files.iter().flat_map(|first| files.iter().map(move |last| (*first, *last))) {
-            let said = Folder::new().fails([first, last].concat(), options);
+            let said = fails([first, last].concat(), options);
             assert!(said.contains(&format!("another one follows after its first {} bytes", first.len())), "{said}");
         }
     }
@@ -101,10 +101,10 @@ fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
 /// their times go back.
 #[test]
 fn joined_texts_are_read_and_joined_logs_are_named() {
-    let twice = Folder::new().fails([DATAFLASH, DATAFLASH].concat(), "--column IMU[0].GyrZ");
+    let twice = fails([DATAFLASH, DATAFLASH].concat(), "--column IMU[0].GyrZ");
     assert!(twice.contains("two logs in one file"), "{twice}");
     let text = "gz_dps\n1\n2\n3\n";
-    let column = Folder::new().read(format!("{text}{text}"), "--rate 10 --max-bad 0.5").unwrap();
+    let column = read_file(format!("{text}{text}"), "--rate 10 --max-bad 0.5").unwrap();
     assert_eq!(there(&column).into_iter().flatten().collect::<Vec<_>>(), [1.0, 2.0, 3.0, 1.0, 2.0, 3.0]);
     assert!(column.warnings.iter().any(|warning| warning.code() == "lines-broken"), "{:?}", column.warnings);
 }

@@ -12,7 +12,7 @@ use arrow_array::{
 };
 use arrow_ipc::writer::{FileWriter, StreamWriter};
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
 use zerorate_allan::{Gap, SettingName};
@@ -49,27 +49,16 @@ fn flag(setting: Setting) -> SettingName {
     SettingName { prefix: "--", joint: '-', ..setting.name() }
 }
 
-pub struct Folder(TempDir);
+/// Reads a log from a file on disk: SQLite opens a bag by its name, and a packed log is unpacked into another file.
+pub fn read_file(content: impl AsRef<[u8]>, said: &str) -> Result<Column> {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("log");
+    fs::write(&path, content).unwrap();
+    read(&path, File::open(&path).unwrap().into(), &options(said))
+}
 
-impl Folder {
-    pub fn new() -> Self {
-        Self(TempDir::new().unwrap())
-    }
-
-    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.0.path().join(name);
-        fs::write(&path, content).unwrap();
-        path
-    }
-
-    pub fn read(&self, content: impl AsRef<[u8]>, options: &str) -> Result<Column> {
-        let path = self.write("log", content);
-        super::read(&path, File::open(&path).unwrap().into(), &super::tests::options(options))
-    }
-
-    pub fn fails(&self, content: impl AsRef<[u8]>, options: &str) -> String {
-        format!("{:#}", self.read(content, options).map(drop).unwrap_err())
-    }
+pub fn fails(content: impl AsRef<[u8]>, said: &str) -> String {
+    format!("{:#}", read_file(content, said).map(drop).unwrap_err())
 }
 
 pub fn numbers(column: &Column) -> Vec<f64> {
@@ -118,7 +107,6 @@ pub fn tables(columns: &[(&str, ArrayRef)]) -> Vec<Vec<u8>> {
 
 #[test]
 fn tables_of_every_form() {
-    let folder = Folder::new();
     let t = TimestampNanosecondArray::from(vec![
         0, 10_000_000, 20_000_000, 40_000_000, 50_000_000, 60_000_000, 70_000_000,
     ]);
@@ -134,42 +122,35 @@ fn tables_of_every_form() {
         ("gz_mdps", Arc::new(rate)),
     ];
     for table in tables(&columns) {
-        let column = folder.read(&table, "--column c --time-column t").unwrap();
+        let column = read_file(&table, "--column c --time-column t").unwrap();
         assert_eq!(column.series, Series::Codes(vec![1, 2, 4, 7]));
         // the empty third row and the missing one after it are one gap
         assert_eq!(column.gaps, [Gap { at: 2, missing: 2 }, Gap { at: 3, missing: 2 }]);
         assert_eq!((column.rate_hz, column.quantity, column.missing()), (100.0, None, 4));
-        let column = folder.read(&table, "--column gz_mdps --time-column t").unwrap();
+        let column = read_file(&table, "--column gz_mdps --time-column t").unwrap();
         assert_eq!(there(&column), [Some(0.5), None, Some(1.5), None, None, Some(2.5), Some(3.5), Some(4.5)]);
         assert_eq!((column.scale, column.missing(), &column.gaps), (1e-3, 3, &vec![]));
-        assert_eq!(
-            folder.read(&table, "--column l --rate 5").unwrap().series,
-            Series::Codes(vec![1, 2, 3, 4, 5, 6, 7])
-        );
-        assert!(folder.fails(&table, "--rate 5").contains("several columns"));
-        assert!(folder.fails(&table, "--column label --rate 5").contains("no numbers in `label`"));
-        assert!(folder.fails(&table, "--column c --time-column label").contains("column label, row 0: it holds Utf8"));
+        assert_eq!(read_file(&table, "--column l --rate 5").unwrap().series, Series::Codes(vec![1, 2, 3, 4, 5, 6, 7]));
+        assert!(fails(&table, "--rate 5").contains("several columns"));
+        assert!(fails(&table, "--column label --rate 5").contains("no numbers in `label`"));
+        assert!(fails(&table, "--column c --time-column label").contains("column label, row 0: it holds Utf8"));
         assert!(
-            folder
-                .fails(&table, "--column c --time-column gz_mdps --time-unit s")
-                .contains("column gz_mdps, row 1: no time")
+            fails(&table, "--column c --time-column gz_mdps --time-unit s").contains("column gz_mdps, row 1: no time")
         );
     }
 }
 
 #[test]
 fn a_table_with_an_infinite_number_is_an_error() {
-    let folder = Folder::new();
     let infinite: Vec<(&str, ArrayRef)> =
         vec![("x", Arc::new(Float64Array::from(vec![0.0, 1.0, 2.0, 3.0, f64::INFINITY])))];
     for table in tables(&infinite) {
-        assert!(folder.fails(&table, "--rate 5").contains("column x, row 4: it is infinite"));
+        assert!(fails(&table, "--rate 5").contains("column x, row 4: it is infinite"));
     }
 }
 
 #[test]
 fn raw_numbers_of_every_type() {
-    let folder = Folder::new();
     let codes = [5_i16, -7, 300];
     let bytes = |of: &dyn Fn(i16) -> Vec<u8>| codes.iter().flat_map(|code| of(*code)).collect::<Vec<u8>>();
     for (raw, content) in [
@@ -180,23 +161,22 @@ fn raw_numbers_of_every_type() {
         ("i16be", bytes(&|code| code.to_be_bytes().to_vec())),
         ("f64be", bytes(&|code| f64::from(code).to_be_bytes().to_vec())),
     ] {
-        let column = folder.read(content, &format!("--raw {raw} --rate 10")).unwrap();
+        let column = read_file(content, &format!("--raw {raw} --rate 10")).unwrap();
         assert_eq!(there(&column), codes.map(|code| Some(f64::from(code))), "{raw}");
     }
 }
 
 #[test]
 fn raw_records_have_several_columns() {
-    let folder = Folder::new();
     let rows = [[0_i16, 5, -7], [10, 300, 2], [20, -1, 4]];
     let content: Vec<u8> = rows.iter().flatten().flat_map(|code| code.to_be_bytes()).collect();
-    let column = folder.read(&content, "--raw 3xi16be --column 2 --rate 10").unwrap();
+    let column = read_file(&content, "--raw 3xi16be --column 2 --rate 10").unwrap();
     assert_eq!((numbers(&column), column.name.as_str()), (vec![-7.0, 2.0, 4.0], "2"));
-    let column = folder.read(&content, "--raw 3xi16be --column 1 --time-column 0 --time-unit ms").unwrap();
+    let column = read_file(&content, "--raw 3xi16be --column 1 --time-column 0 --time-unit ms").unwrap();
     assert_eq!((numbers(&column), column.rate_hz), (vec![5.0, 300.0, -1.0], 100.0));
-    let why = folder.fails(&content, "--raw 3xi16be --rate 10");
+    let why = fails(&content, "--raw 3xi16be --rate 10");
     assert!(why.contains("has several columns; choose with --column one of: 0, 1, 2"), "{why}");
-    let why = folder.fails(&content[1..], "--raw 3xi16be --column 2 --rate 10");
+    let why = fails(&content[1..], "--raw 3xi16be --column 2 --rate 10");
     assert!(why.contains("17 bytes are not a multiple of 6-byte records; check --raw"), "{why}");
     for wrong in ["i8", "xi16", "0xi16", "6xi16xi16", "300xi16", "be", "6x", "-1xf64"] {
         assert!(wrong.parse::<RawType>().is_err(), "{wrong}");
@@ -205,7 +185,6 @@ fn raw_records_have_several_columns() {
 
 #[test]
 fn text_of_many_dialects() {
-    let folder = Folder::new();
     let expected = [Some(0.5), None, Some(-1.25), Some(3.0)];
     let cases = [
         ("0.5\nnan\n-1.25\n3\n", ""),
@@ -224,12 +203,12 @@ fn text_of_many_dialects() {
         ),
     ];
     for (text, options) in cases {
-        let column = folder.read(text, &format!("{options} --rate 10")).unwrap();
+        let column = read_file(text, &format!("{options} --rate 10")).unwrap();
         assert_eq!(there(&column), expected, "{text:?}");
     }
-    let codes = folder.read("x\n5\n\n-7\n", "--rate 10").unwrap();
+    let codes = read_file("x\n5\n\n-7\n", "--rate 10").unwrap();
     assert_eq!(codes.series, Series::Codes(vec![5, -7]));
-    let codes = folder.read("t,x\n0,5\n1,\n2,-7\n", "--rate 10 --column x").unwrap();
+    let codes = read_file("t,x\n0,5\n1,\n2,-7\n", "--rate 10 --column x").unwrap();
     assert_eq!((codes.series, codes.gaps), (Series::Codes(vec![5, -7]), vec![Gap { at: 1, missing: 1 }]));
 }
 
@@ -249,7 +228,6 @@ fn a_header_in_a_comment() {
 
 #[test]
 fn a_time_column_gives_rate_and_gaps() {
-    let folder = Folder::new();
     let rows = |unit: f64, head: &str| -> String {
         let there = (0..200).filter(|i| !(50..53).contains(i));
         head.to_owned() + &there.map(|i| format!("{},{}\n", f64::from(i) * 0.01 * unit, i % 7)).collect::<String>()
@@ -261,35 +239,29 @@ fn a_time_column_gives_rate_and_gaps() {
         (rows(1.0, "t,gz\n"), "--time-unit s"),
     ];
     for (text, options) in cases {
-        let column = folder.read(&text, &format!("--column gz --time-column 0 {options}")).unwrap();
+        let column = read_file(&text, &format!("--column gz --time-column 0 {options}")).unwrap();
         assert!((column.rate_hz - 100.0).abs() < 1e-9);
         assert_eq!(column.gaps, [Gap { at: 50, missing: 3 }]);
     }
-    let named = |options: &str| folder.read(rows(1e3, "timestamp [ms],gz\n"), options).unwrap();
+    let named = |options: &str| read_file(rows(1e3, "timestamp [ms],gz\n"), options).unwrap();
     assert_eq!(named("").gaps, named("--column gz").gaps);
     assert_eq!((named("--column gz").rate_hz, named("--column gz --rate 7").rate_hz), (named("").rate_hz, 7.0));
-    assert!(folder.fails("t_s,b_ms,gz\n0,0,1\n1,1,2\n2,2,1\n", "--column gz").contains("give --rate in Hz"));
+    assert!(fails("t_s,b_ms,gz\n0,0,1\n1,1,2\n2,2,1\n", "--column gz").contains("give --rate in Hz"));
     let iso = "when,gz\n2024-02-28T23:59:59.5,1\n2024-02-29T00:00:00,2\n2024-02-29T00:00:00.5,3\n";
-    assert_eq!(folder.read(iso, "--column gz --time-column when").unwrap().rate_hz, 2.0);
+    assert_eq!(read_file(iso, "--column gz --time-column when").unwrap().rate_hz, 2.0);
+    assert!(fails(rows(1.0, "t,gz\n"), "--column gz --time-column t").contains("give --time-unit s, ms, us or ns"));
     assert!(
-        folder.fails(rows(1.0, "t,gz\n"), "--column gz --time-column t").contains("give --time-unit s, ms, us or ns")
-    );
-    assert!(
-        folder
-            .fails(rows(1.0, "t,gz\n"), "--column gz")
+        fails(rows(1.0, "t,gz\n"), "--column gz")
             .contains("give --rate in Hz, or --time-column t with --time-unit s if it is the time")
     );
     let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
-    assert!(
-        folder.fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places")
-    );
+    assert!(fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places"));
 }
 
 #[test]
 fn units_are_declared_or_said_to_be_unknown() {
-    let folder = Folder::new();
     let scale = |name: &str, options: &str| {
-        let column = folder.read(format!("{name}\n1\n2\n3\n"), &format!("--rate 1 {options}")).unwrap();
+        let column = read_file(format!("{name}\n1\n2\n3\n"), &format!("--rate 1 {options}")).unwrap();
         assert_eq!(column.quantity.is_some(), column.warnings.is_empty());
         column.quantity.map(|_| column.scale)
     };
@@ -303,7 +275,7 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert_eq!(scale("gz_rad_s", ""), Some(1f64.to_degrees()));
     assert_eq!(scale("gz_rad_s", "--unit rad/s"), Some(1f64.to_degrees()));
     assert_eq!(scale("gz_rad_s", "--unit dps --force-unit true"), Some(1.0));
-    let error = folder.read("gz_rad_s\n1\n2\n3\n", "--rate 1 --unit dps").expect_err("another unit");
+    let error = read_file("gz_rad_s\n1\n2\n3\n", "--rate 1 --unit dps").expect_err("another unit");
     assert!(error.to_string().contains("`gz_rad_s` states rad/s, and --unit says dps, 0.0175 times"), "{error}");
 }
 
@@ -339,11 +311,10 @@ fn the_beginning_is_left_out() {
 
 #[test]
 fn a_unit_that_a_type_states_is_not_overridden() {
-    let folder = Folder::new();
     let rows: String = (0..20).map(|row| format!("2026-01-01T00:00:00.{:02}Z,{}\n", 5 * row, row % 3)).collect();
     let log = format!("time,gz_dps\n{rows}");
-    assert!((folder.read(&log, "--column gz_dps --time-column time").unwrap().rate_hz - 20.0).abs() < 1e-6);
-    let why = folder.fails(&log, "--column gz_dps --time-column time --time-unit s");
+    assert!((read_file(&log, "--column gz_dps --time-column time").unwrap().rate_hz - 20.0).abs() < 1e-6);
+    let why = fails(&log, "--column gz_dps --time-column time --time-unit s");
     assert!(why.contains("by its type") && why.contains("leave --time-unit out"), "{why}");
 }
 
@@ -368,7 +339,7 @@ fn a_stamp_in_two_columns_is_one_time() {
         let kept = (0..300).filter(|at| !(100..110).contains(at));
         let text = kept.map(row).fold(format!("{names},gz_dps\n"), |text, row| text + &row);
         for options in ["", "--column gz_dps"] {
-            let column = Folder::new().read(&text, options).unwrap();
+            let column = read_file(&text, options).unwrap();
             assert!((column.rate_hz - 100.0).abs() < 1e-6, "{names}: {}", column.rate_hz);
             assert_eq!(column.gaps, [Gap { at: 100, missing: 10 }], "{names}");
         }
@@ -378,19 +349,18 @@ fn a_stamp_in_two_columns_is_one_time() {
 /// A column `time` whose name states no unit, but whose numbers are dates in one unit only.
 #[test]
 fn dates_tell_the_unit_of_a_time() {
-    let folder = Folder::new();
     let text = |start: u64, step: u64| {
         (0..50).map(|at| format!("{},{}\n", start + at * step, at % 7)).fold("time,gz_dps\n".to_owned(), |a, b| a + &b)
     };
     for (start, step) in
         [(1_700_000_000_000, 10), (1_700_000_000_000_000, 10_000), (1_700_000_000_000_000_000, 10_000_000)]
     {
-        let column = folder.read(text(start, step), "--column gz_dps").unwrap();
+        let column = read_file(text(start, step), "--column gz_dps").unwrap();
         assert!((column.rate_hz - 100.0).abs() < 1e-3, "{}", column.rate_hz);
         assert!(column.warnings.iter().any(|warning| warning.code() == "time-unit-taken"), "{:?}", column.warnings);
     }
     // a counter since power-on leaves the unit open
-    let why = folder.fails(text(5_000_000, 10_000), "--column gz_dps");
+    let why = fails(text(5_000_000, 10_000), "--column gz_dps");
     assert!(why.contains("--time-column time with --time-unit us if it is the time, as it rises evenly"), "{why}");
 }
 
@@ -411,7 +381,7 @@ fn a_unit_of_time_may_be_a_number_of_ticks() {
         ("ticks_32768Hz", 327.68),
     ];
     for (name, step) in cases {
-        let column = Folder::new().read(stepping(name, step), "--column gz_dps").unwrap();
+        let column = read_file(stepping(name, step), "--column gz_dps").unwrap();
         assert!((column.rate_hz - 100.0).abs() < 1e-6, "{name} {step}: {}", column.rate_hz);
     }
 }
@@ -419,41 +389,40 @@ fn a_unit_of_time_may_be_a_number_of_ticks() {
 /// A column `millis` that counts microseconds.
 #[test]
 fn a_slow_time_whose_name_alone_states_the_unit_is_asked_for() {
-    let folder = Folder::new();
-    let why = folder.fails(stepping("millis", 10_000.0), "--column gz_dps");
+    let why = fails(stepping("millis", 10_000.0), "--column gz_dps");
     assert!(why.contains("in us the rows come at 100.000 Hz"), "{why}");
     assert!(why.contains("give --time-column millis with --time-unit us or ms, or --rate alone"), "{why}");
     for (unit, rate_hz) in [("us", 100.0), ("ms", 0.1)] {
         let options = format!("--column gz_dps --time-column millis --time-unit {unit}");
-        assert!((folder.read(stepping("millis", 10_000.0), &options).unwrap().rate_hz / rate_hz - 1.0).abs() < 1e-9);
+        assert!((read_file(stepping("millis", 10_000.0), &options).unwrap().rate_hz / rate_hz - 1.0).abs() < 1e-9);
     }
-    assert!(folder.read(stepping("t_s", 10.0), "--column gz_dps").is_ok());
+    assert!(read_file(stepping("t_s", 10.0), "--column gz_dps").is_ok());
 }
 
 /// A log whose columns have no names, and a log whose times lack the hour.
 #[test]
 fn the_question_for_the_rate_proposes_the_column_that_rises_evenly() {
     let row = |at: u64| format!("{at},1600,{},0.{}\n", 252_207_918_580_802 + at * 50_000_000, at % 7);
-    let why = Folder::new().fails((0..300).map(row).collect::<String>(), "--column 3");
+    let why = fails((0..300).map(row).collect::<String>(), "--column 3");
     let proposed = "--time-column 2 with --time-unit ns if it is the time, as it rises evenly (20.000 Hz)";
     assert!(why.contains(proposed), "{why}");
     let text: String = (0..300).map(|at| format!("59:{:02}.{},{}\n", at / 100, at / 10 % 10, at % 7)).collect();
-    let why = Folder::new().fails(format!("Time,gz\n{text}"), "");
+    let why = fails(format!("Time,gz\n{text}"), "");
     assert!(why.contains("column `Time` (`59:00.0`) lacks the hour") && why.contains("as Excel shows"), "{why}");
 }
 
 #[test]
 fn the_question_for_the_rate_names_days_and_several_clocks() {
     let days = |at: u32| format!("{:.9},0.{}\n", 45_218.5 + f64::from(at) * 0.01 / 86_400.0, at % 7);
-    let why = Folder::new().fails((0..300).map(days).collect::<String>(), "--column 1");
+    let why = fails((0..300).map(days).collect::<String>(), "--column 1");
     assert!(why.contains("which is 100.0") && why.contains("if `0` counts days, as Excel"), "{why}");
     // a count of 100 ns since 1601 is a count of neither µs nor ns
     let text: String =
         (0..40u64).map(|row| format!("{},{}\n", 133_500_000_000_000_000 + row * 100_000, row % 3)).collect();
-    let why = Folder::new().fails(&text, "--column 1");
+    let why = fails(&text, "--column 1");
     assert!(why.contains("which is 100.0") && why.contains("counts steps of 100 ns, as Windows"), "{why}");
     let twice = |at: u32| format!("12:00:{0:02}.{1:02},12:00:{0:02}.{1:02},0.{2}\n", at / 100, at % 100, at % 7);
-    let why = Folder::new().fails((0..300).map(twice).collect::<String>(), "");
+    let why = fails((0..300).map(twice).collect::<String>(), "");
     assert!(why.contains("--time-column with one of: `0`, `1`"), "{why}");
 }
 
@@ -467,7 +436,7 @@ fn stamps_that_lost_their_digits_name_the_cause() {
         (log("1.70000E+18", "timestamp_ns"), "the stamps have 7 digits at most (1.7e18)"),
         (log("1700000000.0", "t_s"), "the stamps step by 128 s"),
     ] {
-        let why = Folder::new().fails(text, "--column gz");
+        let why = fails(text, "--column gz");
         assert!(why.contains(seen) && why.contains("export again with all digits, or give --rate"), "{why}");
     }
 }
@@ -476,7 +445,7 @@ fn stamps_that_lost_their_digits_name_the_cause() {
 #[test]
 fn clock_times_whose_name_states_a_unit_are_the_time() {
     let rows: String = (0..50).map(|at| format!("12:00:{:05.2},{}\n", f64::from(at) / 100.0, at % 7)).collect();
-    let column = Folder::new().read(format!("clock_s,gz\n{rows}"), "--column gz").unwrap();
+    let column = read_file(format!("clock_s,gz\n{rows}"), "--column gz").unwrap();
     assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
 }
 
@@ -486,12 +455,11 @@ fn steps_between_rows_tell_the_rate() {
     let step = |at: u64| 9 + 2 * (at.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63);
     let pair = |at: u64| format!("{},{}\n{},{}\n", step(at), at % 7, 20 - step(at), at % 5);
     let text = (0..60).map(pair).fold("dt_ms,gz_dps\n2345,1\n".to_owned(), |text, rows| text + &rows);
-    let why = Folder::new().fails(&text, "--column gz_dps");
+    let why = fails(&text, "--column gz_dps");
     assert!(why.contains("`dt_ms` holds the step between rows; the usual step means --rate 100.000000"), "{why}");
-    let why = Folder::new()
-        .fails((0..60).map(|at| format!("10,{}\n", at % 7)).fold("dt_ms,gz\n".to_owned(), |a, b| a + &b), "");
+    let why = fails((0..60).map(|at| format!("10,{}\n", at % 7)).fold("dt_ms,gz\n".to_owned(), |a, b| a + &b), "");
     assert!(why.contains("means --rate 100.000000"), "{why}");
-    let why = Folder::new().fails(
+    let why = fails(
         (0..60).map(|at| format!("0.005,{}\n", at % 7)).fold("dt,gz\n".to_owned(), |a, b| a + &b),
         "--column gz",
     );
@@ -499,27 +467,26 @@ fn steps_between_rows_tell_the_rate() {
     // `delta_t` may also name the time since the start of the log
     let text =
         (0..60).map(|at| format!("{},{}\n", 5 * at, at % 7)).fold("delta_t_ms,gz_dps\n".to_owned(), |a, b| a + &b);
-    assert!((Folder::new().read(&text, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
+    assert!((read_file(&text, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
 }
 
 /// Stamps whose parts are not seconds and the rest of a second, and times that only look like dates.
 #[test]
 fn a_time_that_two_readings_fit_is_asked_for() {
-    let folder = Folder::new();
     let text = |head: &str, row: &dyn Fn(u64) -> String| {
         (0..300).map(row).fold(format!("{head}\n"), |text, row| text + &row + "\n")
     };
     let twice = text("t_sec,t_nsec,gz_dps", &|at| format!("{:.3},{},{}", at as f64 * 0.005, at * 5_000_000, at % 7));
     let running = text("sec,nanosec,gz_dps", &|at| format!("{},{},{}", 17 + at / 200, at * 5_000_000, at % 7));
     for text in [twice, running] {
-        let why = folder.fails(&text, "--column gz_dps");
+        let why = fails(&text, "--column gz_dps");
         assert!(why.contains("are not whole seconds and the parts of a second"), "{why}");
     }
     // nanoseconds since power-on, 17 days ago, are dates of 2017 in microseconds
     let uptime = text("timestamp,gz_dps", &|at| format!("{},{}", 1_500_000_000_000_000 + at * 5_000_000, at % 7));
-    assert!(folder.fails(&uptime, "--column gz_dps").contains("does not say how fast"));
-    assert!(folder.fails(&uptime, "--column gz_dps --time-column timestamp").contains("give --time-unit"));
+    assert!(fails(&uptime, "--column gz_dps").contains("does not say how fast"));
+    assert!(fails(&uptime, "--column gz_dps --time-column timestamp").contains("give --time-unit"));
     // columns with the parts of a time do not hide the time
     let parts = text("t_ms,sec,ms,gz_dps", &|at| format!("{},{},{},{}", at * 5, at / 200, at * 5 % 1000, at % 7));
-    assert!((folder.read(&parts, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
+    assert!((read_file(&parts, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
 }

@@ -33,32 +33,30 @@ pub const DATAFLASH: &[u8] = include_bytes!("../../fixtures/imu.bin");
 
 #[test]
 fn packed_files_are_known_by_their_content() {
-    let folder = Folder::new();
     for packed in [GZIP, XZ, ZSTD] {
-        let column = folder.read(packed, "--rate 10 --unit dps").unwrap();
+        let column = read_file(packed, "--rate 10 --unit dps").unwrap();
         assert_eq!(numbers(&column), [0.5, 0.25, -1.5, 2.0]);
-        assert!(folder.fails(&packed[..packed.len() - 9], "--rate 10").contains("cannot be unpacked"));
+        assert!(fails(&packed[..packed.len() - 9], "--rate 10").contains("cannot be unpacked"));
     }
     // 16 bytes of text are two f64
-    assert_eq!(folder.read(GZIP, "--rate 10 --raw f64").unwrap().series.len(), 2);
+    assert_eq!(read_file(GZIP, "--rate 10 --raw f64").unwrap().series.len(), 2);
     let twice = zstd::encode_all(GZIP, 1).unwrap();
-    assert!(folder.fails(twice, "--rate 10").contains("packed twice"));
+    assert!(fails(twice, "--rate 10").contains("packed twice"));
     let batch = vec![("x", Arc::new(Float64Array::from(vec![1.5, 2.5])) as ArrayRef)];
     let packed = zstd::encode_all(Cursor::new(parquet_of(&batch)), 1).unwrap();
-    assert_eq!(numbers(&folder.read(packed, "--rate 10").unwrap()), [1.5, 2.5]);
+    assert_eq!(numbers(&read_file(packed, "--rate 10").unwrap()), [1.5, 2.5]);
 }
 
 #[test]
 fn lz4_of_several_frames_is_read_whole() {
-    let folder = Folder::new();
     let packed = |text: &str| {
         let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
         encoder.write_all(text.as_bytes()).unwrap();
         encoder.finish().unwrap()
     };
     let frames = [packed("0.5\n0.25\n"), packed(""), packed("-1.5\n2\n")].concat();
-    assert_eq!(numbers(&folder.read(&frames, "--rate 10").unwrap()), [0.5, 0.25, -1.5, 2.0]);
-    assert!(folder.fails([&frames[..], b"and more"].concat(), "--rate 10").contains("cannot be unpacked"));
+    assert_eq!(numbers(&read_file(&frames, "--rate 10").unwrap()), [0.5, 0.25, -1.5, 2.0]);
+    assert!(fails([&frames[..], b"and more"].concat(), "--rate 10").contains("cannot be unpacked"));
 }
 
 /// An array of a type without fields has no bytes, and may state any length.
@@ -71,7 +69,7 @@ fn a_ulog_of_endless_arrays_is_refused() {
         message(b'F', b"sensor_gyro:uint64_t timestamp;float x;e[3000000000] p;"),
         message(b'A', b"\0\0\0sensor_gyro"),
     ];
-    assert!(Folder::new().fails(log.concat(), "--column sensor_gyro.x").contains("sensor_gyro.x"));
+    assert!(fails(log.concat(), "--column sensor_gyro.x").contains("sensor_gyro.x"));
 }
 
 #[test]
@@ -79,7 +77,7 @@ fn a_matrix_that_states_no_rows_and_holds_numbers_is_an_error() {
     let mut mat = MAT.to_vec();
     assert_eq!(mat[160..168], [19, 0, 0, 0, 1, 0, 0, 0]);
     mat[164] = 0;
-    let why = Folder::new().fails(mat, "--column gz");
+    let why = fails(mat, "--column gz");
     assert!(why.contains("states 19 x 0 numbers, and holds some"), "{why}");
 }
 
@@ -95,7 +93,6 @@ pub fn npy(header: &str, data: impl AsRef<[u8]>) -> Vec<u8> {
 
 #[test]
 fn npy_of_every_type() {
-    let folder = Folder::new();
     let header = |descr: &str| format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': (2,), }}");
     let cases: [(&str, Vec<u8>, [f64; 2]); 12] = [
         ("|i1", vec![5, 0xFE], [5.0, -2.0]),
@@ -112,7 +109,7 @@ fn npy_of_every_type() {
         (">f8", [1.5f64, -2.5].map(f64::to_be_bytes).concat(), [1.5, -2.5]),
     ];
     for (descr, data, expected) in cases {
-        let column = folder.read(npy(&header(descr), data), "--rate 10").unwrap();
+        let column = read_file(npy(&header(descr), data), "--rate 10").unwrap();
         assert_eq!(numbers(&column), expected, "{descr}");
         assert_eq!(
             matches!(column.series, Series::Codes(_)),
@@ -120,37 +117,35 @@ fn npy_of_every_type() {
         );
     }
     let missing = npy(&header("<f8"), [f64::NAN, 1.0].map(f64::to_le_bytes).concat());
-    assert_eq!(there(&folder.read(missing, "--rate 10").unwrap()), [None, Some(1.0)]);
+    assert_eq!(there(&read_file(missing, "--rate 10").unwrap()), [None, Some(1.0)]);
 }
 
 #[test]
 fn npy_of_two_dimensions_and_of_fields() {
-    let folder = Folder::new();
     let header = |order| format!("{{'descr': '<i2', 'fortran_order': {order}, 'shape': (3, 2), }}");
     let rows = [1i16, 10, 2, 20, 4, 40].map(i16::to_le_bytes).concat();
     let columns = [1i16, 2, 4, 10, 20, 40].map(i16::to_le_bytes).concat();
     for file in [npy(&header("False"), rows), npy(&header("True"), columns)] {
-        let column = folder.read(&file, "--column 1 --time-column 0 --time-unit s").unwrap();
+        let column = read_file(&file, "--column 1 --time-column 0 --time-unit s").unwrap();
         assert_eq!(
             (numbers(&column), column.gaps.as_slice()),
             (vec![10.0, 20.0, 40.0], &[Gap { at: 2, missing: 1 }][..])
         );
-        assert!(folder.fails(&file, "--rate 10").contains("several columns; choose with --column one of: 0, 1"));
+        assert!(fails(&file, "--rate 10").contains("several columns; choose with --column one of: 0, 1"));
     }
     // with more than 64 columns and fewer rows, each column is a sample
     let header = "{'descr': '<i2', 'fortran_order': False, 'shape': (2, 300), }";
     let file = npy(header, (0..600i16).map(i16::to_le_bytes).collect::<Vec<_>>().concat());
-    assert_eq!(numbers(&folder.read(&file, "--column 1 --rate 10").unwrap())[..2], [300.0, 301.0]);
+    assert_eq!(numbers(&read_file(&file, "--column 1 --rate 10").unwrap())[..2], [300.0, 301.0]);
     let descr = "[('t', '<M8[ms]'), ('ok', '|u1'), ('gz_rad_s', '>f4'), ('name', '<U2')]";
     let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (3,), }}");
     let row = |t: i64, z: f32| [&t.to_le_bytes()[..], &[1], &z.to_be_bytes(), &[0; 8]].concat();
     let file = npy(&header, [row(1000, 0.5), row(1010, 1.5), row(1020, 2.5)].concat());
-    let column = folder.read(&file, "--column gz_rad_s --time-column t").unwrap();
+    let column = read_file(&file, "--column gz_rad_s --time-column t").unwrap();
     assert_eq!((numbers(&column), column.rate_hz, column.scale), (vec![0.5, 1.5, 2.5], 100.0, 1f64.to_degrees()));
-    assert!(folder.fails(&file, "--column name --rate 1").contains("holds no numbers in `name`"));
+    assert!(fails(&file, "--column name --rate 1").contains("holds no numbers in `name`"));
     assert!(
-        folder
-            .fails(&file[..file.len() - 1], "--column ok --rate 1")
+        fails(&file[..file.len() - 1], "--column ok --rate 1")
             .contains("header states 63 bytes of data and 62 follow")
     );
 }
@@ -158,9 +153,8 @@ fn npy_of_two_dimensions_and_of_fields() {
 /// Two recordings by the Python writer mcap-ros2-support 0.6.0: 8 messages at 200 Hz, one missing before the sixth.
 #[test]
 fn bags_of_an_independent_writer() {
-    let folder = Folder::new();
     for bag in [&include_bytes!("../../fixtures/imu_zstd.mcap")[..], include_bytes!("../../fixtures/imu_lz4.mcap")] {
-        let column = folder.read(bag, "--column z").unwrap();
+        let column = read_file(bag, "--column z").unwrap();
         assert_eq!(
             there(&column),
             [0.0, 0.25, 0.5, 0.75, 1.0, f64::NAN, 1.25, 1.5, 1.75].map(|n| Some(n).filter(|n| !n.is_nan()))
@@ -170,21 +164,19 @@ fn bags_of_an_independent_writer() {
             ("/imu.angular_velocity.z", 1f64.to_degrees(), 200.0)
         );
         assert_eq!(
-            folder.read(bag, "--column /imu.angular_velocity.y --rate 10").unwrap().series,
+            read_file(bag, "--column /imu.angular_velocity.y --rate 10").unwrap().series,
             Series::Numbers(vec![-0.5; 8])
         );
-        let gravity = folder.read(bag, "--column linear_acceleration.z").unwrap();
+        let gravity = read_file(bag, "--column linear_acceleration.z").unwrap();
         assert_eq!((numbers(&gravity)[0], gravity.quantity), (9.81, Some(Quantity::Acceleration)));
-        let asked = folder.fails(bag, "");
+        let asked = fails(bag, "");
         assert!(
             asked.contains("choose with --column one of: /imu.angular_velocity.x, /imu.angular_velocity.y"),
             "{asked}"
         );
-        assert!(
-            folder.fails(bag, "--column /gyro.angular_velocity.x").contains("no column `/gyro.angular_velocity.x`")
-        );
+        assert!(fails(bag, "--column /gyro.angular_velocity.x").contains("no column `/gyro.angular_velocity.x`"));
         for at in (0..bag.len()).step_by(13) {
-            drop(folder.read(&bag[..at], "--column z"));
+            drop(read_file(&bag[..at], "--column z"));
         }
     }
 }
@@ -256,7 +248,7 @@ fn mcap_of_types(
 #[test]
 fn a_bag_of_zero_stamps_has_the_times_of_its_recording() {
     let bag = mcap_packed(None, &["/imu"], "cdr", |i| imu(true, false, 0, (i % 7) as f64));
-    let column = Folder::new().read(bag, "--column z").unwrap();
+    let column = read_file(bag, "--column z").unwrap();
     assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
     let is_mended =
         |warning: &LogWarning| warning.to_string().contains("all stamps are 0; the times at which the bag");
@@ -265,35 +257,30 @@ fn a_bag_of_zero_stamps_has_the_times_of_its_recording() {
 
 #[test]
 fn messages_in_every_encoding() {
-    let folder = Folder::new();
     for (name, cdr, big_endian) in [("cdr", true, false), ("cdr", true, true), ("ros1", false, false)] {
         let bag =
             mcap(&["/imu"], name, |i| imu(cdr, big_endian, 1_700_000_000_000_000_000 + i * 10_000_000, i as f64));
-        let column = folder.read(&bag, "--column z").unwrap();
+        let column = read_file(&bag, "--column z").unwrap();
         assert_eq!((numbers(&column), column.rate_hz), ((0..20).map(f64::from).collect(), 100.0));
     }
     let two = mcap(&["/a", "/b"], "cdr", |i| imu(true, false, i * 10_000_000, i as f64));
-    let asked = folder.fails(&two, "--column z");
+    let asked = fails(&two, "--column z");
     let head = ["topic", "type", "messages", "rate", "duration", "frame_id"];
     let row = ["/b", "sensor_msgs/msg/Imu", "20", "100.00", "Hz", "0.2", "s", "imu"];
     let rows: Vec<Vec<&str>> = asked.lines().map(|line| line.split_whitespace().collect()).collect();
     assert!(asked.contains("several IMUs; choose one with --topic") && rows[1] == head && rows[3] == row, "{asked}");
-    assert_eq!(folder.read(&two, "--column z --topic /b").unwrap().name, "/b.angular_velocity.z");
-    assert!(folder.fails(&two, "--column z --topic /c").contains("no IMU on a topic `/c`"));
-    assert!(folder.fails(&two, "--column w --topic /b").contains("one of: /b.angular_velocity.x"));
-    assert_eq!(folder.read(&two, "--column /b.angular_velocity.z").unwrap().series.len(), 20);
+    assert_eq!(read_file(&two, "--column z --topic /b").unwrap().name, "/b.angular_velocity.z");
+    assert!(fails(&two, "--column z --topic /c").contains("no IMU on a topic `/c`"));
+    assert!(fails(&two, "--column w --topic /b").contains("one of: /b.angular_velocity.x"));
+    assert_eq!(read_file(&two, "--column /b.angular_velocity.z").unwrap().series.len(), 20);
     let short = mcap(&["/imu"], "cdr", |_| vec![0, 1, 0, 0, 5]);
     assert!(
-        folder
-            .fails(&short, "--column z")
-            .contains("topic /imu, message 0: its 5 bytes are not a sensor_msgs/Imu in Cdr")
+        fails(&short, "--column z").contains("topic /imu, message 0: its 5 bytes are not a sensor_msgs/Imu in Cdr")
     );
     let back = mcap(&["/imu"], "cdr", |i| imu(true, false, (30 - i) * 1000, 0.0));
-    assert!(
-        folder.fails(&back, "--column z").contains("column /imu.header.stamp: the time goes back by 1000, at row 1")
-    );
+    assert!(fails(&back, "--column z").contains("column /imu.header.stamp: the time goes back by 1000, at row 1"));
     let other = mcap(&["/imu"], "json", |_| b"{}".to_vec());
-    assert!(folder.fails(&other, "--column z").contains("topic /imu: its messages are encoded in `json`"));
+    assert!(fails(&other, "--column z").contains("topic /imu: its messages are encoded in `json`"));
 }
 
 /// The tables that rosbag2_storage_sqlite3 makes, with 8 messages at 100 Hz, one missing before the fifth.
@@ -335,7 +322,6 @@ fn of_joysticks(bag: &[u8], kind: &[u8]) -> Vec<u8> {
 
 #[test]
 fn bags_without_an_imu_name_their_topics() {
-    let folder = Folder::new();
     let joy = "sensor_msgs/msg/Joy";
     let mcap = mcap_of_types(None, &[("/b", joy), ("/a", joy)], "cdr", |_, _| vec![0, 1, 0, 0]);
     for (bag, topics) in [
@@ -346,7 +332,7 @@ fn bags_without_an_imu_name_their_topics() {
             "it has /chat (std_msgs/msg/String), /imu (sensor_msgs/msg/Joy)",
         ),
     ] {
-        let said = folder.fails(bag, "--column z");
+        let said = fails(bag, "--column z");
         assert!(
             said.contains("a bag without a topic of type sensor_msgs/msg/Imu") && said.ends_with(topics),
             "{said}"
@@ -355,18 +341,17 @@ fn bags_without_an_imu_name_their_topics() {
     let many: Vec<String> = (0..30).map(|at| format!("/{at:02}")).collect();
     let many: Vec<(&str, &str)> = many.iter().map(|topic| (topic.as_str(), joy)).collect();
     let bag = mcap_of_types(None, &many, "cdr", |_, _| vec![0, 1, 0, 0]);
-    assert!(folder.fails(bag, "--column z").ends_with("/19 (sensor_msgs/msg/Joy), and 10 more"));
+    assert!(fails(bag, "--column z").ends_with("/19 (sensor_msgs/msg/Joy), and 10 more"));
 }
 
 #[test]
 fn bags_in_sqlite() {
-    let folder = Folder::new();
     let content = sqlite_bag();
     for content in [content.clone(), zstd::encode_all(&content[..], 1).unwrap()] {
-        let column = folder.read(&content, "--column z").unwrap();
+        let column = read_file(&content, "--column z").unwrap();
         assert_eq!((column.series.len(), column.missing(), column.rate_hz), (9, 1, 100.0));
     }
-    assert!(folder.fails(&content[..5000], "--column z").contains("ros2 bag"));
+    assert!(fails(&content[..5000], "--column z").contains("ros2 bag"));
 }
 
 /// A temperature message in CDR: `std_msgs/Header header; float64 temperature; float64 variance`.
@@ -379,7 +364,6 @@ fn temperature(ns: u64, temp_c: f64) -> Vec<u8> {
 
 #[test]
 fn a_bag_with_topics_of_temperature() {
-    let folder = Folder::new();
     let imus = |topics: &[&str]| {
         let mut all = vec![("/front/imu", "sensor_msgs/msg/Imu")];
         all.extend(topics.iter().map(|topic| (*topic, "sensor_msgs/msg/Temperature")));
@@ -389,19 +373,19 @@ fn a_bag_with_topics_of_temperature() {
         })
     };
     let one = imus(&["/front/temperature"]);
-    let column = folder.read(&one, "--column temperature").unwrap();
+    let column = read_file(&one, "--column temperature").unwrap();
     assert_eq!((column.name.as_str(), column.rate_hz), ("/front/temperature.temperature", 50.0));
     assert_eq!((column.quantity, column.start_s), (Some(Quantity::Temperature), Some(0.001)));
     assert_eq!(numbers(&column), (20..40).map(f64::from).collect::<Vec<_>>());
-    assert_eq!(folder.read(&one, "--column z").unwrap().name, "/front/imu.angular_velocity.z", "the only IMU");
+    assert_eq!(read_file(&one, "--column z").unwrap().name, "/front/imu.angular_velocity.z", "the only IMU");
     let two = imus(&["/baro/temperature", "/front/temperature"]);
-    let near = folder.read(&two, "--column temperature --topic /front/imu").unwrap();
+    let near = read_file(&two, "--column temperature --topic /front/imu").unwrap();
     assert_eq!(near.name, "/front/temperature.temperature");
     let likewise = imus(&["/front2/temperature", "/front/imu/temperature"]);
-    let near = folder.read(&likewise, "--column temperature --topic /front/imu").unwrap();
+    let near = read_file(&likewise, "--column temperature --topic /front/imu").unwrap();
     assert_eq!(near.name, "/front/imu/temperature.temperature", "another sensor's name begins alike");
-    let given = folder.read(&two, "--column /baro/temperature").unwrap();
+    let given = read_file(&two, "--column /baro/temperature").unwrap();
     assert_eq!(given.name, "/baro/temperature.temperature");
-    let asked = folder.fails(&two, "--column temperature");
+    let asked = fails(&two, "--column temperature");
     assert!(asked.contains("several temperatures; choose one with --temp-column:\n  /baro/temperature"), "{asked}");
 }

@@ -1,17 +1,17 @@
 //! Tests with texts such as users have: headers that do not fit, decimal commas, serial logs.
 
-use super::super::tests::{Folder, numbers, there};
+use super::super::tests::{self, numbers, there};
 use crate::column::Column;
 use crate::series::Series;
 use crate::warning::LogWarning;
 use zerorate_input::Quantity;
 
 fn read(text: &str, options: &str) -> Column {
-    Folder::new().read(text, options).unwrap_or_else(|error| panic!("{text:?}: {error}"))
+    tests::read_file(text, options).unwrap_or_else(|error| panic!("{text:?}: {error}"))
 }
 
 fn fails(text: &str, options: &str) -> String {
-    Folder::new().fails(text, options)
+    tests::fails(text, options)
 }
 
 /// R's `write.table(data.frame(gx, gy), …)` names one column less than it writes.
@@ -46,7 +46,7 @@ fn a_header_with_one_name_too_few() {
 #[test]
 fn a_binary_file_is_not_read_as_text() {
     let codes: Vec<u8> = (0..20_000u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    let said = Folder::new().fails(codes, "--rate 10");
+    let said = tests::fails(codes, "--rate 10");
     assert!(said.contains("is not UTF-8 text; raw numbers need their type (--raw)"), "{said}");
 }
 
@@ -137,7 +137,7 @@ fn names_in_a_comment_above_others() {
 #[test]
 fn names_in_latin_1() {
     let bytes: Vec<u8> = b"Zeit (s);Rate (\xB0/s)\n0;0,5\n1;0,25\n2;1,5\n".to_vec();
-    let column = Folder::new().read(bytes, "--column 1").unwrap();
+    let column = tests::read_file(bytes, "--column 1").unwrap();
     assert_eq!((column.name.as_str(), column.scale, numbers(&column)[1]), ("Rate (°/s)", 1.0, 0.25));
     assert!(column.warnings.is_empty(), "{:?}", column.warnings);
 }
@@ -215,7 +215,7 @@ fn a_serial_log() {
     assert_eq!((column.rate_hz, column.missing(), column.series.len()), (100.0, 3, 2000));
     let bytes = text.replace('\u{FFFD}', "\0").into_bytes();
     let bytes: Vec<u8> = bytes.into_iter().map(|byte| if byte == 0 { 0xFE } else { byte }).collect();
-    assert_eq!(Folder::new().read(bytes, "--column 1 --rate 100").unwrap().missing(), 2);
+    assert_eq!(tests::read_file(bytes, "--column 1 --rate 100").unwrap().missing(), 2);
     // 1 % may be broken unless told otherwise
     for row in (0..2000).step_by(50) {
         lines[row] = "x".to_owned();
