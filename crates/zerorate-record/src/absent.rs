@@ -6,11 +6,11 @@ pub mod parquet {
     use crate::blocks::{BlockSink, Out};
     use arrow_schema::SchemaRef;
     use std::path::Path;
-    use zerorate_input::NotBuiltIn;
+    use zerorate_input::{InputError, NotBuiltIn};
 
     pub const BLOCK: usize = 1;
 
     pub fn sink(path: &Path, _: Out, _: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
-        Err(CaptureError::not_built_in(path, NotBuiltIn::PARQUET))
+        Err(InputError::not_built_in(path, NotBuiltIn::PARQUET).into())
     }
 }

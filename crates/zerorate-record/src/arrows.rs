@@ -10,6 +10,7 @@ use arrow_ipc::writer::{
 use arrow_schema::{ArrowError, SchemaRef};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use zerorate_input::InputError;
 use zerorate_input::messages::with_note;
 use zerorate_input::table::{BATCH_CHECK, END};
 
@@ -26,7 +27,7 @@ pub struct StreamSink {
 impl StreamSink {
     /// Starts the stream by writing the schema, so that even a capture without rows can be read.
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
-        let wrong = |error| CaptureError::arrow("write", path, error);
+        let wrong = |error| InputError::arrow("write", path, error);
         let mut writer = StreamWriter::try_new(BufWriter::with_capacity(WRITE_BUFFER, out), schema).map_err(wrong)?;
         writer.flush().map_err(wrong)?;
         Ok(Self { path: path.to_owned(), schema: schema.clone(), writer })
@@ -43,7 +44,7 @@ impl StreamSink {
                 write_message(self.writer.get_mut(), EncodedData { ipc_message, arrow_data }, &options)
             })
             .and_then(|_| self.writer.flush());
-        written.map_err(|error| CaptureError::arrow("write", &self.path, error))
+        written.map_err(|error| InputError::arrow("write", &self.path, error).into())
     }
 }
 
@@ -55,6 +56,6 @@ impl BlockSink for StreamSink {
     fn finish(mut self: Box<Self>, _: Option<&str>, end: &End) -> Result<(), CaptureError> {
         self.write_noted(&RecordBatch::new_empty(self.schema.clone()), END, &end.to_text())?;
         let ended = self.writer.finish().and_then(|()| self.writer.flush());
-        ended.map_err(|error| CaptureError::arrow("write", &self.path, error))
+        ended.map_err(|error| InputError::arrow("write", &self.path, error).into())
     }
 }

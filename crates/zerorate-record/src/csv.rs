@@ -45,7 +45,7 @@ impl CsvSink {
 
     fn rows(&mut self, rows: &RecordBatch) -> Result<(), CaptureError> {
         let written: Result<Vec<_>, _> = rows.columns().iter().map(written).collect();
-        let written = written.map_err(|error| CaptureError::arrow("write", &self.path, error))?;
+        let written = written.map_err(|error| InputError::arrow("write", &self.path, error))?;
         let mut line = String::new();
         for row in 0..rows.num_rows() {
             line.clear();

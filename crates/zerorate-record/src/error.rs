@@ -1,11 +1,8 @@
 //! Errors of captures. Each message names the file.
 
-use arrow_schema::ArrowError;
-#[cfg(feature = "parquet")]
-use parquet::errors::ParquetError;
 use std::io;
 use std::path::{Path, PathBuf};
-use zerorate_input::{InputError, NotBuiltIn};
+use zerorate_input::InputError;
 
 /// The reasons why a capture cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -45,25 +42,9 @@ impl CaptureError {
         Self::NotACapture { path: path.to_owned(), why: why.into() }
     }
 
-    /// Makes the error for a format that is not in this build.
-    pub fn not_built_in(path: &Path, missing: NotBuiltIn) -> Self {
-        InputError::not_built_in(path, missing).into()
-    }
-
     /// Makes the error for invalid content at `place`.
     pub fn damaged(path: &Path, place: impl Into<String>, what: impl Into<String>) -> Self {
         InputError::damaged(path, place, what).into()
-    }
-
-    /// Converts an error of the Arrow library. An I/O error inside it stays an I/O error.
-    pub fn arrow(action: &'static str, path: &Path, error: ArrowError) -> Self {
-        InputError::arrow(action, path, error).into()
-    }
-
-    /// Converts an error of the Parquet library. An I/O error inside it stays an I/O error.
-    #[cfg(feature = "parquet")]
-    pub fn parquet(action: &'static str, path: &Path, error: ParquetError) -> Self {
-        InputError::parquet(action, path, error).into()
     }
 }
 

@@ -52,7 +52,7 @@ use arrow_schema::SchemaRef;
 use blocks::Out;
 use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
-use zerorate_input::{Input, Opened};
+use zerorate_input::{Input, InputError, Opened};
 
 /// Writes rows to a capture. Dropping it also closes the file, but only [`CaptureWriter::finish`] reports errors.
 pub struct CaptureWriter {
@@ -117,7 +117,7 @@ impl CaptureWriter {
             return Ok(());
         };
         let batch = self.open.close().and_then(|columns| RecordBatch::try_new(self.schema.clone(), columns));
-        sink.write(&batch.map_err(|error| CaptureError::arrow("write", &self.path, error))?)
+        sink.write(&batch.map_err(|error| InputError::arrow("write", &self.path, error))?)
     }
 }
 

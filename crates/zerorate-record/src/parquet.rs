@@ -11,6 +11,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::schema::types::ColumnPath;
 use std::path::{Path, PathBuf};
+use zerorate_input::InputError;
 pub use zerorate_input::parquet::BLOCK;
 use zerorate_input::table::{BATCH_CHECKS, END};
 
@@ -30,7 +31,7 @@ pub struct ParquetSink {
 impl ParquetSink {
     pub fn create(path: &Path, out: Out, schema: &SchemaRef) -> Result<Self, CaptureError> {
         let writer = ArrowWriter::try_new(out, schema.clone(), Some(properties(schema)))
-            .map_err(|error| CaptureError::parquet("write", path, error))?;
+            .map_err(|error| InputError::parquet("write", path, error))?;
         Ok(Self { path: path.to_owned(), writer, checks: Vec::new() })
     }
 }
@@ -38,7 +39,7 @@ impl ParquetSink {
 impl BlockSink for ParquetSink {
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
         self.checks.extend(check.map(str::to_owned));
-        self.writer.write(rows).map_err(|error| CaptureError::parquet("write", &self.path, error))
+        self.writer.write(rows).map_err(|error| InputError::parquet("write", &self.path, error).into())
     }
 
     fn finish(mut self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError> {
@@ -46,7 +47,7 @@ impl BlockSink for ParquetSink {
         let Self { path, mut writer, checks } = *self;
         writer.append_key_value_metadata(KeyValue::new(BATCH_CHECKS.to_owned(), checks.join(" ")));
         writer.append_key_value_metadata(KeyValue::new(END.to_owned(), end.to_text()));
-        writer.close().map(drop).map_err(|error| CaptureError::parquet("write", &path, error))
+        writer.close().map(drop).map_err(|error| InputError::parquet("write", &path, error).into())
     }
 }
 

@@ -35,7 +35,7 @@ impl Format {
     /// Returns an error if the ending is not that of a capture, or if the format is not in this build.
     pub fn choose(asked: Option<Self>, path: &Path) -> Result<Self, CaptureError> {
         let format = asked.map_or_else(|| Self::by_name(path), Ok)?;
-        format.missing().map_or(Ok(format), |missing| Err(CaptureError::not_built_in(path, missing)))
+        format.missing().map_or(Ok(format), |missing| Err(InputError::not_built_in(path, missing).into()))
     }
 
     fn by_name(path: &Path) -> Result<Self, CaptureError> {
