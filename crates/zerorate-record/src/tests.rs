@@ -108,13 +108,9 @@ fn sixteen_bit_codes_keep_their_width() {
 
 #[test]
 fn the_bytes_depend_on_the_samples_alone() {
-    let dir = TempDir::new().unwrap();
     for &format in FORMATS {
-        let paths = ["a", "b"].map(|name| dir.path().join(format!("{name}.{format:?}")));
-        for path in &paths {
-            write(path, format, &samples(9_000));
-        }
-        assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap(), "{format:?}");
+        let [one, other] = [(); 2].map(|()| bytes(format, 9_000));
+        assert_eq!(one, other, "{format:?}");
     }
 }
 
@@ -132,9 +128,7 @@ fn the_hash_is_that_of_the_document() {
 fn a_torn_stream_keeps_its_whole_batches() {
     let dir = TempDir::new().unwrap();
     let samples = samples(15_000);
-    let path = dir.path().join("whole.arrows");
-    write(&path, Format::Arrows, &samples);
-    let bytes = fs::read(&path).unwrap();
+    let bytes = bytes(Format::Arrows, 15_000);
     let ends = batch_ends(&bytes);
     let batches: Vec<usize> = vec![5_678, 11_353, 15_000, 15_000];
     assert_eq!(ends.len(), batches.len() + 1, "the schema, batches of 1 s, and the end");
@@ -172,14 +166,12 @@ pub(super) fn batch_ends(bytes: &[u8]) -> Vec<usize> {
 fn a_tail_of_zeros_is_dropped() {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("zeros.arrows");
-    let samples = samples(5_693);
-    write(&path, Format::Arrows, &samples);
-    let mut bytes = fs::read(&path).unwrap();
+    let mut bytes = bytes(Format::Arrows, 5_693);
     bytes.truncate(bytes.len() - 8);
     bytes.extend([0; 4096]);
     fs::write(&path, bytes).unwrap();
     let (found, warning) = read(&path);
-    assert_eq!(found, samples);
+    assert_eq!(found, samples(5_693));
     assert!(warning.unwrap().contains("dropped"));
 }
 
@@ -187,8 +179,7 @@ fn a_tail_of_zeros_is_dropped() {
 fn a_stream_cut_inside_its_schema_is_an_error() {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("head.arrows");
-    write(&path, Format::Arrows, &samples(10));
-    let bytes = fs::read(&path).unwrap();
+    let bytes = bytes(Format::Arrows, 10);
     for cut in [4, 7, 8, 100, batch_ends(&bytes)[0] - 1] {
         fs::write(&path, &bytes[..cut]).unwrap();
         assert!(open_error(&path).contains("head.arrows"), "cut at {cut}");
