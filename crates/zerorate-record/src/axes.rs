@@ -1,6 +1,6 @@
 //! Tests captures of parts with several axes and signed codes.
 
-use super::tests::{FORMATS, info, open, start};
+use super::tests::{FORMATS, info, open, start, write};
 use super::*;
 use adis16130::{ChannelStatus, RateCode, Sample, TempCode, Width};
 use std::fs;
@@ -28,7 +28,7 @@ fn rows(n: u32) -> Vec<Row> {
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");
-    write(&path, format, &rows(count));
+    write(&path, format, &imu(), &rows(count));
     fs::read(&path).unwrap()
 }
 
@@ -45,12 +45,6 @@ pub fn part() -> Part {
     .unwrap()
 }
 
-fn write(path: &Path, format: Format, rows: &[Row]) {
-    let mut writer = start(path, format, &imu());
-    rows.iter().for_each(|row| writer.push(row).unwrap());
-    writer.finish().unwrap();
-}
-
 fn hash(rows: &[Row]) -> String {
     let mut hash = SampleHash::new(&imu().layout);
     rows.iter().for_each(|row| hash.update(row));
@@ -63,7 +57,7 @@ fn every_form_gives_back_every_axis() {
     let rows = rows(1_000);
     for &format in FORMATS {
         let path = dir.path().join(format!("{format:?}"));
-        write(&path, format, &rows);
+        write(&path, format, &imu(), &rows);
         let mut reader = open(&path).unwrap();
         assert_eq!(reader.info(), &imu(), "{format:?}");
         let found: Vec<Row> = reader.by_ref().map(Result::unwrap).collect();
@@ -94,7 +88,7 @@ fn the_hash_is_that_of_the_document() {
 fn columns_and_metadata_of_the_document() {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("imu.csv");
-    write(&path, Format::Csv, &rows(2));
+    write(&path, Format::Csv, &imu(), &rows(2));
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.contains("\nt_ns,edge_seq,x_code,y_code,z_code,status,temp_code,lost\n10000000,0,0,0,-32768,9216,"));
     let stated = [

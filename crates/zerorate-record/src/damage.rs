@@ -53,7 +53,7 @@ impl Victim {
     fn new(format: Format, truth: Vec<Row>) -> Self {
         let dir = TempDir::new().unwrap();
         let path = dir.path().join("whole");
-        write(&path, format, &truth);
+        write(&path, format, &info(), &truth);
         let bytes = fs::read(path).unwrap();
         Self { dir, format, truth, bytes }
     }
@@ -252,7 +252,7 @@ fn the_checks_are_those_of_the_document() {
     use sha2::{Digest, Sha256};
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("two.csv");
-    write(&path, Format::Csv, &slow(2));
+    write(&path, Format::Csv, &info(), &slow(2));
     let text = fs::read_to_string(&path).unwrap();
     let stated =
         |key: &str| text.lines().find_map(|line| line.strip_prefix(&format!("# {key} = "))).unwrap().to_owned();

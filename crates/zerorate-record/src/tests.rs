@@ -52,12 +52,12 @@ pub(super) fn start(path: &Path, format: Format, info: &CaptureInfo) -> CaptureW
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");
-    write(&path, format, &samples(count));
+    write(&path, format, &info(), &samples(count));
     fs::read(&path).unwrap()
 }
 
-pub(super) fn write(path: &Path, format: Format, samples: &[Row]) -> CaptureSummary {
-    let mut writer = start(path, format, &info());
+pub(super) fn write(path: &Path, format: Format, info: &CaptureInfo, samples: &[Row]) -> CaptureSummary {
+    let mut writer = start(path, format, info);
     samples.iter().for_each(|sample| writer.push(sample).unwrap());
     writer.finish().unwrap()
 }
@@ -83,7 +83,7 @@ fn every_form_gives_back_every_sample() {
         let samples = samples(count);
         for &format in FORMATS {
             let path = dir.path().join(format!("{count}.{format:?}"));
-            let summary = write(&path, format, &samples);
+            let summary = write(&path, format, &info(), &samples);
             let lost = samples.iter().map(|sample| u64::from(sample.lost)).sum();
             assert_eq!(summary, CaptureSummary { samples: u64::from(count), lost });
             assert_eq!(read(&path), (samples.clone(), None), "{format:?}");
@@ -99,9 +99,7 @@ fn sixteen_bit_codes_keep_their_width() {
     for &format in FORMATS {
         let path = dir.path().join(format!("{format:?}"));
         let narrow = Converter { width: Width::Bits16, ..info().converter.unwrap() };
-        let mut writer = start(&path, format, &CaptureInfo::adis16130(narrow));
-        writer.push(&sample).unwrap();
-        writer.finish().unwrap();
+        write(&path, format, &CaptureInfo::adis16130(narrow), &[sample]);
         assert_eq!(read(&path).0, [sample]);
     }
 }

@@ -37,7 +37,7 @@ fn row_groups_that_are_removed_repeated_or_moved_are_noticed() {
 fn a_file_that_other_software_wrote_again_is_unchecked() {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("whole.arrows");
-    write(&path, Format::Arrows, &slow(50));
+    write(&path, Format::Arrows, &info(), &slow(50));
     let stream = arrow_ipc::reader::StreamReader::try_new(File::open(&path).unwrap(), None).unwrap();
     let schema = stream.schema();
     let batches: Vec<RecordBatch> = stream.map(Result::unwrap).collect();
