@@ -329,17 +329,13 @@ impl<'a> Collector<'a> {
             false => (Clock::Column(stamps, times), Vec::new()),
         };
         let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| RawColumn {
-            name: format!("{}.{quantity}", wanted.name),
-            values,
             // the units are those of REP-103 of ROS
             stated: Some(match quantity.split('_').next() {
                 Some("angular") => (Quantity::AngularRate, Unit::RadPerS.in_results()),
                 Some("linear") => (Quantity::Acceleration, Unit::MPerS2.in_results()),
                 _ => (Quantity::Temperature, 1.0),
             }),
-            step: 1.0,
-            warnings: Vec::new(),
-            is_beside: false,
+            ..RawColumn::new(format!("{}.{quantity}", wanted.name), values)
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
         let warnings = of_end.map(LogWarning::from).into_iter().chain(miscounted).chain(unstamped).collect();

@@ -183,21 +183,11 @@ impl<'a> TableColumns<'a> {
     }
 
     pub fn finish(self, warning: Option<InputWarning>) -> Result<RawColumns> {
-        let clock = match self.time {
-            Some((name, times)) => Clock::Column(name, times),
-            None => Clock::Silent,
-        };
         if let (Some((only, _)), Some(0)) = (self.only, self.values.first().map(|column| column.values.rows())) {
             return Err(only.without_rows(self.path));
         }
-        let columns = self.values.into_iter().map(|column| column.finish(Vec::new())).collect();
-        Ok(RawColumns {
-            columns,
-            clock,
-            warnings: warning.into_iter().map(LogWarning::File).collect(),
-            sample: self.sample,
-            stated_rate: None,
-        })
+        let columns = self.values.into_iter().map(|column| column.finish(Vec::new()));
+        Ok(RawColumns { sample: self.sample, ..RawColumns::new(columns, self.time, warning.map(LogWarning::File)) })
     }
 
     fn finish_described(self, described: Described) -> Result<RawColumns> {
@@ -206,10 +196,8 @@ impl<'a> TableColumns<'a> {
             return Err(LogError::Refused(code, why));
         }
         let gaps = lost.into_iter().map(|(at, missing)| Gap { at, missing }).collect();
-        let clock = match self.time {
-            Some((name, times)) => Clock::Column(name, times),
-            None => Clock::Counted { rate_hz, gaps },
-        };
+        let counted = Clock::Counted { rate_hz, gaps };
+        let clock = self.time.map_or(counted, |(name, times)| Clock::Column(name, times));
         let path = self.path.display().to_string();
         let of_readings = |(code, text)| LogWarning::OfReadings { path: path.clone(), code, text };
         let of_columns = of_columns.into_iter().map(|warnings| warnings.into_iter().map(of_readings).collect());
