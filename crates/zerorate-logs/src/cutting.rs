@@ -132,7 +132,7 @@ impl RawColumns {
     fn first_s(&self, args: &ColumnOptions) -> Option<f64> {
         let Clock::Column(_, times) = &self.clock else { return None };
         let first_s = times.first() / self.clock.unit(args)?.per_s();
-        // clock times without a date are read as ns
+        // clock times without a date are read as ns since midnight
         let is_of_day = times.unit == Some(TimeUnit::Ns) && (0.0..DAY_S).contains(&first_s);
         (DATES_S.contains(&first_s) || is_of_day).then_some(first_s)
     }
