@@ -284,6 +284,9 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// All units, from the longest to the shortest.
+    pub const ALL: [Self; 4] = [Self::S, Self::Ms, Self::Us, Self::Ns];
+
     /// The symbol of the unit, such as `us`.
     pub fn name(self) -> &'static str {
         match self {

@@ -26,10 +26,7 @@ pub fn options(text: &str) -> ColumnOptions {
         match name {
             "--column" => options.column = Some(value.to_owned()),
             "--time-column" => options.time_column = Some(value.to_owned()),
-            "--time-unit" => {
-                let units = [("s", TimeUnit::S), ("ms", TimeUnit::Ms), ("us", TimeUnit::Us), ("ns", TimeUnit::Ns)];
-                options.time_unit = units.into_iter().find(|(name, _)| *name == value).map(|(_, unit)| unit);
-            }
+            "--time-unit" => options.time_unit = TimeUnit::ALL.into_iter().find(|unit| unit.name() == value),
             "--rate" => options.rate = number(),
             "--unit" => options.unit = Some(value.parse().unwrap()),
             "--scale" => options.scale = number(),

@@ -25,8 +25,6 @@ const EPOCH_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 /// Largest time in seconds since 1970, in the year 2286. Larger times are in a finer unit.
 const TOO_LATE_S: f64 = 1e10;
 
-const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];
-
 /// The unit in which the first time is a date of 2000 to 2100, counted from 1970. `None` if rows then come slower than
 /// [`SLOWEST_HZ`]: the times may count from power-on in a finer unit.
 pub fn dated(times: &Times) -> Option<TimeUnit> {
@@ -40,19 +38,19 @@ pub fn dated(times: &Times) -> Option<TimeUnit> {
 const SLOWEST_HZ: f64 = 2.0;
 
 fn date(first: f64) -> Option<TimeUnit> {
-    ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
+    TimeUnit::ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
 }
 
 /// The unit that gives the most usual rate, for `per_unit` rows in each unit; `None` if that rate is not one of a
 /// sensor.
 pub fn usual(per_unit: f64) -> Option<TimeUnit> {
-    nearest(per_unit, ALL.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
+    nearest(per_unit, TimeUnit::ALL.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
 }
 
 /// Another unit that gives a rate of an IMU, for `per_unit` rows in each unit.
 pub fn other(per_unit: f64, unit: TimeUnit) -> Option<TimeUnit> {
     let fits = |other: &TimeUnit| *other != unit && RATES_OF_IMUS_HZ.contains(&(per_unit * other.per_s()));
-    nearest(per_unit, ALL.into_iter().filter(fits))
+    nearest(per_unit, TimeUnit::ALL.into_iter().filter(fits))
 }
 
 /// The one of these units that gives the rate nearest to [`USUAL_HZ`].
@@ -134,7 +132,7 @@ fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
     if RATES_HZ.contains(&rate_hz) {
         return None;
     }
-    nearest(rate_hz / unit.per_s(), ALL.into_iter().filter(|other| *other != unit))
+    nearest(rate_hz / unit.per_s(), TimeUnit::ALL.into_iter().filter(|other| *other != unit))
 }
 
 #[cfg(test)]

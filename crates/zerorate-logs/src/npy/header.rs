@@ -84,13 +84,7 @@ impl Element {
             ('M' | 'm', 8) => Some(Kind::Time),
             _ => None,
         };
-        let time_unit = match unit {
-            Some("s") => Some(TimeUnit::S),
-            Some("ms") => Some(TimeUnit::Ms),
-            Some("us") => Some(TimeUnit::Us),
-            Some("ns") => Some(TimeUnit::Ns),
-            _ => None,
-        };
+        let time_unit = TimeUnit::ALL.into_iter().find(|known| unit == Some(known.name()));
         // a Unicode character has four bytes
         let size = number.checked_mul(if letter == 'U' { 4 } else { 1 });
         Some(Self { size, form: Form::Value { kind, big_endian: order == '>', time_unit } })
