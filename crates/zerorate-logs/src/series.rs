@@ -242,16 +242,17 @@ impl SeriesBuilder {
     }
 }
 
-/// Codes as numbers, NaN in each gap.
-fn spread(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
-    let mut numbers = Vec::with_capacity(codes.len());
+/// Values as numbers, NaN in each gap.
+fn spread<T: Copy + Into<f64>>(values: &[T], gaps: &[Gap]) -> Vec<f64> {
+    let number = |value: &T| -> f64 { (*value).into() };
+    let mut numbers = Vec::with_capacity(values.len() + missing_in(gaps) as usize);
     let mut done = 0;
     for gap in gaps {
-        numbers.extend(codes[done..gap.at].iter().map(|code| f64::from(*code)));
+        numbers.extend(values[done..gap.at].iter().map(number));
         numbers.extend((0..gap.missing).map(|_| f64::NAN));
         done = gap.at;
     }
-    numbers.extend(codes[done..].iter().map(|code| f64::from(*code)));
+    numbers.extend(values[done..].iter().map(number));
     numbers
 }
 
@@ -304,15 +305,7 @@ fn filled(numbers: &[f64], between_rows: &[Gap], room: MemoryBudget, row_bytes: 
     if missing > MAX_FILLED || room.check(all.saturating_mul(row_bytes)).is_err() {
         return Err(missing);
     }
-    let mut all = Vec::with_capacity(numbers.len() + missing as usize);
-    let mut done = 0;
-    for gap in between_rows {
-        all.extend_from_slice(&numbers[done..gap.at]);
-        all.extend((0..gap.missing).map(|_| f64::NAN));
-        done = gap.at;
-    }
-    all.extend_from_slice(&numbers[done..]);
-    Ok(all)
+    Ok(spread(numbers, between_rows))
 }
 
 #[cfg(test)]
