@@ -35,11 +35,9 @@ pub fn read(log: Log<'_>, raw: RawType, asked: &ColumnQuery<'_>) -> Result<RawCo
     };
     let Choice { values: chosen, time, .. } = all.choose(asked.wanted, asked.args, &[])?;
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
-    values
-        .iter()
-        .try_for_each(|one| one.check_room(bytes / size))
-        .map_err(|why| InputError::over_budget(path, why))?;
-    values.iter_mut().for_each(|values| values.reserve((bytes / size) as usize, raw.number.is_integer()));
+    let rows = bytes / size;
+    values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| InputError::over_budget(path, why))?;
+    values.iter_mut().for_each(|values| values.reserve(rows as usize, raw.number.is_integer()));
     let (mut times, mut first) = (Times::new(), 0);
     let mut block = Vec::new();
     while next(&mut input, BLOCK - BLOCK % raw.record(), &mut block).map_err(failed)? {
