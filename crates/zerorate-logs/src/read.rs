@@ -76,7 +76,7 @@ pub fn find(path: &Path, input: Input, asked: &ColumnQuery<'_>) -> Result<RawCol
 fn found(mut log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let form = Form::of(&log)?;
     if form.is_none() {
-        log.input = wide::narrowed(log.path, log.input, log.room)?;
+        log.input = wide::narrowed(log.path, log.input, &log.start, log.room)?;
     }
     let may_describe_itself = form.is_none_or(|form| form.content == Content::DescribedTable && form.reader.is_ok());
     if let Some(table) = described(&log, may_describe_itself, asked)? {

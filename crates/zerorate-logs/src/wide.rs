@@ -1,6 +1,6 @@
 //! Converts text in UTF-16, as Windows and LabVIEW write it, to UTF-8.
 
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError};
@@ -20,13 +20,10 @@ fn order(start: &[u8]) -> Option<bool> {
     }
 }
 
-/// Converts text in UTF-16 to UTF-8. Any other input is returned as it is.
-pub fn narrowed(path: &Path, mut input: Input, room: MemoryBudget) -> Result<Input, InputError> {
+/// Converts text in UTF-16 to UTF-8. Any other input is returned as it is. `start` are the first bytes of the input.
+pub fn narrowed(path: &Path, input: Input, start: &[u8], room: MemoryBudget) -> Result<Input, InputError> {
     let failed = |error| InputError::io("read", path, error);
-    let mut start = Vec::new();
-    (&mut input).take(16).read_to_end(&mut start).map_err(failed)?;
-    input.rewind().map_err(failed)?;
-    let Some(is_big) = order(&start) else { return Ok(input) };
+    let Some(is_big) = order(start) else { return Ok(input) };
     // two bytes of UTF-16 become at most three bytes of UTF-8, so twice the length is enough
     let length = input.length().map_err(failed)?;
     room.check_on_disk(length.saturating_mul(2)).map_err(|why| InputError::over_budget(path, why))?;
