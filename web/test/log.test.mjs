@@ -103,10 +103,11 @@ test("a picture opens large, and closes", async () => {
 test("a file for a filter", async () => {
   await give("rest.csv", LOGS["rest.csv"].bytes());
   await page.check("#accept-rejected");
-  for (const format of ["kalibr", "openvins"]) {
+  const formats = { kalibr: /\ngyroscope_noise_density/, openvins: /\nimu0:.*\n {2}gyroscope_noise_density/ };
+  for (const [format, text] of Object.entries(formats)) {
     await page.selectOption("#format", format);
     await page.click(".noise button.primary");
-    await becomes(page, ".noise pre", /gyroscope_noise_density/);
+    await becomes(page, ".noise pre", text);
   }
   await give("short.csv", LOGS["rest.csv"].bytes().subarray(0, 20_000));
   await page.click(".noise button.primary");
@@ -152,16 +153,14 @@ test("captures of this program, whole and cut off", { skip: without.program }, a
 
 test("a log is dropped, cancelled, and never leaves the machine", async () => {
   const before = site.asked.length;
-  const text = `${STATED}\n${"0,1,2,3\n".repeat(400_000)}`;
-  const dataTransfer = await page.evaluateHandle((text) => {
+  const dataTransfer = await page.evaluateHandle((head) => {
     const data = new DataTransfer();
-    data.items.add(new File([text], "long.csv"));
+    data.items.add(new File([`${head}\n`, "0,1,2,3\n".repeat(10_000_000)], "long.csv"));
     return data;
-  }, text);
+  }, STATED);
   await page.dispatchEvent(".log", "drop", { dataTransfer });
-  await becomes(page, ".log .doing", /long\.csv|Analysing|Reading|columns/);
-  await page.click(".log .work button", { timeout: 2000 }).catch(() => {});
-  await becomes(page, ".log .doing", /Cancelled|done|./);
+  await page.click(".log .work button");
+  await becomes(page, ".log .doing", /Cancelled/);
   await give("rest.csv", LOGS["rest.csv"].bytes());
   assert.ok(
     site.asked.slice(before).every((path) => /\.(js|wasm)$/.test(path)),

@@ -176,7 +176,8 @@ impl Times {
         };
         let missing = missing_in(&gaps);
         if missing > rows as u64 && gaps.len() as f64 > MAX_GAPS * rows as f64 {
-            let why = format!("{missing} samples would be missing in {} places among {rows}", gaps.len());
+            let places = if gaps.len() == 1 { "1 place".to_owned() } else { format!("{} places", gaps.len()) };
+            let why = format!("{missing} samples would be missing in {places} among {rows}");
             return Err(self.unsteady(unit, &why, rate));
         }
         if let Some(leap) = gaps.iter().find(|gap| gap.missing > MAX_LEAP.saturating_mul(rows as u64)) {

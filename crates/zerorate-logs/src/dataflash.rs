@@ -62,7 +62,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     full.map_or(Ok(()), |why| Err(InputError::over_budget(path, why)))?;
     let lost = (again.skipped > 0).then(|| {
         let (path, bytes, places) = (path.display(), again.skipped, again.places);
-        format!("{path}: {bytes} bytes in {places} places are no messages, and are skipped")
+        format!("{path}: skipped {bytes} unreadable bytes in {places} place{}", if places == 1 { "" } else { "s" })
     });
     let columns = chosen.fields.iter().zip(values).map(|(field, values)| RawColumn {
         stated: stated(&field.name),

@@ -95,7 +95,12 @@ fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
     let stray: Vec<usize> = (1..rows.len().saturating_sub(1)).filter(|at| is_stray(&rows[at - 1..at + 2])).collect();
     let first = stray.first().filter(|_| stray.len() as f64 <= (MAX_STRAY * rows.len() as f64).max(1.0))?;
     stray.iter().for_each(|at| rows[*at].time = 0.5 * (rows[at - 1].time + rows[at + 1].time));
-    Some(format!("{} rows have a wrong stamp, which is replaced (the first: row {first})", stray.len()))
+    let rows = rows_that(stray.len(), "has a wrong stamp", "have a wrong stamp");
+    Some(format!("{rows}, which is replaced (the first: row {first})"))
+}
+
+fn rows_that(count: usize, one: &str, many: &str) -> String {
+    if count == 1 { format!("1 row {one}") } else { format!("{count} rows {many}") }
 }
 
 /// Unwraps a counter that counts from zero, or from minus to plus half of its modulus.
@@ -130,7 +135,10 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
         3.6e12 => "the time of the hour starts again".to_owned(),
         _ => format!("the counter wraps around at {modulus}"),
     };
-    Some(format!("{what} ({times} times, first at row {row})"))
+    Some(match times {
+        1 => format!("{what} (once, at row {row})"),
+        _ => format!("{what} ({times} times, first at row {row})"),
+    })
 }
 
 /// Sorts rows that are late, and follows a clock that was set back.
@@ -161,8 +169,8 @@ fn sort(rows: &mut [TimedRow], first: f64, interval: f64) -> Result<Vec<String>,
     if moved as f64 > MAX_SWAPPED * rows.len() as f64 + 1.0 {
         return Err(format!("{moved} of {} rows are not in the order of their times", rows.len()));
     }
-    let sorted =
-        swapped.first().map(|(_, row)| format!("{moved} rows come too late and are sorted (the first: row {row})"));
+    let late = rows_that(moved, "comes too late and is sorted", "come too late and are sorted");
+    let sorted = swapped.first().map(|(_, row)| format!("{late} (the first: row {row})"));
     let followed = (!steps.is_empty()).then(|| set_back(&steps));
     Ok(sorted.into_iter().chain(followed).collect())
 }
@@ -248,12 +256,14 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[RawColumn], interval: f64) -> R
 }
 
 fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
-    let dropped = dropped
-        .first()
-        .map(|row| format!("{} rows repeat the row before and are dropped (the first: row {row})", dropped.len()));
+    let dropped = dropped.first().map(|row| {
+        let rows = rows_that(dropped.len(), "repeats the row before and is", "repeat the row before and are");
+        format!("{rows} dropped (the first: row {row})")
+    });
     let wrong = wrong.first().map(|row| {
         let why = if is_coarse { "coarse clock, or several sensors?" } else { "a wrong one" };
-        format!("{} rows repeat a stamp ({why}); they count (the first: row {row})", wrong.len())
+        let rows = rows_that(wrong.len(), "repeats", "repeat");
+        format!("{rows} a stamp ({why}), but no row is dropped (the first: row {row})")
     });
     dropped.into_iter().chain(wrong).collect()
 }
@@ -356,7 +366,10 @@ mod tests {
         rows.insert(40, rows[39]);
         let (times, values, said) = mended(&rows).unwrap();
         assert!(is_even(&times, 100) && values[40] == 20.0, "{times:?}");
-        assert!(said.contains("1 rows repeat the row before") && said.contains("first: row 40"), "{said}");
+        assert!(
+            said.contains("1 row repeats the row before and is dropped") && said.contains("first: row 40"),
+            "{said}"
+        );
         let twice: Vec<_> = even(50).into_iter().flat_map(|row| [row, row]).collect();
         assert!(is_even(&mended(&twice).unwrap().0, 50));
     }
@@ -397,16 +410,16 @@ mod tests {
             let rows: Vec<_> = (0..600).map(|row| (time(row), f64::from(row))).collect();
             let (times, _, said) = mended(&rows).unwrap();
             assert!(times.windows(2).all(|pair| ((pair[1] - pair[0]) / step - 1.0).abs() < 1e-6), "{modulus}");
-            assert!(said.contains(&format!("wraps around at {modulus} (1 times, first at row 301)")), "{said}");
+            assert!(said.contains(&format!("wraps around at {modulus} (once, at row 301)")), "{said}");
         }
     }
 
     #[test]
     fn counters_wrap_below_zero_and_at_midnight() {
         for (start, modulus, what) in [
-            (-32_768.0, 65_536.0, "wraps around at 65536 (1 times"),
-            (-2_147_483_648.0, 4_294_967_296.0, "wraps around at 4294967296 (1 times"),
-            (0.0, 86_400.0, "the time of day passes midnight (1 times"),
+            (-32_768.0, 65_536.0, "wraps around at 65536 (once"),
+            (-2_147_483_648.0, 4_294_967_296.0, "wraps around at 4294967296 (once"),
+            (0.0, 86_400.0, "the time of day passes midnight (once"),
         ] {
             let rows: Vec<_> =
                 (0..600).map(|row| (start + (modulus - 300.5 + f64::from(row)) % modulus, f64::from(row))).collect();
@@ -423,7 +436,7 @@ mod tests {
             rows[100].0 = stray;
             let (times, values, said) = mended(&rows).unwrap();
             assert!(is_even(&times, 400) && values.is_sorted(), "{said}");
-            assert!(said.contains("1 rows have a wrong stamp") && said.contains("row 100"), "{said}");
+            assert!(said.contains("1 row has a wrong stamp") && said.contains("row 100"), "{said}");
         }
     }
 

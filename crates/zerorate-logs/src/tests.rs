@@ -252,7 +252,7 @@ fn a_time_column_gives_rate_and_gaps() {
             .contains("give --rate in Hz, or --time-column t with --time-unit s if it is the time")
     );
     let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
-    assert!(fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places"));
+    assert!(fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 place"));
 }
 
 #[test]

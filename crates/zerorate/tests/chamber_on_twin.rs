@@ -171,7 +171,7 @@ fn a_part_that_is_shaken_is_refused() {
 fn a_part_that_turns_too_fast_is_refused_for_its_rate() {
     let (mut bench, mut procedure) = (Bench::new(&quick(9)), procedure(&[soak(25.0)]));
     let refusal = loop {
-        let scan = Scan { out_of_range: 1, ..bench.scan(25.0) };
+        let scan = bench.scan(25.0).with_out_of_range(0);
         procedure.begin(scan.t_ns);
         if let Err(refusal) = procedure.take(&scan) {
             break refusal;

@@ -92,10 +92,8 @@ fn unit(text: &Option<String>) -> Result<Option<Unit>, LogError> {
 }
 
 fn time_unit(text: &str) -> Result<TimeUnit, LogError> {
-    let known = [("s", TimeUnit::S), ("ms", TimeUnit::Ms), ("us", TimeUnit::Us), ("ns", TimeUnit::Ns)];
-    let found = known.into_iter().find(|(name, _)| *name == text);
     let unknown = || LogError::Ask("“unit of time” takes s, ms, us or ns".to_owned());
-    found.map(|(_, unit)| unit).ok_or_else(unknown)
+    TimeUnit::ALL.into_iter().find(|unit| unit.name() == text).ok_or_else(unknown)
 }
 
 fn decimal(text: &str) -> Result<Decimal, LogError> {

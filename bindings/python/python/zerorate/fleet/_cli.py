@@ -15,7 +15,7 @@ from ._recipe import DEFAULT, Recipe, load
 from ._run import Ended, EngineLost
 from ._store import Unreachable
 
-DONE, FAILED, USAGE, REFUSED = 0, 1, 2, 3
+DONE, FAILED, REFUSED = 0, 1, 3
 EXIT_CODES = {"ok": DONE, "refused": REFUSED}
 
 ABOUT = """\

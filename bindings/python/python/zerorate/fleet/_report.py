@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow.parquet as pq
 from markupsafe import Markup
 
+from .. import _zerorate
 from . import _population, _program, _store
 from ._plain import plain
 from ._population import Numbers
@@ -70,9 +71,7 @@ def write(table: str, output: str, *, group: Optional[str] = None, force: bool =
     rows = _rows(table)
     if group is not None and group not in rows[0]:
         raise ValueError(f"the table has no column {group}; it has {', '.join(rows[0])}")
-    page = _page(rows, table, group)
-    with open(output, "w", encoding="utf-8") as file:
-        file.write(page)
+    _zerorate.save_text(output, _page(rows, table, group), force)
 
 
 def _rows(table: str) -> list[dict[str, Any]]:
