@@ -5,9 +5,20 @@
 /// The rows are the arms of a `match`: rustfmt formats them, and the compiler reports a variant without a row.
 /// * `code`: a literal, or an expression in braces that uses a field of the variant.
 /// * `text`: `format_args!` with the fields of the variant.
+///
+/// `match Name as Display` also implements `Display`, by the text.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! rows {
+    (match $name:ident as Display { $($rows:tt)+ }) => {
+        $crate::rows!(match $name { $($rows)+ });
+
+        impl core::fmt::Display for $name {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                self.text(f)
+            }
+        }
+    };
     (match $name:ident {
         $($variant:pat => Row { code: $code:tt, text: $text:expr $(,)? },)+
     }) => {

@@ -1,6 +1,5 @@
 //! Warnings of a device, beside its samples.
 
-use std::fmt;
 use zerorate_allan::rows;
 use zerorate_logs::LogWarning;
 use zerorate_record::CaptureWarning;
@@ -20,7 +19,7 @@ pub enum SourceWarning {
     BeyondLimits { ambient_c: f64, part: String, low_c: f64, high_c: f64 },
 }
 
-rows!(match SourceWarning {
+rows!(match SourceWarning as Display {
     Self::Log(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
     Self::NoRealtimePriority => Row {
         code: "no-realtime-priority",
@@ -43,12 +42,6 @@ impl SourceWarning {
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())
-    }
-}
-
-impl fmt::Display for SourceWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
     }
 }
 

@@ -118,7 +118,7 @@ impl ImuWarning {
     }
 }
 
-rows!(match ImuWarning {
+rows!(match ImuWarning as Display {
     Self::Moves(ref spans, rest) =>
         Row { code: "motion", text: format_args!("the sensor moves {}; the longest rest: {rest}", Spans(spans)) },
     Self::Jumps(ref moments, rest) =>
@@ -132,12 +132,6 @@ rows!(match ImuWarning {
     Self::KindAbsent(kind, Some(setting)) =>
         Row { code: "kind-absent", text: format_args!("{setting} names no {}; fill in its numbers", kind.name()) },
 });
-
-impl fmt::Display for ImuWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
-    }
-}
 
 /// Times of motion in words: the start of the first, the end of the last, and their number.
 struct Spans<'a>(&'a [(f64, f64)]);

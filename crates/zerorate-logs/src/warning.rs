@@ -1,6 +1,5 @@
 //! Warnings about a log.
 
-use std::fmt;
 use std::path::Path;
 use zerorate_allan::{SettingName, rows};
 use zerorate_input::InputWarning;
@@ -72,7 +71,7 @@ pub enum LogWarning {
     NotAlike(String),
 }
 
-rows!(match LogWarning {
+rows!(match LogWarning as Display {
     Self::File(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
     Self::OfTable { code, ref text } => Row { code: { code }, text: format_args!("{text}") },
     Self::OfReadings { ref path, code, ref text } => Row { code: { code }, text: format_args!("{path}: {text}") },
@@ -216,12 +215,6 @@ impl LogWarning {
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())
-    }
-}
-
-impl fmt::Display for LogWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Warnings about a capture.
 
-use std::fmt;
 use zerorate::Warning;
 use zerorate_allan::rows;
 use zerorate_input::InputWarning;
@@ -37,7 +36,7 @@ pub enum CaptureWarning {
     EdgesMisplaced { path: String, rows: u64 },
 }
 
-rows!(match CaptureWarning {
+rows!(match CaptureWarning as Display {
     Self::OfAxis { ref axis, ref warning } =>
         Row { code: { warning.code() }, text: format_args!("axis {axis}: {warning}") },
     Self::Frozen(ref text) => Row { code: "frozen", text: format_args!("{text}") },
@@ -88,11 +87,5 @@ impl CaptureWarning {
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())
-    }
-}
-
-impl fmt::Display for CaptureWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
     }
 }

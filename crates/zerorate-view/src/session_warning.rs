@@ -1,6 +1,5 @@
 //! Warnings about a device, the calibration that is applied to it, the live page and its server.
 
-use std::fmt;
 use std::net::SocketAddr;
 use zerorate::calibration::FileWarning;
 use zerorate_allan::rows;
@@ -46,7 +45,7 @@ pub enum SessionWarning {
     NoPage,
 }
 
-rows!(match SessionWarning {
+rows!(match SessionWarning as Display {
     Self::OfCalibration { ref cal, ref warning } =>
         Row { code: { warning.code() }, text: format_args!("{cal}: {warning}") },
     Self::WideLoop(ref text) => Row { code: "hysteresis", text: format_args!("{text}") },
@@ -114,11 +113,5 @@ impl SessionWarning {
             }
             (_, None) => Ok(Some(Self::NoSerial { cal })),
         }
-    }
-}
-
-impl fmt::Display for SessionWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
     }
 }

@@ -1,6 +1,5 @@
 //! Warnings about an export.
 
-use std::fmt;
 use zerorate_allan::rows;
 
 /// A warning about an export. The file was written.
@@ -15,7 +14,7 @@ pub enum ExportWarning {
     TableShort { axis: Option<String>, span_c: f64, temp_min_c: f64, temp_max_c: f64, wrong_dps: f64 },
 }
 
-rows!(match ExportWarning {
+rows!(match ExportWarning as Display {
     Self::NoValidity { temp_min_c, temp_max_c, assumed_c } => Row {
         code: "no-validity",
         text: format_args!(
@@ -31,9 +30,3 @@ rows!(match ExportWarning {
         ),
     },
 });
-
-impl fmt::Display for ExportWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
-    }
-}

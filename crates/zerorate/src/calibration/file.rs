@@ -81,18 +81,12 @@ pub enum FileWarning {
     NoChecksum,
 }
 
-rows!(match FileWarning {
+rows!(match FileWarning as Display {
     Self::NoChecksum => Row {
         code: "no-checksum",
         text: format_args!("this calibration has no checksum, so changes go unseen; use the file as it was written"),
     },
 });
-
-impl fmt::Display for FileWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
-    }
-}
 
 impl Calibration {
     /// Reads a calibration file.

@@ -44,7 +44,7 @@ pub enum ChamberRefusal {
     Restless { share: f64, limit: f64 },
 }
 
-rows!(match ChamberRefusal {
+rows!(match ChamberRefusal as Display {
     Self::Frozen { at_s, for_s } => Row {
         code: "frozen",
         text: format_args!(
@@ -156,12 +156,6 @@ rows!(match ChamberRefusal {
         ),
     },
 });
-
-impl fmt::Display for ChamberRefusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
-    }
-}
 
 impl core::error::Error for ChamberRefusal {}
 

@@ -5,7 +5,6 @@ use crate::temperature::{Block, ThermalError};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use core::fmt;
 use zerorate_allan::rows;
 
 /// A warning about the curve of an axis.
@@ -38,7 +37,7 @@ pub enum CurveWarning {
     BeyondCubic { left: f64, unit: &'static str },
 }
 
-rows!(match CurveWarning {
+rows!(match CurveWarning as Display {
     Self::Unrelated => Row {
         code: "temperature-unrelated",
         text: format_args!("the bias follows this temperature at no lag; is it the sensor's own?"),
@@ -82,12 +81,6 @@ rows!(match CurveWarning {
     Self::BeyondCubic { left, unit } =>
         Row { code: "beyond-cubic", text: format_args!("a polynomial of order 3 leaves up to {left:.4} {unit}") },
 });
-
-impl fmt::Display for CurveWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
-    }
-}
 
 impl CurveWarning {
     /// The warning as scripts read it: `code: text`.
@@ -174,7 +167,7 @@ pub enum CurveRefusal {
     TooUncertain { axis: String, u_dps: f64, at_c: f64, wanted_dps: f64 },
 }
 
-rows!(match CurveRefusal {
+rows!(match CurveRefusal as Display {
     Self::SmallSpan { low_c, high_c, length_s } => Row {
         code: "small-span",
         text: format_args!(
@@ -205,12 +198,6 @@ rows!(match CurveRefusal {
         ),
     },
 });
-
-impl fmt::Display for CurveRefusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(f)
-    }
-}
 
 impl CurveRefusal {
     /// Makes the refusal of an axis from its error.
