@@ -6,7 +6,6 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A parsed device address. Each kind of device has its own implementation.
 pub(crate) trait Address: fmt::Debug + Send + Sync {
     /// Opens the device. `name` is the whole address, as the user wrote it. The part is initialised later, by
     /// [`Source::initialise`]. `stop` ends every long wait.
@@ -23,5 +22,4 @@ pub(crate) trait Address: fmt::Debug + Send + Sync {
     }
 }
 
-/// The parsed address, or an error text.
 pub(crate) type ParseResult = Result<Arc<dyn Address>, String>;

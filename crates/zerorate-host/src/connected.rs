@@ -18,7 +18,6 @@ use zerorate_record::Row;
 /// Number of register reads that are timed together.
 const TIMED_READS: u32 = 200;
 
-/// The connection between the part and this program.
 pub trait Connection {
     type Error: spi::Error + Send + Sync + 'static;
     type Spi: SpiDevice<Error = Self::Error>;
@@ -37,7 +36,6 @@ pub trait Connection {
     /// The self-test pins. `gpio` names their line if this computer drives them.
     fn self_test_pin(&self, gpio: &str, names: SettingNames) -> Result<Self::Pin>;
 
-    /// Starts the thread that reads samples.
     fn start(&self, live: Box<Live<Self::Spi, Self::Edges>>) -> Result<Reader>;
 
     /// Adds advice to an error that the connection caused.
@@ -81,7 +79,6 @@ impl<C: Connection> ConnectedPart<C> {
         Self { state: State::Ready(Box::new(live)), connection, facts }
     }
 
-    /// Sends a request to the part through the driver.
     fn ask<T>(&mut self, ask: impl FnOnce(&mut Live<C::Spi, C::Edges>, &C) -> Result<T>) -> Result<T> {
         let live = self.state.ready()?;
         ask(live, &self.connection).map_err(|error| self.connection.explain(error))

@@ -104,7 +104,6 @@ impl From<CaptureError> for DeviceError {
     }
 }
 
-/// An error text with a known cause.
 #[derive(Debug, thiserror::Error)]
 #[error("{words}")]
 pub(crate) struct UserError {

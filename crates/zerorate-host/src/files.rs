@@ -52,7 +52,6 @@ fn holes(mut file: &File) -> std::io::Result<u64> {
     Ok(length.saturating_sub(stored))
 }
 
-/// Holes are detected on Linux and macOS only.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 fn holes(_: &File) -> std::io::Result<u64> {
     Ok(0)
@@ -250,7 +249,6 @@ mod tests {
         assert!(others.into_iter().all(|names| split(names).is_none()));
     }
 
-    /// A sparse file of 4 GiB with data in two places counts only its few blocks with data.
     #[test]
     fn holes_do_not_count_as_bytes_of_a_log() {
         let mut file = tempfile::NamedTempFile::new().expect("a file");

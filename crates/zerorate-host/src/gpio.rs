@@ -14,10 +14,8 @@ use std::time::Duration;
 
 /// Size of the kernel's queue of edges: the largest that the kernel allows.
 const KERNEL_EDGES: u32 = 1024;
-/// Largest number of edges that are read at once.
 const EDGES_AT_ONCE: usize = 64;
 
-/// The RDY line as a source of edges.
 pub struct GpioEdges {
     request: Request,
     name: String,
@@ -144,7 +142,6 @@ fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error 
     anyhow::Error::new(error).context(UserError::new(cause, remedy))
 }
 
-/// The operating system's error number, if the error has one.
 pub fn errno(error: &gpiocdev::Error) -> Option<Errno> {
     match error {
         gpiocdev::Error::Os(errno) | gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => {

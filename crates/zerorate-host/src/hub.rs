@@ -74,7 +74,6 @@ pub struct WatchedBatch {
     pub lost: u64,
 }
 
-/// A batch, or the error that ended the samples.
 type BatchResult = Result<Arc<Batch>, DeviceError>;
 
 /// The result of a wait with a timeout.
@@ -282,7 +281,6 @@ impl Watcher {
     }
 }
 
-/// Collects rows into batches.
 struct BatchBuilder {
     /// The wall clock that paces simulated or replayed time; `None` for a real device.
     clock: Option<WallClock>,
@@ -328,7 +326,6 @@ struct Worker {
     subscribers: Subscribers,
     speed: Speed,
     failure: Failure,
-    /// Requests the end of the reading.
     stop: Stop,
     /// Set when the hub was dropped.
     ended: Stop,

@@ -15,7 +15,6 @@ pub enum Pace {
 }
 
 impl Pace {
-    /// The pace as a factor for [`Speed`].
     pub(crate) fn factor(self) -> f64 {
         match self {
             Self::Free => 0.0,
@@ -60,7 +59,6 @@ impl Speed {
     }
 }
 
-/// A clock that paces simulated or replayed time.
 pub(crate) trait Clock {
     /// Time since an arbitrary origin.
     fn now(&self) -> Duration;
@@ -162,7 +160,6 @@ mod tests {
         }
     }
 
-    /// Five runs of 10 s of samples, 1 ms apart, each at another speed.
     #[test]
     fn part_time_goes_as_fast_as_it_is_told() {
         let (clock, speed) = (Slept::default(), Speed::default());

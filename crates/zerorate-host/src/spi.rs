@@ -33,7 +33,6 @@ const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
 /// The address `spi:/dev/spidevB.C?rdy=CHIP:LINE`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpiAddress {
-    /// The spidev file.
     pub spi: PathBuf,
     /// The GPIO chip of the RDY line.
     pub chip: PathBuf,
@@ -41,9 +40,7 @@ pub struct SpiAddress {
     pub line: u32,
     /// SPI clock, Hz.
     pub hz: u32,
-    /// Configuration and wiring of the part.
     pub part: PartOptions,
-    /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
 }
 
@@ -102,7 +99,6 @@ fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::
     Ok(ConnectedPart::new(wired, live, facts))
 }
 
-/// The connection to a part on this computer's bus.
 #[derive(Clone)]
 struct SpiConnection {
     address: SpiAddress,
@@ -152,7 +148,6 @@ impl Connection for SpiConnection {
     }
 }
 
-/// Sets real-time priority and locks memory. If either fails, adds a warning with advice.
 fn become_realtime(notes: &Notes) {
     let say = |warning| notes.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
     let priority = SchedulerParams { priority: PRIORITY };
@@ -291,7 +286,6 @@ impl SpiDevice for SpiBus {
     }
 }
 
-/// The operating system's error of a transfer.
 struct SpiError(io::Error);
 
 impl fmt::Debug for SpiError {

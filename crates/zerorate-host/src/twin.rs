@@ -252,7 +252,6 @@ fn told_mclk_hz(mclk_hz: f64) -> u32 {
 /// The RDY line of the twin, optionally with a counter.
 struct TwinEdges {
     twin: Twin,
-    /// True if the driver uses rising edges.
     rising: bool,
     /// Number of edges of the part for each edge that the counter passes.
     divided: u32,

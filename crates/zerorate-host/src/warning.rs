@@ -57,7 +57,6 @@ impl From<CaptureWarning> for SourceWarning {
     }
 }
 
-/// Converts a warning about a capture to one about a log.
 pub fn of_capture(warning: &CaptureWarning) -> LogWarning {
     LogWarning::OfTable { code: warning.code(), text: warning.to_string() }
 }

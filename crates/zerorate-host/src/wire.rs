@@ -17,7 +17,6 @@ pub enum Port {
     Serial {
         /// The path of the port, or its name on systems without port files.
         path: String,
-        /// Baud rate of a UART.
         baud: u32,
     },
     /// A TCP connection to HOST:PORT.

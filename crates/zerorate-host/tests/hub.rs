@@ -49,7 +49,6 @@ fn watched(watcher: &Watcher) -> (u64, u64) {
     (got, missed)
 }
 
-/// Resident memory of the process, bytes.
 #[cfg(target_os = "linux")]
 fn resident_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").expect("the kernel tells");

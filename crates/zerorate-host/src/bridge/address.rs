@@ -14,13 +14,10 @@ use std::sync::Arc;
 /// The address of a part behind a bridge: `bridge:PORT` or `tcp:HOST:PORT`, with options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeAddress {
-    /// The serial port or the TCP address of the bridge.
     pub port: Port,
     /// SPI clock of the bridge, Hz.
     pub hz: u32,
-    /// Configuration and wiring of the part.
     pub part: PartOptions,
-    /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
 }
 

@@ -6,7 +6,6 @@ use embedded_hal::spi::ErrorKind;
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// The error of a request to the bridge.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
     #[error("the connection to the bridge ended")]

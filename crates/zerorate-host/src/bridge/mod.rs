@@ -176,7 +176,6 @@ impl Stream {
     }
 }
 
-/// The link, shared by the connection, its SPI bus, its edges, its self-test pins and its samples.
 #[derive(Clone)]
 struct SharedLink(Arc<Mutex<Link>>);
 

@@ -23,7 +23,6 @@ struct SharedSegments {
 #[derive(Debug, Default)]
 struct Segments {
     next: VecDeque<Segment>,
-    /// True if the profile is complete.
     ended: bool,
 }
 
@@ -83,7 +82,6 @@ impl Drop for ProfileWriter {
     }
 }
 
-/// Moves the ambient temperature of simulated parts along a profile.
 pub(crate) struct ProfileFollower {
     profile: AmbientProfile,
     stop: Stop,
@@ -107,7 +105,7 @@ impl ProfileFollower {
         }
     }
 
-    /// Notes the time of a sample, which the next [`Self::before_sample`] needs. Call this after each sample.
+    /// Call this after each sample.
     #[inline]
     pub fn after_sample(&mut self, t_ns: u64) {
         self.last_ns = Some(t_ns);

@@ -16,11 +16,11 @@ pub struct ChamberCommands {
     retry: Duration,
 }
 
-/// The placeholder for the temperature in the command that sets it.
 const PLACEHOLDER: &str = "{temp_c}";
 /// Plausible readings of a chamber, °C. A reading outside of this range is an error.
 const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
-/// First wait before a retry. The wait doubles each time, up to a limit below (the second in `end`).
+/// First wait before a retry. The wait doubles each time, up to [`LONGEST_WAIT`], or [`LONGEST_ENDING_WAIT`] in
+/// [`Chamber::end`].
 const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
@@ -51,7 +51,6 @@ impl ChamberCommands {
 }
 
 struct Limits {
-    /// Time limit of a command.
     command: Duration,
     /// Time limit of a command after a stop, and the least time of an attempt to set the safe temperature.
     grace: Duration,
@@ -62,7 +61,6 @@ struct Limits {
 const LIMITS: Limits =
     Limits { command: Duration::from_secs(10), grace: Duration::from_secs(1), ending: Duration::from_secs(10) };
 
-/// The running state of a chamber with commands.
 pub(super) struct CommandedChamber {
     commands: ChamberCommands,
     limits: Limits,

@@ -77,7 +77,6 @@ fn shell(command: &str) -> Command {
     shell
 }
 
-/// Kills the command, and on Unix its whole process group.
 fn kill(mut child: Child) {
     #[cfg(unix)]
     let _ =
@@ -118,7 +117,6 @@ fn forward(
     thread::Builder::new().name("pipe".to_owned()).spawn(body).map(drop)
 }
 
-/// The start of stdout and the end of stderr, up to [`KEPT`] bytes of each.
 #[derive(Default)]
 struct Output {
     stdout: Vec<u8>,
@@ -185,7 +183,6 @@ mod tests {
         );
     }
 
-    /// The shell is killed, and so is a process that it started.
     #[test]
     fn a_command_that_hangs_is_killed_with_its_children() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -17,7 +17,6 @@ const TEMP: &str = "in_temp0";
 /// Relative tolerance of a scale. The kernel prints nine decimals, so the rate's scale has only three digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
-/// An ADIS16130 that is read by polling the kernel's driver.
 pub struct Adis16130 {
     address: IioAddress,
     facts: DeviceInfo,
@@ -50,7 +49,6 @@ impl Adis16130 {
         Ok(Self { address: address.clone(), facts, sampling, rate_shift, temp_shift, polls: Polls::new(hz), taken: 0 })
     }
 
-    /// Waits until the next poll is due, and reads a sample.
     fn poll(&mut self) -> Result<Sample> {
         let Poll { slot, lost, t_ns } = self.polls.wait();
         let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);

@@ -54,7 +54,6 @@ impl Channel {
         Ok(Self { name: name.to_owned(), scale, element })
     }
 
-    /// Reads the current raw value.
     pub fn poll(&self, folder: &Path) -> Result<i64> {
         read(folder, &format!("{}_raw", self.name))
     }

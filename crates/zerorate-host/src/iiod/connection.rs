@@ -24,9 +24,6 @@ const POLL: Duration = Duration::from_millis(100);
 pub const QUEUE: usize = 128;
 
 /// Serves a client until it hangs up or `stop` is requested.
-///
-/// # Errors
-/// Returns an error if the connection fails, if the client exceeds a time limit, or if a stop interrupts a wait.
 pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io::Result<()> {
     let mut peer = Peer::new(stream, stop)?;
     let mut session = Session::new(device);
@@ -133,7 +130,6 @@ impl<'a> Buffer<'a> {
     }
 }
 
-/// The client at the other end of the socket.
 struct Peer<'a> {
     reader: BufReader<&'a TcpStream>,
     stop: &'a Stop,

@@ -13,7 +13,6 @@ pub struct Correcting {
 }
 
 impl Correcting {
-    /// Starts the correction of a part with these axes, before its first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Corrector<Vec<Correction>>) -> Self {
         let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
         Self { layout: layout.clone(), axes, corrector }

@@ -16,7 +16,6 @@ pub const ID: &str = "iio:device0";
 /// The attributes of the device itself.
 pub const ATTRIBUTES: [&str; 4] = ["sampling_frequency", "samples_lost", "calibration", "current_timestamp_clock"];
 
-/// The attributes of the device's buffers.
 pub const BUFFER_ATTRIBUTES: [&str; 1] = ["samples_lost"];
 
 /// The only attribute that can be written, if writing is allowed.
@@ -34,7 +33,6 @@ pub struct Device {
     pub context: Vec<(&'static str, String)>,
     /// The channels, in the order of the description.
     pub table: Table,
-    /// The layout and scales of the codes.
     pub layout: Layout,
     axes: Vec<Axis>,
     corrector: Option<Corrector<Vec<Correction>>>,
@@ -63,9 +61,6 @@ struct Live {
 
 impl Device {
     /// Describes the device that a hub reads. With a calibration, the device also has channels of corrected rates.
-    ///
-    /// # Errors
-    /// Returns [`OtherPart`] if the calibration belongs to another part.
     pub fn new(facts: &DeviceInfo, calibration: Option<&Calibration>) -> Result<Self, OtherPart> {
         let DeviceInfo { info, part, .. } = facts;
         let names = || part.axes.iter().map(|axis| &*axis.name);
@@ -117,7 +112,6 @@ impl Device {
         Scanner::new(&self.layout, &self.axes, self.corrector.clone()).with_temp_of(&self.live().scanner)
     }
 
-    /// The offsets that clients added to the corrected rates, °/s.
     pub fn trims_dps(&self) -> [f64; MAX_AXES] {
         self.live().trims_dps
     }
@@ -137,13 +131,11 @@ impl Device {
         }
     }
 
-    /// Adds to the number of samples that full buffers dropped.
     pub fn note_missed(&self, missed: u64) {
         let live = &mut *self.live();
         live.missed = live.missed.saturating_add(missed);
     }
 
-    /// Notes that the samples have ended.
     pub fn note_gone(&self) {
         self.live().is_gone = true;
     }
@@ -157,9 +149,6 @@ impl Device {
         self.live().scan.is_some()
     }
 
-    /// Returns the current value of an attribute.
-    ///
-    /// # Errors
     /// Returns an error if there is no such attribute, or if its value needs a sample and there is none.
     pub fn read(&self, place: Place<'_>, attribute: &str) -> Result<String, Errno> {
         match place {
@@ -180,9 +169,6 @@ impl Device {
         }
     }
 
-    /// Writes an attribute.
-    ///
-    /// # Errors
     /// Returns an error if there is no such attribute, it cannot or may not be written, or the value is not valid.
     pub fn write(&self, place: Place<'_>, attribute: &str, value: &[u8]) -> Result<(), Errno> {
         if !self.attributes(place).contains(&attribute) {

@@ -89,7 +89,7 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// Serves one client. An error of a client is not an error of the server.
+    /// An error of a client is not an error of the server.
     fn attend(&self, stream: &TcpStream, stop: &Stop) {
         let _ = connection::serve(stream, self.hub, &self.device, stop);
     }

@@ -90,9 +90,6 @@ pub enum Place<'a> {
 
 impl<'a> Request<'a> {
     /// Parses a line, which may end in any white space.
-    ///
-    /// # Errors
-    /// Returns an error if the line is malformed, or requests something that this server does not support.
     pub fn parse(line: &'a [u8]) -> Result<Self, Errno> {
         let text = std::str::from_utf8(line).map_err(|_| Errno::NONSENSE)?;
         let mut words = Words(text.split_ascii_whitespace());
@@ -141,7 +138,6 @@ impl Keyword {
     }
 }
 
-/// The remaining words of a line.
 struct Words<'a>(SplitAsciiWhitespace<'a>);
 
 impl<'a> Words<'a> {

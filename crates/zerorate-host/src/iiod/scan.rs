@@ -28,7 +28,6 @@ pub struct Scanner {
 }
 
 impl Scanner {
-    /// Makes a scanner that has received no row yet.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
         let correcting = corrector.map(|corrector| Correcting::new(layout, axes, corrector));
         Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }
@@ -100,7 +99,6 @@ impl Packing {
         self.size
     }
 
-    /// Appends a sample to `out`.
     pub fn pack(&self, layout: &Layout, scan: &Scan, out: &mut Vec<u8>) {
         let start = out.len();
         out.resize(start + self.size, 0);

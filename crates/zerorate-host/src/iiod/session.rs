@@ -19,7 +19,6 @@ const PATIENCE: Duration = Duration::from_millis(2500);
 pub struct Session<'a> {
     device: &'a Device,
     buffer: Option<Open>,
-    /// Longest wait for samples.
     patience: Option<Duration>,
     /// The attribute that the next value will be written to.
     writing: Option<(OwnedPlace, String)>,
@@ -27,7 +26,6 @@ pub struct Session<'a> {
 
 #[derive(Clone, Debug)]
 pub struct Open {
-    /// The layout of the samples.
     pub packing: Packing,
     /// The channel mask, as the client sent it.
     pub mask: u32,
@@ -62,7 +60,6 @@ enum OwnedPlace {
 }
 
 impl<'a> Session<'a> {
-    /// Starts a session, before the first line.
     pub fn new(device: &'a Device) -> Self {
         Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
     }
@@ -72,7 +69,6 @@ impl<'a> Session<'a> {
         self.patience
     }
 
-    /// Handles a line of the client.
     pub fn line(&mut self, line: &[u8]) -> Step {
         match Request::parse(line).and_then(|request| self.request(request)) {
             Ok(step) => step,
@@ -228,7 +224,6 @@ fn version() -> Vec<u8> {
     format!("{major}.{minor}.{git:<7.7}\n").into_bytes()
 }
 
-/// A line with a number.
 pub fn number(value: usize) -> Vec<u8> {
     format!("{value}\n").into_bytes()
 }

@@ -14,7 +14,6 @@ pub struct Channel {
     pub id: String,
     /// A second name of the channel, if the id does not say what the channel holds.
     pub name: Option<&'static str>,
-    /// The quantity that the channel holds.
     pub quantity: Quantity,
     /// The layout in the buffer: `le:u24/32>>0`.
     pub format: String,

@@ -37,7 +37,6 @@ fn text(output: Output) -> String {
     out.into_owned()
 }
 
-/// The number that follows `word` in the text.
 fn number(text: &str, word: &str) -> f64 {
     let found = text.lines().find_map(|line| line.split_once(word)?.1.split_whitespace().next());
     let found = found.unwrap_or_else(|| panic!("no {word:?} in {text}"));

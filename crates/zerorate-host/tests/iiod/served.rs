@@ -32,7 +32,6 @@ impl TestServer {
         Self::of("twin:seed=8")
     }
 
-    /// Starts a server whose clients may write.
     pub fn writable() -> Self {
         Self::begin("twin:seed=8", |server| server.writable())
     }
@@ -76,12 +75,10 @@ impl TestServer {
         Self { address, rows, count, stop, threads: vec![recorder, server] }
     }
 
-    /// The URI that clients of libiio use.
     pub fn uri(&self) -> String {
         format!("ip:{}", self.address)
     }
 
-    /// Number of samples that were recorded so far.
     pub fn recorded(&self) -> usize {
         self.count.load(Ordering::Relaxed)
     }
@@ -143,7 +140,6 @@ fn check_corrected(code: i64, temp_code: Option<i64>, corrected: i64, at: usize)
     assert!((corrected as f64 - expected).abs() <= 0.51, "row {at}: {corrected}, not {expected}");
 }
 
-/// Decodes the eight bytes from `at`, little endian.
 fn field(sample: &[u8], at: usize) -> u64 {
     let bytes: [u8; 8] = sample[at..at + 8].try_into().expect("eight bytes");
     u64::from_le_bytes(bytes)
@@ -210,7 +206,6 @@ impl Raw {
         assert_eq!(self.number(&format!("OPEN iio:device0 256 {mask}")), 0);
     }
 
-    /// Reads exactly `bytes` bytes.
     pub fn take(&mut self, bytes: usize) -> Vec<u8> {
         let mut taken = vec![0; bytes];
         self.reader.read_exact(&mut taken).expect("bytes");
