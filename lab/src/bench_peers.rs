@@ -35,7 +35,6 @@ pub struct Line {
     pub dev: Option<Vec<Option<f64>>>,
 }
 
-/// Installs the other programs, runs all programs one after the other, and prints times and ratios.
 pub fn run(args: &BenchPeersArgs) -> Result<()> {
     let python = venv::python("peers", Path::new("lab/tools/peers/requirements.txt"))?;
     let peers = peers()?;
@@ -246,7 +245,6 @@ fn best_of_three(command: &mut Command) -> Result<f64> {
     Ok(best)
 }
 
-/// Describes the processor and its number of cores.
 fn machine() -> String {
     let cpus = std::thread::available_parallelism().map_or(1, usize::from);
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

@@ -30,7 +30,6 @@ struct Page {
     recordings_bytes: f64,
 }
 
-/// Runs the page and the program, built as they are distributed, and prints the results and missed goals.
 pub fn run() -> Result<()> {
     web::build_small()?;
     let peers = bench_peers::peers()?;

@@ -1,6 +1,5 @@
 //! The root mean square of residuals, and the factor from °/s to °/h.
 
-/// Factor from °/s to °/h.
 pub const DPH_PER_DPS: f64 = 3600.0;
 
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {

@@ -29,7 +29,6 @@ pub struct TrackingArgs {
     threads: usize,
 }
 
-/// Tracks each unit for a day in each world, and prints the table.
 pub fn run(args: &TrackingArgs) -> anyhow::Result<()> {
     println!("{}", heading());
     for (share, slow_turns) in WORLDS {

@@ -138,10 +138,7 @@ pub enum TrialEnd {
     Refused,
 }
 
-/// Calibrates a unit.
-///
-/// # Errors
-/// Returns an error if the bus fails or the plan is invalid.
+/// Calibrates a unit. Returns an error if the bus fails or the plan is invalid.
 pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
     match Rig::new(spec).calibrate(plan) {
         Ok((outcome, truth)) => {

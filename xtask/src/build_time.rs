@@ -21,7 +21,6 @@ const SECOND: &str = "xtask test";
 /// The source file that is changed before the last build. Only the program depends on it.
 const TOUCHED: &str = "crates/zerorate-cli/src/lib.rs";
 
-/// Runs both commands in an empty target folder, and the first one again after a change of the program.
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
     let folder = target_folder()?.join("build-time");

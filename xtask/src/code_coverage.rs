@@ -22,7 +22,6 @@ const VERSION: &str = "0.9.1";
 /// The result of the last run, in LCOV's format.
 const REPORT: &str = "target/coverage.lcov";
 
-/// Runs the tests and prints a row for each crate. With `--missed`, lists lines that the last run did not reach.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let missed = arguments.value("--missed")?;
     let least = arguments.value("--at-least")?.map(|share| share.parse::<f64>()).transpose().context("--at-least")?;

@@ -22,7 +22,6 @@ const DATABASE: &str = "https://github.com/RustSec/advisory-db";
 /// The manifests of the projects. Each project has its own lock file.
 const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/tools/Cargo.toml"];
 
-/// Checks licences, bans and sources, and also advisories if their database is available.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let handed_in = arguments.value("--advisories")?.map(database).transpose()?;
     arguments.end()?;

@@ -10,7 +10,6 @@ use std::process::Command;
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// The emulator that runs the images.
 pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
-/// The folder with the sources of the images.
 const PROJECT: &str = "firmware/qemu";
 
 /// Builds an image in the release profile and returns its path.

@@ -23,7 +23,6 @@ const MOST: f64 = 0.5;
 /// The crate that computes the deviations. The names of its functions contain this text.
 const DEVIATIONS: &str = "zerorate_allan";
 
-/// Fails if reading and checking a sample costs more than [`MOST`] times the instructions of its deviations.
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
     if !available(&TOOLS, "instructions")? {

@@ -45,7 +45,6 @@ const TRIED: [TestedCrate; 4] = [
     TestedCrate { name: "zerorate-jobs", share: 12, options: OF_THE_PROGRAM },
 ];
 
-/// Tries a sample of each crate, or of those that are named.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let share = arguments.value("--share")?.map(|n| n.parse::<u32>()).transpose().context("--share")?;
     let seed = arguments.value("--seed")?.map(|n| n.parse::<u64>()).transpose().context("--seed")?.unwrap_or(0);

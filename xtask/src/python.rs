@@ -57,7 +57,6 @@ pub const BENCH_HELP: &str = "\
 Times 200 captures through zerorate.fleet, by threads and by Dask, beside a plain loop of the same commands, and prints
 ratios, the cost of a file, and the memory of an hour. --captures N takes another number.";
 
-/// Runs the benchmark of the fleet with the wheel and the program.
 pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
     let captures = arguments.value("--captures")?.unwrap_or_else(|| "200".to_owned());
     arguments.end()?;
@@ -73,7 +72,6 @@ fn parts() -> String {
     format!("parts: {}; without one, {}", PARTS.map(|(name, _)| name).join(", "), PARTS[0].0)
 }
 
-/// Builds the wheel, installs and tests it. Without Python or a package registry, prints that and passes.
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut only = arguments.words()?;
     if only.is_empty() {
@@ -99,13 +97,11 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Runs the tests of the Python package, which include the type checkers.
 fn tests(wheel: &Wheel) -> Result<()> {
     wheel::install_into(&wheel.python, &wheel.path)?;
     pytest(&wheel.python, PACKAGE, &["--durations=5"])
 }
 
-/// Tests the fleet with an S3 server and worker processes of Dask.
 fn stores(wheel: &Wheel) -> Result<()> {
     pytest(&night(wheel)?, PACKAGE, &["-m", "stores"])
 }
@@ -128,7 +124,6 @@ fn allantools(wheel: &Wheel) -> Result<()> {
     done(Command::new(python).args(["bindings/python/tests/allantools_suite.py", &source]))
 }
 
-/// Tests the package of certificates in a separate environment.
 fn certificate(wheel: &Wheel) -> Result<()> {
     if !tools::available(&[PANGO], "the tests of certificates")? {
         return Ok(());
@@ -139,7 +134,6 @@ fn certificate(wheel: &Wheel) -> Result<()> {
     pytest(&python, CERTIFICATE, &["--durations=5"])
 }
 
-/// Tests the package with the bridge's firmware in an emulator, where the twin is the sensor.
 fn bridge(wheel: &Wheel) -> Result<()> {
     if !tools::available(&[QEMU], "the Python package at a bridge")? {
         return Ok(());

@@ -61,7 +61,6 @@ impl Step {
         self
     }
 
-    /// Sets the seed that replaces `{seed}`.
     pub const fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
@@ -236,7 +235,6 @@ fn announce(ended: &StepResult) {
     println!("=== {}: {verdict} in {}", ended.step.name, clock(ended.time));
 }
 
-/// Prints the time of each step, of the five longest, and of all together.
 fn show_times(times: &[(&str, Duration)], together: Duration) {
     let show = |times: &[(&str, Duration)]| {
         times.iter().for_each(|(name, time)| println!("  {name:24} {:>12}", clock(*time)));

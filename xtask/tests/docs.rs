@@ -100,7 +100,6 @@ fn files_of_rust_stay_below_600_lines_and_ignore_no_test() {
     }
 }
 
-/// The page that shows how firmware uses the driver.
 const FIRMWARE_PAGE: &str = "docs/firmware.md";
 
 #[test]

@@ -8,7 +8,7 @@ fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The versions of a crate in a lock file.
+/// The line `version = "…"` of each entry of a crate in a lock file.
 fn locked(lock: &str, name: &str) -> Vec<String> {
     let text = fs::read_to_string(project().join(lock)).expect("a lock file");
     let lines: Vec<&str> = text.lines().collect();

@@ -71,7 +71,7 @@ impl Plot {
         Self::Y.1 - part * (Self::Y.1 - Self::Y.0)
     }
 
-    /// Draws that part of a curve that is inside the plot.
+    /// Draws a curve without the part below the plot.
     fn curve(density: impl Fn(f64) -> f64, colour: &str) -> String {
         let hz = (0..=200).map(|step| Self::HZ.0 * (Self::HZ.1 / Self::HZ.0).powf(f64::from(step) / 200.0));
         let inside = hz.map(|hz| (hz, density(hz))).filter(|(_, density)| *density >= Self::DENSITY.0);

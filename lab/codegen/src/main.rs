@@ -21,7 +21,6 @@ fn main() -> Result<()> {
     }
 }
 
-/// Writes each file that is out of date, and prints its name.
 fn write() -> Result<()> {
     for (path, text) in old()? {
         fs::write(path, text).with_context(|| path.to_owned())?;
@@ -30,7 +29,6 @@ fn write() -> Result<()> {
     Ok(())
 }
 
-/// Returns an error that names each file that is out of date.
 fn check() -> Result<()> {
     let old: Vec<&str> = old()?.into_iter().map(|(path, _)| path).collect();
     ensure!(old.is_empty(), "out of date: {}; `cargo xtask codegen` writes them", old.join(", "));
@@ -44,7 +42,6 @@ fn old() -> Result<Vec<(&'static str, String)>> {
     Ok(made)
 }
 
-/// All generated files, each with its text.
 fn made() -> Result<Vec<(&'static str, String)>> {
     let facts = fs::read_to_string("docs/facts.md").context("docs/facts.md: run this in the project's folder")?;
     Ok(vec![

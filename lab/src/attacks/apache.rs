@@ -7,9 +7,7 @@ use anyhow::{Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The folders of arrow-testing with Arrow streams and files.
 const OF_ARROW: [&str; 2] = ["data/arrow-ipc-stream", "data/arrow-ipc-file"];
-/// The folders of parquet-testing with Parquet files.
 const OF_PARQUET: [&str; 3] = ["data", "bad_data", "shredded_variant"];
 
 pub fn arrow(program: &Path, folder: &Path) -> Result<Option<Tally>> {

@@ -16,7 +16,6 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Number of simultaneous connections, well below the limit of the server.
 const TOGETHER: usize = 32;
 
-/// Sends all cases, then checks that the server still answers.
 pub fn run(program: &Path) -> Result<Tally> {
     let server = Server::start(program, &["--device", "twin:seed=3"])?;
     let waiting = Mutex::new(cases::all().into_iter());

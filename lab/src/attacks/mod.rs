@@ -72,7 +72,6 @@ impl Part {
     }
 }
 
-/// Runs the parts, and fails if any outcome is wrong.
 pub fn run(args: &AttacksArgs) -> Result<()> {
     let program = app::given_or_built(args.program.as_deref())?;
     let parts = if args.parts.is_empty() { &ALL[..] } else { &args.parts };

@@ -18,13 +18,11 @@ const TIMED_OUT: i32 = 124;
 /// printed: a few units in the last place.
 const ROUNDING: f64 = 1e-15;
 
-/// The result of reading a file.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reading {
     /// The numeric columns, each with its name.
     Columns(Vec<(String, Vec<Option<f64>>)>),
-    /// The reason why the file cannot be read.
     Refused(String),
 }
 

@@ -9,7 +9,6 @@ pub enum Outcome {
     Wrong(String),
 }
 
-/// All cases of a suite, each with its name and outcome.
 #[derive(Debug, Default)]
 pub struct Tally(Vec<(String, Outcome)>);
 

@@ -45,7 +45,6 @@ pub struct BenchServeArgs {
     check: bool,
 }
 
-/// Starts the server and all watchers, and prints the load.
 pub fn run(args: &BenchServeArgs) -> Result<()> {
     let program = app::given_or_built(args.program.as_deref())?;
     let clients = if has_iio(args)? { args.clients } else { 0 };
@@ -66,13 +65,11 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     check_clients(&seen.clients, &program, &capture)
 }
 
-/// True if libiio clients can take part.
 fn has_iio(args: &BenchServeArgs) -> Result<bool> {
     let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
     Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)
 }
 
-/// The measured values of all watchers.
 struct Watchers {
     /// Processor time of the server as a share of one core.
     share: f64,

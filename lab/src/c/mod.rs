@@ -60,7 +60,6 @@ fn build(package: &str, target: Option<&str>) -> Result<PathBuf> {
     Ok(folder.join(format!("lib{}.a", package.replace('-', "_"))))
 }
 
-/// Checks that nothing in the library panics or allocates.
 fn is_self_contained(library: &Path) -> Result<()> {
     let unwanted = image::unwanted_in_archive(library)?;
     ensure!(unwanted.is_empty(), "{} links {}", library.display(), unwanted.join(", "));

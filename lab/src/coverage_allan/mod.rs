@@ -75,7 +75,6 @@ impl Run {
     }
 }
 
-/// Runs the scenarios that `only` selects, and fails if a result is outside its bounds.
 pub fn run(args: &CoverageAllanArgs) -> anyhow::Result<()> {
     let mut missed = Vec::new();
     for scenario in scenarios().iter().filter(|scenario| scenario.name.contains(&args.only)) {

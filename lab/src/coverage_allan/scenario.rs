@@ -106,7 +106,6 @@ const HOUR: Scenario = Scenario {
     bounds: OTHER,
 };
 
-/// All scenarios: the hour and its variations.
 pub fn scenarios() -> Vec<Scenario> {
     [terms(), filtered(), disturbed()].concat()
 }

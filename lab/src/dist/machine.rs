@@ -9,7 +9,6 @@ use std::process::Command;
 pub struct Machine {
     /// The name in file names.
     pub name: &'static str,
-    /// The target name in Rust.
     pub target: &'static str,
     /// The architecture name in Debian.
     pub debian: &'static str,

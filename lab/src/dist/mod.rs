@@ -101,7 +101,6 @@ impl Folder {
         self.dist.join(name)
     }
 
-    /// Creates an empty working folder.
     fn empty(&self, name: &str) -> Result<PathBuf> {
         let folder = self.work.join(name);
         if folder.exists() {
@@ -119,7 +118,6 @@ impl Folder {
         done(tar.arg("--directory").arg(parent).arg(name))
     }
 
-    /// Writes a SHA-256 sum for each file, sorted by name.
     fn write_sums(&self) -> Result<()> {
         let mut names = Vec::new();
         for entry in fs::read_dir(&self.dist)? {
@@ -140,7 +138,6 @@ impl Folder {
     }
 }
 
-/// The Python interpreter of a virtual environment with the required packages.
 fn python() -> Result<PathBuf> {
     Ok(std::path::absolute(venv::python("dist", Path::new("packaging/requirements.txt"))?)?)
 }

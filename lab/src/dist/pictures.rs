@@ -8,7 +8,6 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The folder of the committed plots.
 const COMMITTED: &str = "docs/pictures";
 /// Records a unit at constant temperature and at its full rate, so that only its noise and its filter appear.
 const RECORD: &str = "capture --device twin:seed=4,warmup_c=0 --duration 3h --force -o rest.parquet";
@@ -21,7 +20,6 @@ pub fn make(folder: &Folder) -> Result<()> {
     draw(&folder.of(program::name(&MACHINES[0])), &folder.empty("pictures")?, &folder.dist)
 }
 
-/// Draws both plots into `to` with `program`, in the working folder `work`.
 fn draw(program: &Path, work: &Path, to: &Path) -> Result<()> {
     let zerorate = |line: &str, picture: Option<&str>| {
         let mut command = Command::new(program);

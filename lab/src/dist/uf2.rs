@@ -70,7 +70,6 @@ fn blocks(pages: &BTreeMap<u32, [u8; PAGE]>, family: u32) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// An independent reader of UF2 finds the bytes that a boot loader would write.
     #[test]
     fn another_reader_finds_the_same_bytes() {
         let image: Vec<u8> = (0..1000_u32).map(|i| (i * 7) as u8).collect();

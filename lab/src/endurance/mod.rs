@@ -36,10 +36,8 @@ pub struct EnduranceArgs {
     program: Option<PathBuf>,
 }
 
-/// Length of the run with `--check`, h.
 const CHECK_HOURS: f64 = 3.0 / 60.0;
 
-/// Runs the parts one after the other.
 pub fn run(args: &EnduranceArgs) -> Result<()> {
     let program = app::given_or_built(args.program.as_deref())?;
     let hours = if args.check { CHECK_HOURS } else { args.hours };

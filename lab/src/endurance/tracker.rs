@@ -12,7 +12,6 @@ use std::time::Duration;
 /// Least duration in the sensor's time, h. A shorter run would end before its memory is measured several times.
 const LEAST_HOURS: f64 = 0.5;
 const STEP: Duration = Duration::from_millis(50);
-/// Rows per second.
 const RATE_HZ: f64 = 1.0;
 const HOUR_S: f64 = 3600.0;
 

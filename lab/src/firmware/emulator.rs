@@ -14,7 +14,6 @@ const SHIFT: u32 = 10;
 /// Length of a tick of SysTick, ns. The core of the mps2-an386 runs at 25 MHz.
 const TICK_NS: u32 = 40;
 
-/// The parsed output of an image.
 #[derive(Default)]
 pub struct Report {
     pub readings: Vec<Reading>,

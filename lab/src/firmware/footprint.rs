@@ -15,11 +15,9 @@ const TOLERANCE: f64 = 0.05;
 pub struct Figure {
     /// Name of the measured quantity on the page.
     pub what: &'static str,
-    /// The measured number, in `unit`.
     pub value: u64,
     /// The unit: instructions or bytes.
     pub unit: &'static str,
-    /// The limit, if there is one.
     pub goal: Option<u64>,
 }
 
@@ -75,7 +73,6 @@ pub fn read() -> Result<String> {
     fs::read_to_string(PAGE).context(PAGE)
 }
 
-/// Writes the page, with new tables.
 pub fn write(figures: &[Figure], versions: &Versions) -> Result<()> {
     let page = include_str!("footprint.md.in");
     let entries = [

@@ -6,7 +6,6 @@ use std::time::Instant;
 use zerorate::temperature::{self, BiasCurve, TERMS};
 use zerorate::{Correction, Uncertainty};
 
-/// The result of a method on a recording.
 pub struct MethodResult {
     pub correction: Correction,
     /// Covariance of the coefficients; `None` if the method states none.

@@ -156,7 +156,6 @@ impl Unit {
     }
 }
 
-/// Combines successive means into one block.
 fn block(means: &[Mean]) -> Block {
     let mean = |of: fn(&Mean) -> f64| means.iter().map(of).sum::<f64>() / means.len() as f64;
     Block {

@@ -16,7 +16,6 @@ const CLANG: Tool = Tool { program: "clang", package: "clang" };
 const CALLS: u64 = 100_000_000;
 const CALLS_QUICK: u64 = 5_000_000;
 
-/// Builds library and twin, then runs the examples and the fuzzer.
 pub fn run(check: bool, seed: u64) -> Result<()> {
     every_function_is_called("tests/fuzz.c")?;
     every_function_is_called("src/tests.rs")?;

@@ -186,7 +186,6 @@ impl Findings {
         text
     }
 
-    /// Returns an error if a statement does not hold.
     pub fn verdict(&self) -> Result<()> {
         match self.checks.iter().filter(|check| !check.holds).count() {
             0 => Ok(()),

@@ -5,7 +5,6 @@
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// Period of the readings.
 const PERIOD: Duration = Duration::from_millis(10);
 /// A reading that is later than this is not sent, so that a receiver can compute the number of missing readings from
 /// the times of two readings.

@@ -9,7 +9,6 @@ use std::collections::HashMap;
 /// The captures through the kernel's buffer. They end after the requested length, when readings stop, and when the
 /// gyroscope is unplugged.
 const BUFFERED: [&str; 3] = ["hid", "hidsilent", "hidcut"];
-/// All captures of the HID gyroscope.
 pub const CAPTURES: [&str; 4] = ["hid", "hidsilent", "hidcut", "hidpolled"];
 
 /// Attributes that the kernel must show, from the properties in `gyro.rs`: 0.01 °/s, 100 Hz.

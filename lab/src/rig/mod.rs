@@ -53,7 +53,6 @@ const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];
 /// Time limit for each step of the guest.
 const LIMIT: Duration = Duration::from_secs(150);
 
-/// Runs the rig, or prints why it cannot.
 pub fn run(args: &ProgramArgs) -> Result<()> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) || !Path::new("/etc/debian_version").exists() {
         eprintln!("SKIPPED: the rig needs Debian on x86-64, whose kernel it boots");

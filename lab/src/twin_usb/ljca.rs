@@ -10,7 +10,6 @@ pub const RDY_PIN: u8 = 3;
 /// Largest size of a message, bytes: one USB packet.
 pub const LONGEST_MESSAGE: usize = 64;
 
-/// The description of the device for the host.
 pub const ANNOUNCEMENT: Announcement = Announcement {
     vendor: 0x8086,
     product: 0x0b63,
@@ -51,7 +50,6 @@ const MODE_3: u8 = 0b11;
 pub trait Board {
     /// Transfers one frame of CS with the clock in mode 3. Returns the bytes received while `mosi` was sent.
     fn frame(&mut self, mosi: &[u8]) -> Vec<u8>;
-    /// True if RDY is high.
     fn rdy_high(&mut self) -> bool;
 }
 

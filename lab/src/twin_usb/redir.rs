@@ -136,7 +136,6 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// Adds bytes that the socket received.
     pub fn push(&mut self, bytes: &[u8]) {
         self.received.extend_from_slice(bytes);
     }
@@ -254,17 +253,14 @@ impl Connection {
         body
     }
 
-    /// A packet that announces that the device is unplugged.
     pub fn disconnect_packet(&self) -> Vec<u8> {
         self.packet(DEVICE_DISCONNECT, 0, &[])
     }
 
-    /// A packet with the current configuration.
     pub fn configuration_status(&self, id: u64, configuration: u8) -> Vec<u8> {
         self.packet(CONFIGURATION_STATUS, id, &[Status::Success as u8, configuration])
     }
 
-    /// A packet with the current alternate setting.
     pub fn alt_setting_status(&self, id: u64, interface: u8, alt: u8) -> Vec<u8> {
         self.packet(ALT_SETTING_STATUS, id, &[Status::Success as u8, interface, alt])
     }

@@ -58,7 +58,6 @@ impl Source {
     }
 }
 
-/// Finds which module uses which, each with the first place.
 fn uses(sources: &[Source]) -> Graph {
     let roots: Vec<Vec<Token>> = sources.iter().filter(|file| file.is_root()).map(Source::tokens).collect();
     let modules: BTreeSet<&str> = roots.iter().flat_map(|root| rust::declared(root)).collect();

@@ -118,7 +118,6 @@ fn plain(path: &Path) -> Result<PathBuf> {
     Ok(plain)
 }
 
-/// The relative path from the folder `from` to `to`.
 fn relative(from: &Path, to: &Path) -> String {
     let ups = from.components().count();
     "../".repeat(ups) + &to.to_string_lossy()
