@@ -15,7 +15,7 @@ use world::{Day, HALF, OFTEN};
 const HOURS: f64 = 24.0;
 
 /// The simulated worlds. Each has a label, which is the share of the moving time in slow rotations, and the number of
-/// slow rotations for 21 other motions.
+/// slow rotations per 21 other motions.
 const WORLDS: [(&str, f64); 4] = [("none", 0.0), ("5 %", SELDOM), ("25 %", OFTEN), ("50 %", HALF)];
 
 /// Command line of `cargo xtask tracking`.
@@ -57,7 +57,7 @@ pub struct Tracking {
     pub motion_learned_s: f64,
 }
 
-/// Simulates a day for each unit, with `slow_turns` slow rotations for 21 other motions.
+/// Simulates a day for each unit, with `slow_turns` slow rotations per 21 other motions.
 pub fn days(seeds: &RangeInclusive<u64>, threads: usize, slow_turns: f64) -> anyhow::Result<Tracking> {
     let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
     Ok(Tracking::of(&days))
@@ -86,7 +86,6 @@ impl Tracking {
         self.static_dph / self.tracked_dph
     }
 
-    /// Number of units for which tracking made the residual worse.
     pub fn worse(&self) -> usize {
         self.ratios.iter().filter(|ratio| **ratio < 1.0).count()
     }

@@ -111,7 +111,6 @@ pub struct EstimateError {
     pub u: f64,
 }
 
-/// The errors of both estimates for a unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
     pub pbc: EstimateError,
@@ -127,7 +126,6 @@ pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
     }
 }
 
-/// The outcome of a unit's calibration.
 #[derive(Clone, Debug)]
 pub enum TrialEnd {
     /// There is a result. `warnings` are the codes of warnings that report an event, except `short-average`.
@@ -144,7 +142,7 @@ pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
         Ok((outcome, truth)) => {
             let of_events = outcome.warnings.iter().filter(|warning| !warning.is_standing());
             let codes = of_events.map(zerorate::Warning::code);
-            // the plan is short on purpose, so this warning does not count
+            // this warning says that a longer average would be better, not that the result may be wrong
             let warnings = codes.filter(|code| *code != "short-average").collect();
             Ok(TrialEnd::Calibrated { unit: judge(&outcome, &truth), warnings })
         }

@@ -68,7 +68,8 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
 
 /// The share of all mutants of a crate that may survive.
 const MAY_SURVIVE: f64 = 0.1;
-/// Significance level. If the sample's survivors are less probable, more than a tenth of all mutants survive.
+/// Significance level. The task fails if so many survivors have a smaller probability than this, assuming that
+/// [`MAY_SURVIVE`] of all mutants survive.
 const UNLIKELY: f64 = 0.01;
 
 struct MutantCounts {

@@ -146,7 +146,8 @@ fn specs(part: &Part) -> Vec<ColumnSpec> {
     part.axes.iter().map(axis).chain([temp]).collect()
 }
 
-/// The quantity and its unit, in °/s or °C, that the column's name states, or else the column name in the part file.
+/// The quantity and its unit, in °/s or °C, as the column's name states them, or else as the name in the part file
+/// does. `None` if neither name states a unit.
 fn stated(column: &str, spec: &ColumnSpec) -> Option<(Quantity, f64)> {
     let by_part = || spec.without_unit().and_then(|_| Quantity::of_column(&spec.name));
     Quantity::of_column(column).or_else(by_part)

@@ -188,7 +188,7 @@ pub struct Bus {
     pub read_s: Option<f64>,
 }
 
-/// Losses between the part and this program. The `lost` of the samples includes the lost samples.
+/// Losses between the part and this program. Lost samples are also counted in [`Row::lost`] of the samples after them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Number of samples that were read but dropped because the queue was full.

@@ -61,7 +61,6 @@ impl TwinAddress {
 }
 
 impl TwinAddress {
-    /// The master clock that the driver assumes for all axes, Hz.
     fn mclk_hz(&self) -> u32 {
         told_mclk_hz(self.units[0].mclk_hz)
     }

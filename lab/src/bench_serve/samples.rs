@@ -79,7 +79,6 @@ impl Client {
         Ok(Self { child, bytes })
     }
 
-    /// Stops the client and returns the bytes that it received.
     pub fn end(mut self) -> Result<Vec<u8>> {
         self.child.kill()?;
         self.child.wait()?;

@@ -106,7 +106,7 @@ struct Dependency {
 }
 
 impl Product {
-    /// All software of others that is linked into the product on any of its targets, by name.
+    /// All software of others that is linked into the product on any of its targets, sorted by name.
     pub fn contents(&self) -> Result<Vec<Component>> {
         let linked = self.linked()?;
         let arguments = ["metadata", "--format-version=1", "--locked", "--all-features", "--manifest-path"];

@@ -28,7 +28,6 @@ pub struct Versions {
     pub qemu: String,
 }
 
-/// Describes every figure that misses its goal.
 pub fn missed_goals(figures: &[Figure]) -> Vec<String> {
     let missed = figures.iter().filter_map(|figure| {
         let goal = figure.goal.filter(|goal| figure.value > *goal)?;

@@ -91,7 +91,6 @@ fn page(results: &Results) -> Result<String> {
     Ok(text)
 }
 
-/// The goals of the project, with the measured results.
 fn goals(results: &Results) -> Vec<Goal> {
     let summary = |kind: Kind, name: &str| {
         let index = METHODS.iter().position(|method| method.name == name).unwrap_or_default();

@@ -6,7 +6,7 @@ use anyhow::Result;
 use xtask::venv::done;
 
 /// The program is built with the server only, to compile less. Tests that read a file are skipped, because their
-/// memory limit leaves none for the sanitizer. A test that waits for a calibration is skipped too.
+/// memory limit leaves no memory for the sanitizer. A test that waits for a calibration is skipped too.
 const TESTS: [&str; 2] = [
     "--package zerorate-host --lib --test hub --test iiod",
     "--package zerorate-cli --no-default-features --features serve --test cli serve:: -- \

@@ -83,7 +83,7 @@ struct Calibration {
     guest: Value,
     in_process: Value,
     truth: Truth,
-    /// Differences of the guest's correction at the guest's T3, °/s.
+    /// Differences of the guest's correction from the in-process one and from the truth, at the guest's T3, °/s.
     pbc_minus_in_process_dps: f64,
     pbc_minus_truth_dps: f64,
     /// Half widths of the 95 % intervals of these differences, °/s.

@@ -38,7 +38,6 @@ pub struct Hid {
     probe: Value,
 }
 
-/// A reading that the gyroscope sent.
 struct HidReading {
     number: u32,
     codes: Vec<i64>,

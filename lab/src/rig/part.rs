@@ -43,7 +43,6 @@ impl UsbTwin {
         Ok(Self { process, summary, wire })
     }
 
-    /// Unplugs the part, and returns its record.
     pub fn unplug(mut self) -> Result<Record> {
         let _ = Command::new("sh").arg("-c").arg(format!("kill -TERM {}", self.process.id())).status();
         let status = self.process.wait()?;

@@ -55,7 +55,7 @@ pub trait Board {
 
 #[derive(Debug, Default)]
 pub struct Ljca {
-    /// The interrupt state of each line: requested, unmasked, and pending until it is unmasked.
+    /// The interrupt state of each GPIO line. A pending interrupt is reported once the line is unmasked.
     lines: [Line; PINS as usize],
     spi_mode: u8,
     events: u32,

@@ -67,7 +67,6 @@ impl fmt::Display for RedirError {
     }
 }
 
-/// A request of the host.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Request {
     /// The name of the host. Its capabilities apply from now on.

@@ -33,7 +33,8 @@ pub const PORT: u16 = 30431;
 const MOST_CONNECTIONS: usize = 64;
 /// Interval between two checks for new connections.
 const POLL: Duration = Duration::from_millis(20);
-/// How long after the start clients wait for a sample, which some attributes need. Clients read them all at once.
+/// Longest time after the start for which clients wait for the first sample. Clients read all attributes at once, and
+/// some attributes need a sample.
 const FIRST_SAMPLE: Duration = Duration::from_secs(2);
 
 /// A libiio server for the device that a hub reads.
