@@ -15,7 +15,6 @@ use std::time::Instant;
 use zerorate::SettingNames;
 use zerorate_record::Row;
 
-/// Number of register reads that are timed together.
 const TIMED_READS: u32 = 200;
 
 pub trait Connection {
@@ -46,7 +45,6 @@ pub trait Connection {
         0
     }
 
-    /// Returns the warnings since the last call.
     fn take_notes(&self) -> Vec<SourceWarning> {
         Vec::new()
     }

@@ -4,7 +4,6 @@ use adis16130::Edge;
 use anyhow::Result;
 use std::time::Duration;
 
-/// A source of data-ready edges: a GPIO line, a bridge or the twin.
 pub trait Edges {
     /// Returns the newest unread edge, or waits for the next one. `None` if none comes within `timeout_ns`.
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;

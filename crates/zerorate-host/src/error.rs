@@ -120,7 +120,6 @@ impl UserError {
         Self::new(Cause::Request, words).into()
     }
 
-    /// An operating system's error, with the cause derived from the error's kind. `words` is the text for the user.
     pub fn of_system(error: &io::Error, words: impl Into<String>) -> Self {
         Self::new(of_system(error), words)
     }

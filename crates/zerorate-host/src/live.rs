@@ -15,7 +15,6 @@ use embedded_hal::spi::SpiDevice;
 use std::cell::RefCell;
 use std::fmt::Debug;
 
-/// The driver with its source of edges and the sampler that counts losses.
 pub struct Live<S, E> {
     part: Adis16130<S, ()>,
     pub edges: E,

@@ -10,7 +10,6 @@ use std::thread::{self, JoinHandle};
 /// Capacity of the queue in samples: 11.5 s at the full rate, 2.6 MB.
 const QUEUE: usize = 1 << 16;
 
-/// What to do with a sample when the queue is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenFull {
     /// Drop and count the sample, because reading the part cannot wait.
@@ -19,7 +18,6 @@ pub enum WhenFull {
     Wait,
 }
 
-/// A thread that reads samples into a queue.
 pub struct Reader {
     samples: Option<Receiver<Result<Sample>>>,
     overflowed: Arc<AtomicU64>,

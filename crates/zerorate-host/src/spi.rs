@@ -192,7 +192,6 @@ fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> an
     error.context(told)
 }
 
-/// A spidev file as an `embedded-hal` SPI device.
 struct SpiBus {
     spi: Spidev,
     clock: Arc<AtomicU32>,

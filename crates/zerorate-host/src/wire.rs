@@ -10,7 +10,6 @@ use std::time::Duration;
 /// Time limit for connecting, and for sending a request.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// The way to reach a bridge.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Port {
     /// A serial port. USB ports ignore the baud rate.

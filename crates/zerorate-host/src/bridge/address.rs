@@ -11,7 +11,6 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// The address of a part behind a bridge: `bridge:PORT` or `tcp:HOST:PORT`, with options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeAddress {
     pub port: Port,

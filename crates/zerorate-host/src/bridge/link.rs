@@ -20,7 +20,6 @@ impl embedded_hal::spi::Error for LinkError {
     }
 }
 
-/// The connection to a bridge, with the bytes that were received and not yet decoded.
 pub struct Link {
     wire: Wire,
     client: Client,

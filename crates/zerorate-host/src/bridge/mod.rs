@@ -147,7 +147,6 @@ fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: SettingNames)
     }
 }
 
-/// The samples of a bridge, in order.
 struct Stream {
     link: SharedLink,
     live: Box<Live<Transfers, LastEdges>>,

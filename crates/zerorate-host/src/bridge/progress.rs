@@ -8,7 +8,6 @@ const WINDOW: Duration = Duration::from_secs(2);
 /// Largest allowed ratio of the host's waiting time to the bridge's time. An emulated bridge is within this limit.
 const SLOWEST: u32 = 64;
 
-/// Compares the timestamps of the samples with the time that the host spent waiting for the samples.
 #[derive(Debug, Default)]
 pub struct Progress {
     /// Time of the first sample in the current check, ns.

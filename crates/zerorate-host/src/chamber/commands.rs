@@ -113,7 +113,6 @@ impl CommandedChamber {
         Ok(air_c)
     }
 
-    /// Repeats an operation until it succeeds, the time for retries is over, or a stop was requested.
     fn retry<T>(&mut self, what: impl Fn(&mut Self) -> Result<T, Failure>) -> Result<T> {
         let (until, mut wait) = (Instant::now() + self.commands.retry, FIRST_WAIT);
         loop {

@@ -5,7 +5,6 @@ use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use zerorate::Scale;
 
-/// A channel of an IIO device: a rate, or the temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// The common prefix of the channel's attributes: `in_anglvel_x`.

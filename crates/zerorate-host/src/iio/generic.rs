@@ -31,7 +31,6 @@ const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 /// The kernel clock of the timestamps. It is monotonic, as `t_ns` of a capture must be; other clocks may step.
 const CLOCK: &str = "monotonic";
 
-/// Opens the device: through its buffer if it has one and no poll rate was given, otherwise by polling.
 pub fn open(
     address: &IioAddress,
     name: &str,
@@ -152,7 +151,6 @@ impl Source for PolledChannels {
     }
 }
 
-/// A device whose scans are read from the kernel's buffer, with timestamps.
 struct BufferedScans {
     device: Device,
     scans: File,

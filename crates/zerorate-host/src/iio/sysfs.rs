@@ -5,7 +5,6 @@ use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
-/// Reads and parses an attribute that must exist.
 pub fn read<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(folder: &Path, name: &str) -> Result<T> {
     let text = read_text(folder, name)?;
     text.parse().with_context(|| format!("{}/{name} reads {text:?}", folder.display()))

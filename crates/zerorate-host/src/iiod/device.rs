@@ -24,14 +24,12 @@ const WRITABLE: &str = "calibbias";
 /// Largest bias that a client may write, rad/s. No gyroscope has a larger bias.
 const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
 
-/// The device as clients see it.
 #[derive(Debug)]
 pub struct Device {
     /// The name for clients: the name of the part in lower case.
     pub name: String,
     /// The attributes of the libiio context.
     pub context: Vec<(&'static str, String)>,
-    /// The channels, in the order of the description.
     pub table: Table,
     pub layout: Layout,
     axes: Vec<Axis>,
@@ -42,7 +40,6 @@ pub struct Device {
     live: Mutex<Live>,
 }
 
-/// The readings of the last sample, the counts so far, and the offsets of clients.
 #[derive(Debug)]
 struct Live {
     scanner: Scanner,
@@ -102,7 +99,6 @@ impl Device {
         Self { may_be_written: true, ..self }
     }
 
-    /// True if `name` is the id or the name of this device.
     pub fn is_called(&self, name: &str) -> bool {
         name == ID || name == self.name
     }

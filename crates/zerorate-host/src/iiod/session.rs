@@ -77,7 +77,6 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Handles a received value, and returns the answer.
     pub fn written(&mut self, value: &[u8]) -> Vec<u8> {
         let Some((place, attribute)) = self.writing.take() else { return refusal(Errno::NONSENSE) };
         match self.device.write(place.borrowed(), &attribute, value) {

@@ -23,16 +23,12 @@ pub struct Channel {
     pub attributes: &'static [&'static str],
 }
 
-/// The quantity that a channel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The code of an axis, as measured.
     Rate(usize),
-    /// The code of the temperature.
     Temp,
-    /// The corrected rate of an axis.
     Corrected(usize),
-    /// Number of lost samples so far.
     Lost,
     /// Time of the sample, ns.
     Time,
@@ -73,7 +69,6 @@ impl Table {
         &self.0
     }
 
-    /// Finds the channel with this id or name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.0.iter().find(|channel| channel.id == name || channel.name == Some(name))
     }
