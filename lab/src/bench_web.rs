@@ -18,7 +18,6 @@ const MOST_S: f64 = 1.0;
 /// Goals: largest size that the page loads before it draws anything, and largest size of the readers of logs, KB.
 const MOST_KB: [f64; 2] = [150.0, 800.0];
 
-/// The results that the browser printed.
 #[derive(Deserialize)]
 struct Page {
     seconds: f64,

@@ -11,7 +11,6 @@ use std::thread;
 /// A running server. Dropping this value ends the server.
 pub struct Server {
     child: Child,
-    /// The address of the page.
     pub page: String,
     /// The address for libiio clients, as a URI of libiio.
     pub iio_uri: String,

@@ -25,7 +25,6 @@ const CYCLE: [(f64, f64); 2] = [(1200.0, -8.0), (2400.0, 0.0)];
 /// Duration of each change of the air temperature, s.
 const RAMP_S: f64 = 480.0;
 
-/// A twin that is read through the driver.
 pub struct Rig {
     pub twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,

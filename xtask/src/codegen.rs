@@ -27,7 +27,6 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     done(Command::new(app::built("codegen")?).args(check.then_some("--check"))).context("generated files")
 }
 
-/// Writes the C header or, with `check`, fails if it is out of date.
 fn header(check: bool) -> Result<()> {
     let text = printed(lab::cargo("run", "header", "dev")?.arg("--quiet"))?;
     if fs::read_to_string(HEADER).is_ok_and(|there| there == text) {

@@ -47,7 +47,6 @@ struct Counts {
     deviations: f64,
 }
 
-/// Counts the instructions of the program on this many samples of noise.
 fn counted(program: &Path, samples: usize) -> Result<Counts> {
     let folder = target_folder()?;
     let [log, counts] = ["instructions.f64", "instructions.callgrind"].map(|name| folder.join(name));

@@ -27,7 +27,6 @@ struct TestedCrate {
     name: &'static str,
     /// Tries every N-th mutant, where N is this number.
     share: u32,
-    /// Options of cargo-mutants for the tests of the crate.
     options: &'static str,
 }
 

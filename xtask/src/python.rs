@@ -38,7 +38,6 @@ const PANGO: Tool = Tool { program: "pango-view", package: "pango1.0-tools" };
 /// The release of allantools whose tests `zerorate.allantools_compat` must pass.
 const ALLANTOOLS: &str = "2024.6";
 
-/// The text of `--help` after the parts.
 const ABOUT: &str = "\
 Builds the wheel, installs it into an environment below target/, and runs
   tests         its tests, with the type checkers

@@ -12,7 +12,6 @@ use anyhow::{Context, Result, bail};
 
 use xtask::targets;
 
-/// One cargo command.
 #[derive(Clone, Copy)]
 pub struct Step {
     pub name: &'static str,

@@ -9,7 +9,6 @@ use xtask::arguments::Arguments;
 /// command, which has built the dependencies by then.
 const STEP: Step = Step::new("test", "test --release").about("The tests of the crates with their default features");
 
-/// The test step of `cargo xtask ci`.
 pub const WHOLE_STEP: Step =
     Step::new("test", "xtask test --full").about("All tests of the workspace, with all features of the program");
 
@@ -19,7 +18,6 @@ const WHOLE: Step = Step::new(
     "test --release --workspace --exclude xtask --features zerorate-cli/full,zerorate-web/readers --locked",
 );
 
-/// Names the checks that this task does not run.
 const BESIDE: &str = "`cargo xtask check` looks at format, lints, links and bare targets;\n`cargo xtask ci` does all \
                       this and tests C, Python, the page, the bridge and the book.";
 

@@ -122,7 +122,6 @@ fn has_node() -> Result<bool> {
 }
 
 impl Module {
-    /// Builds the WebAssembly file of the module, and the TypeScript that calls it.
     fn build(&self, profile: &str) -> Result<()> {
         let mut cargo = Command::new("cargo");
         cargo.args(["rustc", "--locked", "-p", "zerorate-web", "--lib", "--crate-type", "cdylib"]);

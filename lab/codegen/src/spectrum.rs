@@ -24,7 +24,6 @@ const NO_EDGE_NS: u64 = 100_000_000;
 /// suppress the noise at higher frequencies.
 const IMAGES: i32 = 64;
 
-/// One way of sampling the part.
 struct Setup {
     name: &'static str,
     roa: Roa,

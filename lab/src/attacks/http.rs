@@ -52,7 +52,6 @@ fn judge(case: &Case, address: &str) -> Outcome {
     if is_right { Outcome::Right } else { Outcome::Wrong(format!("{:?}, answered with {found:?}", case.expected)) }
 }
 
-/// Sends a request and reads until the connection is closed.
 fn exchange(address: &str, bytes: &[u8]) -> Result<Vec<u8>> {
     let mut stream = TcpStream::connect(address)?;
     stream.set_read_timeout(Some(PATIENCE))?;

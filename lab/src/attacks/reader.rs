@@ -77,7 +77,6 @@ impl Reader {
         Ok(if code == 0 { String::new() } else { stderr })
     }
 
-    /// Compares our results with PyArrow's (`theirs`), and counts the outcomes.
     pub fn compare(&self, files: &[PathBuf], theirs: &[Reading], folder: &Path) -> Tally {
         let mut tally = Tally::default();
         for (file, theirs) in files.iter().zip(theirs) {

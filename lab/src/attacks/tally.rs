@@ -29,7 +29,6 @@ impl Tally {
         self.0.iter().filter(|(_, outcome)| is(outcome)).count()
     }
 
-    /// Prints the counts and each wrong case. With `all`, prints every case.
     pub fn print(&self, part: &str, all: bool) {
         for (case, outcome) in &self.0 {
             match outcome {

@@ -26,7 +26,6 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts the bridge with the unit `seed` of the twin.
     pub fn start(image: &Path, seed: u64, line: Line) -> Result<Self> {
         // the port was free a moment ago, and no other code of this task opens a port
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();

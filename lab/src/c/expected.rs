@@ -45,7 +45,6 @@ const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function
     not set up -2\ncalls 0 level 0 n 7\nbroken rdy -11\ncalls 1 level 0 n 7\n\
     no rdy -13\ncalls 0 level 0 n 7\nno delay -13\ncalls 0 level 0 n 7\n";
 
-/// The whole expected output of the test.
 pub fn text(seed: u64) -> Result<String> {
     let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
     let mut text = MISUSE.to_owned();

@@ -49,7 +49,6 @@ pub fn run(args: &CArgs) -> Result<()> {
     Ok(())
 }
 
-/// Builds the static library of a crate in `bindings/c`.
 fn build(package: &str, target: Option<&str>) -> Result<PathBuf> {
     let target_dir = std::path::absolute(WORK)?;
     let mut cargo = Command::new("cargo");
@@ -67,7 +66,6 @@ fn is_self_contained(library: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Exports the correction of the test as `unit.h`, with `zerorate export`.
 fn export_header() -> Result<()> {
     let unit = Path::new(WORK).join("unit.toml");
     fs::write(&unit, expected::CALIBRATION)?;

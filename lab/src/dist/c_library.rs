@@ -9,7 +9,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A target of the library, and the tools to build and run a small project with it.
 struct Kind {
     target: &'static str,
     compiler: Tool,

@@ -24,7 +24,6 @@ const PRINTED: [(&[&str], &str); 4] = [
     (&["completions", "fish"], "usr/share/fish/vendor_completions.d/zerorate.fish"),
 ];
 
-/// The files of `packaging/`, and their paths in the package.
 const PACKAGED: [(&str, &str); 5] = [
     ("udev/60-zerorate.rules", "usr/lib/udev/rules.d/60-zerorate.rules"),
     ("systemd/zerorate@.service", "usr/lib/systemd/system/zerorate@.service"),
@@ -46,7 +45,6 @@ fn name(machine: &Machine) -> String {
     format!("zerorate_{VERSION}_{}.deb", machine.debian)
 }
 
-/// Packs the programs that were built before.
 pub fn make(folder: &Folder) -> Result<()> {
     if !available(&TOOLS, "the Debian packages")? {
         return Ok(());

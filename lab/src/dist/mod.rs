@@ -33,7 +33,6 @@ pub struct DistArgs {
     check: bool,
 }
 
-/// A part of the distribution: one kind of file.
 struct Part {
     name: &'static str,
     make: fn(&Folder) -> Result<()>,
@@ -96,7 +95,6 @@ impl Folder {
         Ok(Self { dist, work, epoch: epoch.trim().to_owned() })
     }
 
-    /// The path of a distributed file.
     fn of(&self, name: impl AsRef<Path>) -> PathBuf {
         self.dist.join(name)
     }
@@ -162,7 +160,6 @@ fn fill(template: &str, to: &Path, values: &[(&str, &str)]) -> Result<()> {
     put(to, text.as_bytes())
 }
 
-/// Writes a file and creates its folders.
 fn put(path: &Path, bytes: &[u8]) -> Result<()> {
     fs::create_dir_all(path.parent().context("a file lies in a folder")?)?;
     fs::write(path, bytes).with_context(|| path.display().to_string())

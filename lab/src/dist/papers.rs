@@ -21,7 +21,6 @@ pub fn materials(product: &str) -> String {
     format!("{product}.cdx.json")
 }
 
-/// Writes the licences and the bill of materials of each product, and the licences of the project itself.
 pub fn make(folder: &Folder) -> Result<()> {
     for product in &PRODUCTS {
         let contents = product.contents()?;

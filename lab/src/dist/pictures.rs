@@ -15,7 +15,6 @@ const ALLAN: &str = "allan rest.parquet --fit --force --plot";
 const CALIBRATION: &str = "calibrate --device twin:seed=4 --serial SN17 --force -o unit.toml";
 const CORRECTION: &str = "report unit.toml --force -o";
 
-/// Draws both plots with the program that was built before.
 pub fn make(folder: &Folder) -> Result<()> {
     draw(&folder.of(program::name(&MACHINES[0])), &folder.empty("pictures")?, &folder.dist)
 }

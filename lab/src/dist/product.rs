@@ -9,7 +9,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A distributed product with a list of contents.
 pub struct Product {
     /// The name in file names.
     pub name: &'static str,

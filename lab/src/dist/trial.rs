@@ -34,7 +34,6 @@ fn steps() -> Vec<(String, i32, &'static [&'static str])> {
 /// The results of the trial: each step with its output or file.
 pub type Observations = Vec<(String, Vec<u8>)>;
 
-/// Copies the files of other projects to `here`, and makes the SQLite file.
 pub fn lay_out(here: &Path) -> Result<()> {
     for (name, from) in FOREIGN {
         fs::copy(from, here.join(name)).with_context(|| from.to_owned())?;

@@ -24,7 +24,6 @@ pub const TINYUF2_STM32F4: Loader = Loader { family: 0x5775_5A57, flash: 0x0801_
 /// Number of bytes of the image in a block: the bytes that an RP2040 writes at once.
 const PAGE: usize = 256;
 
-/// Converts an ELF image to UF2.
 pub fn convert(image: &[u8], loader: &Loader) -> Result<Vec<u8>> {
     let pages = pages(image)?;
     ensure!(!pages.is_empty(), "nothing in it is to be flashed");

@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 const TOOL: Tool = Tool { program: "faketime", package: "faketime" };
 /// The offsets of the clock, in the notation of libfaketime.
 const STEPS: [&str; 3] = ["+3600", "-3600", "+0"];
-/// Duration of each offset.
 const LASTS: Duration = Duration::from_secs(4);
 /// Largest time by which the sensor may be ahead of the wall clock, s. On a busy machine the sensor may lag by more.
 const AHEAD_S: f64 = 1.0;

@@ -100,7 +100,6 @@ fn wait(
     Ok(())
 }
 
-/// Opens one page after the other.
 fn pages(server: &Server, visit: Duration, over: &AtomicBool, shown_ms: &AtomicU64) -> Result<Visits> {
     let mut visits = Visits::default();
     while !over.load(Ordering::Relaxed) {

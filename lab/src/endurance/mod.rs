@@ -87,7 +87,6 @@ fn kept_mb(hours: f64) -> f64 {
 /// leak per visitor would exceed this number.
 const OWN: usize = 8;
 
-/// The number of descriptors after all visitors have left.
 fn settled(server: &Server, before: usize) -> Result<usize> {
     /// Longest wait. It exceeds any timeout of the server.
     const PATIENCE: Duration = Duration::from_secs(120);

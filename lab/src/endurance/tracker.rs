@@ -15,7 +15,6 @@ const STEP: Duration = Duration::from_millis(50);
 const RATE_HZ: f64 = 1.0;
 const HOUR_S: f64 = 3600.0;
 
-/// Runs the tracker. Checks that its memory does not grow and that all rows are present, in order.
 pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
     let hours = hours.max(LEAST_HOURS);
     let folder = tempfile::tempdir()?;
@@ -43,7 +42,6 @@ pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
     gauge.check(0.0)
 }
 
-/// Counts the rows that the tracker printed, and checks that their times increase.
 fn in_order(text: &str) -> Result<usize> {
     let times = text.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
     let times = times.map(|line| line.split(',').next().unwrap_or_default().parse::<f64>().context("a time"));

@@ -21,7 +21,6 @@ pub struct Figure {
     pub goal: Option<u64>,
 }
 
-/// Versions of the tools that measured the figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Versions {
     pub rustc: String,
@@ -47,7 +46,6 @@ pub fn risen(figures: &[Figure], page: &str) -> Vec<String> {
     risen.collect()
 }
 
-/// Describes every figure that differs from the page or is not on it.
 pub fn changed(figures: &[Figure], page: &str) -> Vec<String> {
     let changed = figures.iter().filter_map(|figure| match committed(figure.what, page) {
         Some(before) if before == figure.value => None,

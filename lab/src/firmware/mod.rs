@@ -54,7 +54,6 @@ struct Outcome {
     versions: Versions,
 }
 
-/// Builds and measures driver and tracker separately, then runs the rest in the emulator if there is one.
 pub fn run(args: &FirmwareArgs) -> Result<()> {
     targets::add_missing([TARGET].into_iter())?;
     let mut figures = alone()?;

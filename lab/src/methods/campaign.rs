@@ -17,7 +17,6 @@ pub struct Method {
     fit: fn(&Recording) -> Option<MethodResult>,
 }
 
-/// The kind of recording that a method uses.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum RecordingKind {
     Hour,

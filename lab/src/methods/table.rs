@@ -102,7 +102,6 @@ fn with_coverage(summary: &Summary) -> String {
     format!("{:.1}{inside}", summary.residual_dph)
 }
 
-/// A goal of the project, with the measured result.
 pub struct Goal {
     pub what: String,
     pub goal: String,

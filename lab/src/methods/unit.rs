@@ -105,7 +105,6 @@ impl Recording {
         unit.recording()
     }
 
-    /// The recording in blocks, as a fit uses it.
     pub fn blocks(&self) -> Vec<Block> {
         self.averages(self.means.len().div_ceil(MOST_BLOCKS).max(LEAST_MEANS)).collect()
     }

@@ -14,7 +14,6 @@ use std::time::Duration;
 
 /// The data that guest and part recorded in one run.
 pub struct RigData {
-    /// The folder with the guest's files.
     pub files: PathBuf,
     pub iio: Record,
     pub spi: Record,

@@ -5,7 +5,6 @@ use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
-/// The folder with the files that the guest wrote.
 pub struct Files<'a>(pub &'a Path);
 
 pub struct GuestRow {

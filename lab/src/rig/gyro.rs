@@ -105,7 +105,6 @@ impl<K: Write, R: Write> Gyro<K, R> {
         self.kernel.write_all(&[&kind.to_ne_bytes()[..], &what.concat()].concat())
     }
 
-    /// Handles a request of the kernel.
     fn hear(&mut self, event: &[u8]) -> io::Result<()> {
         let (Some((kind, rest)), no_error) = (event.split_first_chunk::<4>(), 0u16.to_ne_bytes()) else {
             return Ok(());

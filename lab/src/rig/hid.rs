@@ -47,7 +47,6 @@ struct HidReading {
     asked: bool,
 }
 
-/// The comparison of a capture through the buffer.
 #[derive(Serialize)]
 struct Stream {
     name: &'static str,

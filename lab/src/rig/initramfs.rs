@@ -41,7 +41,6 @@ pub fn build(folder: &Path, kernel: &Kernel, program: &Path, settings: &[(&str, 
     pack(&root, &folder.join("initramfs"))
 }
 
-/// Compiles the HID gyroscope statically.
 fn gyro(folder: &Path) -> Result<PathBuf> {
     let (source, program) = (folder.join("gyro.rs"), folder.join("gyro"));
     fs::write(&source, GYRO)?;

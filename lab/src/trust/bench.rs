@@ -63,7 +63,6 @@ impl Drop for Folder {
     }
 }
 
-/// The exit code of one run of the program, and what it printed.
 pub struct Run {
     pub code: Option<i32>,
     pub stdout: String,

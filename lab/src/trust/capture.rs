@@ -59,7 +59,6 @@ fn capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// True if the summary of the capture contains warnings.
 fn telling(run: &Run) -> bool {
     run.json().is_ok_and(|summary| summary["warnings"].as_array().is_some_and(|warnings| !warnings.is_empty()))
 }

@@ -41,7 +41,6 @@ const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s 
 const READINGS: usize = 250;
 /// Time limit of a run, even on a busy machine.
 const MOST: Duration = Duration::from_secs(120);
-/// The signals that are sent to end the program.
 const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
 
 /// Makes the chamber fail. Checks that the run ends, that its result is right, and that its last line is right about
@@ -141,7 +140,6 @@ fn interrupted(bench: &Bench) -> Result<&'static InterruptedRun> {
     Ok(INTERRUPTED.get_or_init(|| InterruptedRun { state, result }))
 }
 
-/// Replaces one random digit by another digit.
 pub fn with_another_digit(text: &str, random: &mut StdRng) -> String {
     let digits: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| b.is_ascii_digit()).map(|(at, _)| at).collect();
     let at = digits[random.random_range(0..digits.len())];

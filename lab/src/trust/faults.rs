@@ -9,7 +9,6 @@ use serde_json::Value;
 /// A fault of the twin, and the texts by which a user can recognise it.
 pub struct Fault {
     pub name: &'static str,
-    /// Additional keys of the twin.
     pub keys: &'static str,
     /// Texts of the true cause. The error must contain one of them.
     pub causes: &'static [&'static str],
@@ -73,7 +72,6 @@ fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
 /// Codes of warnings that do not count, because they do not say that a value may be wrong.
 const ALWAYS: [&str; 2] = ["short-average", "lost-samples"];
 
-/// Compares a calibration with the twin's truth.
 pub fn judge(run: &Run) -> Result<Verdict> {
     let result = run.json()?;
     let number = |value: &Value| value.as_f64().context("a number");

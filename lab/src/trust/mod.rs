@@ -87,7 +87,6 @@ fn classes() -> Vec<Class> {
     [devices.concat(), computers.concat()].concat()
 }
 
-/// Runs the classes one after the other, and fails if any result was wrong without a warning.
 pub fn run(args: &TrustArgs) -> Result<()> {
     let bench = Bench::new(app::given_or_built(args.program.as_deref())?)?;
     let mut done = FinishedClasses::read(args.resume.clone())?;

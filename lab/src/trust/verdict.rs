@@ -22,7 +22,6 @@ pub enum Verdict {
     Skipped(&'static str),
 }
 
-/// The number of runs of a class with each verdict.
 #[derive(Default, Deserialize, Serialize)]
 pub struct Count {
     pub runs: u64,

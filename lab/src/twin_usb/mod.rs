@@ -114,7 +114,6 @@ fn connect(socket: &Path, unplugged: impl Fn() -> bool) -> Result<UnixStream> {
     }
 }
 
-/// The adapter and its part, plugged into a socket.
 struct Plug {
     stream: UnixStream,
     connection: Connection,

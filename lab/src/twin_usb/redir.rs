@@ -113,7 +113,6 @@ impl Control {
     }
 }
 
-/// The description of a USB device.
 #[derive(Clone, Copy, Debug)]
 pub struct Announcement {
     pub vendor: u16,

@@ -6,7 +6,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Follows every link of `pages`, which are in the folder `out`.
 pub fn check(out: &Path, pages: &[PathBuf]) -> Result<()> {
     let mut texts = BTreeMap::new();
     for page in pages {

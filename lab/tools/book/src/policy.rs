@@ -22,7 +22,6 @@ const STYLES: [(&str, &str); 4] = [
     (r#" style="text-align: right""#, r#" class="align-right""#),
 ];
 
-/// Changes all pages in the folder `out`, and returns their paths.
 pub fn apply(out: &Path) -> Result<Vec<PathBuf>> {
     let pages: Vec<PathBuf> =
         below(out)?.into_iter().filter(|path| path.extension().is_some_and(|e| e == "html")).collect();

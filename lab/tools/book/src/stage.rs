@@ -79,7 +79,6 @@ fn relinked(text: &str, page: &Path, root: &Path, chapters: &BTreeSet<PathBuf>) 
     Ok(made + &text[done..])
 }
 
-/// A link or a picture in a text.
 struct Link {
     whole: Range<usize>,
     /// The range of the shown text; `target` is that of the target.
