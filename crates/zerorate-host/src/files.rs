@@ -12,9 +12,6 @@ use zerorate_record::{CaptureError, CaptureReader};
 
 /// Opens a regular file. Pipes, sockets and devices are refused before opening, because opening them may block
 /// forever, and because they have no length and maybe no end.
-///
-/// # Errors
-/// Returns an error if the file is a pipe, a socket or a device, or if it cannot be opened.
 pub fn open(path: &Path) -> Result<Input, InputError> {
     let failed = |error| InputError::io("read", path, error);
     let metadata = path.metadata().map_err(|error| failed(not_an_address(path, error)))?;
@@ -78,9 +75,6 @@ pub const STDIN: &str = "-";
 
 /// Opens a log: a file, standard input (`-`), or a folder with a ROS 2 bag or a split ROS 1 bag. Returns each file
 /// with its path, and the numbers of messages that the description of a ROS 2 bag states.
-///
-/// # Errors
-/// Returns an error if the log cannot be opened.
 pub fn log(path: &Path) -> Result<Parts, InputError> {
     let failed = |error| InputError::io("read", path, error);
     if path == Path::new(STDIN) {

@@ -119,9 +119,6 @@ enum Request {
 impl Hub {
     /// Opens the device in a new thread. The part is initialised later, by [`Source::initialise`]. If `stop` is
     /// requested, the samples end without an error, as at the end of a recording.
-    ///
-    /// # Errors
-    /// Returns an error if the device cannot be opened.
     pub fn open(spec: &DeviceSpec, setup: Setup, stop: &Stop) -> Result<Self> {
         let (spec, inner) = (spec.clone(), stop.clone());
         Self::start(move || spec.open(&setup, &inner), stop)
@@ -129,9 +126,6 @@ impl Hub {
 
     /// Starts a hub for the source that `open` returns. The source is made in the thread of the hub, so it need not
     /// be `Send`.
-    ///
-    /// # Errors
-    /// Returns an error if the device cannot be opened.
     pub fn start(open: impl FnOnce() -> Result<Box<dyn Source>> + Send + 'static, stop: &Stop) -> Result<Self> {
         let (requests, wanted) = channel();
         let (tell, told) = channel();
@@ -247,17 +241,11 @@ fn died() -> anyhow::Error {
 
 impl LosslessReader {
     /// Waits for the next batch. `None` at the end of a recording, after a stop, or if the hub was dropped.
-    ///
-    /// # Errors
-    /// Returns an error if reading the device failed.
     pub fn next(&self) -> Result<Option<Arc<Batch>>> {
         self.0.recv().map_or(Ok(None), |given| given.map(Some))
     }
 
     /// Waits for the next batch, for `patience` at most.
-    ///
-    /// # Errors
-    /// Returns the errors of [`LosslessReader::next`].
     pub fn next_within(&self, patience: Duration) -> Result<Poll<Arc<Batch>>> {
         Ok(match Poll::of(self.0.recv_timeout(patience)) {
             Poll::Samples(given) => Poll::Samples(given?),

@@ -75,9 +75,6 @@ impl DeviceSpec {
     }
 
     /// Opens the device. [`Source::initialise`] initialises the part later. `stop` ends every long wait.
-    ///
-    /// # Errors
-    /// Returns an error if the device cannot be opened.
     pub fn open(&self, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>> {
         self.address.open(&self.text, setup, stop)
     }

@@ -19,9 +19,6 @@ use std::str::FromStr;
 /// A temperature chamber. Call `start` once before `set`, `read_c` and `pass`, and `end` once after them.
 pub trait Chamber: Send {
     /// Checks that the chamber responds, without changing its temperature.
-    ///
-    /// # Errors
-    /// Returns an error if the chamber does not respond.
     fn start(&mut self) -> Result<()> {
         Ok(())
     }

@@ -47,9 +47,6 @@ impl Default for SimulatedChamber {
 
 impl SimulatedChamber {
     /// Parses `key=value` pairs, separated by commas.
-    ///
-    /// # Errors
-    /// Returns an error for an unknown key or an invalid value.
     pub fn parse(keys: &str) -> Result<Self, String> {
         let mut chamber = Self::default();
         for item in keys.split(',').map(str::trim).filter(|item| !item.is_empty()) {

@@ -70,9 +70,6 @@ impl SharedState {
 
 impl ChamberThread {
     /// Starts the thread, which starts the chamber.
-    ///
-    /// # Errors
-    /// Returns an error if no thread can be started.
     pub fn new(mut chamber: Box<dyn Chamber>) -> Result<Self> {
         let shared = Arc::new(SharedState::default());
         let (inner, halt) = (shared.clone(), chamber.halt());
