@@ -165,16 +165,31 @@ impl Device {
         }
     }
 
-    /// Returns an error if there is no such attribute, it cannot or may not be written, or the value is not valid.
-    pub fn write(&self, place: Place<'_>, attribute: &str, value: &[u8]) -> Result<(), Errno> {
+    /// The axis whose correction this attribute sets. An error if there is no such attribute, or if it cannot or may
+    /// not be written.
+    pub fn writable_axis(&self, place: Place<'_>, attribute: &str) -> Result<usize, Errno> {
         if !self.attributes(place).contains(&attribute) {
             return Err(Errno::NOT_FOUND);
         }
         let channel = if let Place::Input(name) = place { self.table.channel(name) } else { None };
         match channel.map(|channel| channel.quantity) {
-            Some(Quantity::Rate(axis)) if attribute == WRITABLE && self.may_be_written => self.trim(axis, value),
+            Some(Quantity::Rate(axis)) if attribute == WRITABLE && self.may_be_written => Ok(axis),
             _ => Err(Errno::DENIED),
         }
+    }
+
+    /// Sets the correction of an axis at the current temperature to `value`, rad/s, by adding a constant. The
+    /// correction still follows the temperature.
+    pub fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
+        let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
+        let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;
+        // this comparison also rejects NaN
+        if wanted.abs() <= LARGEST_BIAS_RAD_PER_S {
+            let live = &mut *self.live();
+            live.trims_dps[axis] += wanted.to_degrees() - self.bias_dps(live, axis)?;
+            return Ok(());
+        }
+        Err(Errno::NONSENSE)
     }
 
     fn live(&self) -> MutexGuard<'_, Live> {
@@ -251,19 +266,5 @@ impl Device {
     /// The offset that is currently added to the rate of an axis, °/s.
     fn bias_dps(&self, live: &Live, axis: usize) -> Result<f64, Errno> {
         Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
-    }
-
-    /// Sets the correction of an axis at the current temperature to `value`, rad/s, by adding a constant. The
-    /// correction still follows the temperature.
-    fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
-        let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
-        let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;
-        // this comparison also rejects NaN
-        if wanted.abs() <= LARGEST_BIAS_RAD_PER_S {
-            let live = &mut *self.live();
-            live.trims_dps[axis] += wanted.to_degrees() - self.bias_dps(live, axis)?;
-            return Ok(());
-        }
-        Err(Errno::NONSENSE)
     }
 }

@@ -20,8 +20,8 @@ pub struct Session<'a> {
     device: &'a Device,
     buffer: Option<Open>,
     patience: Option<Duration>,
-    /// The attribute that the next value will be written to.
-    writing: Option<(OwnedPlace, String)>,
+    /// The axis whose correction the next value will set, or the reason to refuse the value.
+    writing: Option<Result<usize, Errno>>,
 }
 
 #[derive(Clone, Debug)]
@@ -50,15 +50,6 @@ pub enum Step {
     HangUp(Vec<u8>),
 }
 
-/// A [`Place`] that owns its text, stored until the value arrives.
-enum OwnedPlace {
-    Device,
-    Debug,
-    Buffer,
-    Input(String),
-    Output(String),
-}
-
 impl<'a> Session<'a> {
     pub fn new(device: &'a Device) -> Self {
         Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
@@ -78,8 +69,8 @@ impl<'a> Session<'a> {
     }
 
     pub fn written(&mut self, value: &[u8]) -> Vec<u8> {
-        let Some((place, attribute)) = self.writing.take() else { return refusal(Errno::NONSENSE) };
-        match self.device.write(place.borrowed(), &attribute, value) {
+        let Some(axis) = self.writing.take() else { return refusal(Errno::NONSENSE) };
+        match axis.and_then(|axis| self.device.trim(axis, value)) {
             Ok(()) => number(value.len()),
             Err(errno) => refusal(errno),
         }
@@ -148,9 +139,9 @@ impl<'a> Session<'a> {
         if bytes > LONGEST_VALUE {
             return Step::HangUp(refusal(Errno::TOO_LARGE));
         }
-        // an unknown device gets the place `Debug`, which has no attributes, so that the write is refused
-        let place = if self.device.is_called(device) { OwnedPlace::of(place) } else { OwnedPlace::Debug };
-        self.writing = Some((place, attribute.to_owned()));
+        let is_known = self.device.is_called(device);
+        let axis = if is_known { self.device.writable_axis(place, attribute) } else { Err(Errno::NOT_FOUND) };
+        self.writing = Some(axis);
         Step::Take(bytes)
     }
 
@@ -183,28 +174,6 @@ impl<'a> Session<'a> {
         match bytes - bytes % size {
             0 => Ok(Step::Reply(number(0))),
             whole => Ok(Step::Fill(whole)),
-        }
-    }
-}
-
-impl OwnedPlace {
-    fn of(place: Place<'_>) -> Self {
-        match place {
-            Place::Device => Self::Device,
-            Place::Debug => Self::Debug,
-            Place::Buffer => Self::Buffer,
-            Place::Input(name) => Self::Input(name.to_owned()),
-            Place::Output(name) => Self::Output(name.to_owned()),
-        }
-    }
-
-    fn borrowed(&self) -> Place<'_> {
-        match self {
-            Self::Device => Place::Device,
-            Self::Debug => Place::Debug,
-            Self::Buffer => Place::Buffer,
-            Self::Input(name) => Place::Input(name),
-            Self::Output(name) => Place::Output(name),
         }
     }
 }
