@@ -133,7 +133,9 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
                     self.alive_ns = Some(sample.t_ns);
                     return Ok(sample);
                 }
-                Ok(None) => self.require_alive(edge.t_ns)?,
+                Ok(None) if self.is_alive(edge.t_ns) => {}
+                // edges that bring no new samples for long: the part may be gone and its RDY line floating
+                Ok(None) => return Err(self.why_silent()),
                 Err(error) => self.require_transient(error, edge.t_ns)?,
             }
         }
@@ -153,12 +155,6 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
             None => Err(self.at(error.into())),
             Some(fault) => Err(self.at(fault.into())),
         }
-    }
-
-    /// Returns an error if edges bring no new samples for long: the part may be gone and its RDY line floating.
-    #[inline]
-    fn require_alive(&mut self, now_ns: u64) -> Result<()> {
-        if self.is_alive(now_ns) { Ok(()) } else { Err(self.why_silent()) }
     }
 
     /// True if there was a sample recently. The first edge after an initialisation counts as a sample.
