@@ -58,11 +58,11 @@ impl TwinAddress {
         let edges = TwinEdges { rising, divided: sampling.divided.max(1).into(), counted: 0, twin };
         Live::new(edges.twin.spi(), edges, self.part.config, sampling, self.mclk_hz(), stop)
     }
-}
 
-impl TwinAddress {
+    /// The master clock that the driver assumes, Hz: nominal (F-31), or the unit's own if that differs by 5 % or more.
     fn mclk_hz(&self) -> u32 {
-        told_mclk_hz(self.units[0].mclk_hz)
+        let (own_hz, nominal_hz) = (self.units[0].mclk_hz, f64::from(MCLK_HZ));
+        if (own_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { own_hz.round() as u32 }
     }
 }
 
@@ -240,12 +240,6 @@ fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     let is_beyond = unit.profile != Profile::Oven && !(low_c..=high_c).contains(&unit.ambient_c);
     let part = part.name.to_string();
     is_beyond.then_some(SourceWarning::BeyondLimits { ambient_c: unit.ambient_c, part, low_c, high_c })
-}
-
-/// The master clock that the driver assumes, Hz: nominal (F-31), or the unit's own if that differs by 5 % or more.
-fn told_mclk_hz(mclk_hz: f64) -> u32 {
-    let nominal_hz = f64::from(MCLK_HZ);
-    if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }
 }
 
 /// The RDY line of the twin, optionally with a counter.
