@@ -72,13 +72,8 @@ pub(super) struct CommandedChamber {
     air_c: Option<f64>,
 }
 
-/// The command that failed and the reason, as a text.
-struct Failure(String);
-
-impl Failure {
-    fn of(command: &str, why: impl fmt::Display) -> Self {
-        Self(format!("`{command}`: {why}"))
-    }
+fn failure(command: &str, why: impl fmt::Display) -> String {
+    format!("`{command}`: {why}")
 }
 
 impl CommandedChamber {
@@ -87,33 +82,33 @@ impl CommandedChamber {
         Self { commands: commands.clone(), limits: LIMITS, stops, is_touched: false, air_c: None }
     }
 
-    fn run(&self, command: &str) -> Result<String, Failure> {
+    fn run(&self, command: &str) -> Result<String, String> {
         let Self { stops, limits, .. } = self;
         let (latest, mut stopped) = (Instant::now() + limits.command, None);
         let until = || match stops.iter().any(Stop::asked) {
             true => latest.min(*stopped.get_or_insert_with(Instant::now) + limits.grace),
             false => latest,
         };
-        shell::first_line(command, until).map_err(|error| Failure::of(command, error))
+        shell::first_line(command, until).map_err(|error| failure(command, error))
     }
 
-    fn set_once(&mut self, temp_c: f64) -> Result<(), Failure> {
+    fn set_once(&mut self, temp_c: f64) -> Result<(), String> {
         self.is_touched = true;
         self.run(&self.commands.set_to(temp_c)).map(drop)
     }
 
-    fn read_once(&mut self) -> Result<f64, Failure> {
+    fn read_once(&mut self) -> Result<f64, String> {
         let command = &self.commands.read;
         let line = self.run(command)?;
         let number = line.parse().ok().filter(|temp_c| SENSIBLE_C.contains(temp_c));
         let air_c = number.ok_or_else(|| {
-            Failure::of(command, format_args!("its first line is {line:?}, and not a number in °C alone"))
+            failure(command, format_args!("its first line is {line:?}, and not a number in °C alone"))
         })?;
         self.air_c = Some(air_c);
         Ok(air_c)
     }
 
-    fn retry<T>(&mut self, what: impl Fn(&mut Self) -> Result<T, Failure>) -> Result<T> {
+    fn retry<T>(&mut self, what: impl Fn(&mut Self) -> Result<T, String>) -> Result<T> {
         let (until, mut wait) = (Instant::now() + self.commands.retry, FIRST_WAIT);
         loop {
             self.heed()?;
@@ -121,14 +116,14 @@ impl CommandedChamber {
             self.heed()?;
             match done {
                 Ok(done) => return Ok(done),
-                Err(failure) if Instant::now() + wait > until => return Err(self.lost(failure)),
+                Err(why) if Instant::now() + wait > until => return Err(self.lost(&why)),
                 Err(_) => self.pause(wait)?,
             }
             wait = (wait * 2).min(LONGEST_WAIT);
         }
     }
 
-    fn lost(&self, Failure(why): Failure) -> DeviceError {
+    fn lost(&self, why: &str) -> DeviceError {
         let retry_s = self.commands.retry.as_secs();
         let words = format!("the chamber failed, and again for {retry_s} s: {why}");
         anyhow::Error::from(UserError::new(Cause::Gone, words)).into()
@@ -160,7 +155,7 @@ impl Chamber for CommandedChamber {
     fn start(&mut self) -> Result<()> {
         let read = self.read_once();
         self.heed()?;
-        read.map(drop).map_err(|Failure(why)| {
+        read.map(drop).map_err(|why| {
             let words = format!("the chamber cannot be read: {why}; try the command by itself");
             anyhow::Error::from(UserError::new(Cause::Silent, words)).into()
         })
@@ -187,7 +182,7 @@ impl Chamber for CommandedChamber {
         loop {
             // the last attempt also gets the time `grace`
             let latest = until.max(Instant::now() + self.limits.grace);
-            let failed = shell::first_line(&command, || latest).err().map(|error| Failure::of(&command, error).0);
+            let failed = shell::first_line(&command, || latest).err().map(|error| failure(&command, error));
             if failed.is_none() || Instant::now() + wait >= until {
                 return Some(SafeEnd { failed, air_c });
             }
