@@ -19,7 +19,7 @@ use crate::hub::Poll;
 use crate::{Hub, Stop};
 use device::Device;
 use std::io::{self, ErrorKind};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpListener;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -75,8 +75,9 @@ impl<'a> Server<'a> {
                 match if is_early { Err(ErrorKind::WouldBlock.into()) } else { listener.accept() } {
                     Ok((stream, _)) => {
                         let taken = Place::take(&connections);
-                        let body = move || taken.map(|_place| self.attend(&stream, stop));
-                        // if no thread can be started, the connection is closed
+                        let body = move || taken.map(|_place| connection::serve(&stream, self.hub, device, stop));
+                        // an error of a client is not an error of the server; if no thread can be started, the
+                        // connection is closed
                         drop(thread::Builder::new().name("iiod".to_owned()).spawn_scoped(scope, body));
                     }
                     Err(error) if is_passing(&error) => thread::sleep(POLL),
@@ -88,11 +89,6 @@ impl<'a> Server<'a> {
             }
             Ok(())
         })
-    }
-
-    /// An error of a client is not an error of the server.
-    fn attend(&self, stream: &TcpStream, stop: &Stop) {
-        let _ = connection::serve(stream, self.hub, &self.device, stop);
     }
 
     /// Updates the readings that the attributes show.
