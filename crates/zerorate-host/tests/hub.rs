@@ -177,17 +177,13 @@ fn a_marked_batch_ends_with_its_sample_and_states_the_truth_of_it() {
 
 #[test]
 fn a_failure_to_open_reaches_the_thread_that_asked() {
-    let open = |device: &str| {
+    let refused = |device: &str, sampling: Sampling| {
         let spec: DeviceSpec = device.parse().expect("an address");
-        Hub::open(&spec, Setup::default(), &Stop::default()).map(drop).expect_err("nothing is there")
+        let hub = Hub::open(&spec, Setup { sampling, ..Setup::default() }, &Stop::default());
+        hub.map(drop).expect_err("nothing is there").cause()
     };
-    assert_eq!(open("replay:/nowhere/x.arrows").cause(), Cause::File);
-    let spec: DeviceSpec = "replay:x".parse().expect("an address");
-    let sampling = Sampling { divider: Some(2), every_temp: None };
-    let error = Hub::open(&spec, Setup { sampling, ..Setup::default() }, &Stop::default())
-        .map(drop)
-        .expect_err("decided when it was recorded");
-    assert_eq!(error.cause(), Cause::Request);
+    assert_eq!(refused("replay:/nowhere/x.arrows", Sampling::default()), Cause::File);
+    assert_eq!(refused("replay:x", Sampling { divider: Some(2), every_temp: None }), Cause::Request);
 }
 
 #[test]
