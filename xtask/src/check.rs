@@ -1,6 +1,6 @@
 //! `cargo xtask check`: the checks for a developer while working, without the tests of the crates.
 
-use crate::steps::{self, Step};
+use crate::steps::{self, AtFailure, Step};
 use anyhow::Result;
 use xtask::arguments::Arguments;
 
@@ -71,5 +71,5 @@ pub fn help() -> String {
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
-    steps::run(&steps::chosen(&STEPS, &arguments.words()?)?)
+    steps::run(&steps::chosen(&STEPS, &arguments.words()?)?, AtFailure::Stop)
 }

@@ -4,7 +4,7 @@
 //! the program, the lab, the wheel and the book of the later steps use that build. Random samples, checks that depend
 //! on the date, and tests with a Linux kernel belong to `cargo xtask night`. Each step must pass on a busy machine.
 
-use crate::steps::{self, Pace, Step};
+use crate::steps::{self, AtFailure, Pace, Step};
 use crate::{check, test};
 use anyhow::Result;
 use xtask::arguments::Arguments;
@@ -89,5 +89,5 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
         chosen.iter().for_each(|step| println!("{}", step.name));
         return Ok(());
     }
-    steps::run(&chosen)
+    steps::run(&chosen, AtFailure::Stop)
 }

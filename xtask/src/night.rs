@@ -1,6 +1,6 @@
 //! `cargo xtask night`: campaigns with fresh seeds, and steps that need not run before each change.
 
-use crate::steps::{self, Pace, Step};
+use crate::steps::{self, AtFailure, Pace, Step};
 use anyhow::{Context, Result};
 use std::hash::{BuildHasher, RandomState};
 use xtask::arguments::Arguments;
@@ -103,7 +103,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
         return Ok(());
     }
     println!("seed {seed}; to repeat: cargo xtask night --seed {seed}");
-    steps::run_all(&chosen)
+    steps::run(&chosen, AtFailure::GoOn)
 }
 
 /// A random seed, from the keys that the operating system gives the standard library for its hash tables.

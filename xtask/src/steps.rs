@@ -126,24 +126,15 @@ pub fn list(steps: &[Step]) -> String {
     format!("Steps:\n{}", steps.iter().map(line).collect::<String>())
 }
 
-/// Runs the steps in order, and adjacent steps in parallel if they allow it. Stops at the first failure.
-pub fn run(chosen: &[Step]) -> Result<()> {
-    run_with(chosen, AtFailure::Stop)
-}
-
-/// Runs all steps, and fails at the end if one failed.
-pub fn run_all(chosen: &[Step]) -> Result<()> {
-    run_with(chosen, AtFailure::GoOn)
-}
-
 /// What happens to the later steps after a failure.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum AtFailure {
+pub enum AtFailure {
     Stop,
     GoOn,
 }
 
-fn run_with(chosen: &[Step], at_failure: AtFailure) -> Result<()> {
+/// Runs the steps in order, and adjacent steps in parallel if they allow it. Fails at the end if one failed.
+pub fn run(chosen: &[Step], at_failure: AtFailure) -> Result<()> {
     targets::add_missing(chosen.iter().flat_map(Step::targets))?;
     let start = Instant::now();
     let (mut times, mut failed) = (Vec::new(), Vec::new());
