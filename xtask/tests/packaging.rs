@@ -73,6 +73,23 @@ fn files_of_trials_and_licences_exist() {
     }
 }
 
+/// The WebAssembly module and the program that makes its bindings must use the same version of wasm-bindgen, because
+/// the format between them changes with every version.
+#[test]
+fn bindings_are_made_by_the_version_that_the_module_has() {
+    let module = locked("Cargo.lock", "wasm-bindgen");
+    assert_eq!(module.len(), 1);
+    assert_eq!(module, locked("lab/tools/Cargo.lock", "wasm-bindgen-cli-support"));
+}
+
+/// The line `version = "…"` of each entry of a crate in a lock file.
+fn locked(lock: &str, name: &str) -> Vec<String> {
+    let text = read(lock);
+    let lines: Vec<&str> = text.lines().collect();
+    let named = format!("name = \"{name}\"");
+    lines.windows(2).filter(|pair| pair[0] == named).map(|pair| pair[1].to_owned()).collect()
+}
+
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
