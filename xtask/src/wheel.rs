@@ -34,11 +34,6 @@ fn reaches_registry() -> bool {
     probe.status().is_ok_and(|status| status.success())
 }
 
-/// Builds the wheel, and installs it into the environment of this interpreter.
-pub fn install(python: &Path) -> Result<()> {
-    install_into(python, &build(python)?)
-}
-
 /// Builds the wheel with the maturin of this environment. The build reuses what the tests with `zerorate-cli/full`
 /// have compiled.
 pub fn build(python: &Path) -> Result<PathBuf> {

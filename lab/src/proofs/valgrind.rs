@@ -22,7 +22,7 @@ pub fn run() -> Result<()> {
             return Ok(());
         }
     };
-    wheel::install(&python)?;
+    wheel::install_into(&python, &wheel::build(&python)?)?;
     let log = std::path::absolute(WORK)?.join("valgrind.log");
     fs::create_dir_all(WORK)?;
     let mut valgrind = Command::new("valgrind");
