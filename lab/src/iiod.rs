@@ -3,13 +3,13 @@
 
 use crate::app;
 use crate::tools::{Tool, available, module_available};
-use crate::venv::{self, done};
+use crate::venv::done;
 use anyhow::Result;
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
+use xtask::wheel;
 
 const CLIENTS: Tool = Tool { program: "iio_info", package: "libiio-utils" };
+/// What the Python environment with pyadi-iio needs.
 const REQUIREMENTS: &str = "lab/iiod-requirements.txt";
 const PURPOSE: &str = "the libiio server with libiio's clients";
 
@@ -23,15 +23,9 @@ pub fn run() -> Result<()> {
     }
     let mut tests = Command::new("cargo");
     tests.arg("test").args(app::WHOLE.split(' ')).args(TESTS.split(' ')).env("ZERORATE_IIO_CLIENTS", "required");
-    match adi() {
+    match wheel::environment_with("adi", REQUIREMENTS) {
         Ok(python) => drop(tests.env("ZERORATE_ADI_PYTHON", python)),
         Err(why) => println!("SKIPPED: pyadi-iio: {why:#}"),
     }
     done(&mut tests)
-}
-
-/// A Python environment with pyadi-iio.
-fn adi() -> Result<PathBuf> {
-    let python = venv::python("adi", Path::new(REQUIREMENTS))?;
-    Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))
 }
