@@ -317,6 +317,7 @@ fn le64(bytes: &[u8], at: usize) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::twin_usb::ljca::ANNOUNCEMENT;
 
     fn bytes(text: &str) -> Vec<u8> {
         text.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).expect("hex")).collect()
@@ -380,16 +381,7 @@ mod tests {
 
     #[test]
     fn a_device_is_announced_with_its_endpoints() {
-        let device = Announcement {
-            vendor: 0x8086,
-            product: 0x0b63,
-            version_bcd: 0x0100,
-            class: 255,
-            interface_class: 255,
-            bulk: [0x01, 0x82],
-            max_packet: 64,
-        };
-        let packets = connected().connect_packets(&device);
+        let packets = connected().connect_packets(&ANNOUNCEMENT);
         assert_eq!(packets[..8], bytes("04 0 0 0 84 0 0 0"));
         assert_eq!(packets[16..20], [1, 0, 0, 0], "one interface");
         assert_eq!(packets[16 + 4 + 32], 255, "its class");
