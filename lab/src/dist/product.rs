@@ -64,7 +64,7 @@ pub const PRODUCTS: [Product; 5] = [
 ];
 
 /// Software of other projects that is linked in.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Component {
     pub name: String,
     pub version: String,
@@ -219,11 +219,9 @@ fn beside(package: &Package) -> Result<Option<Component>> {
         name: name.to_owned(),
         version: version.to_owned(),
         licence: licence.to_owned(),
-        repository: None,
-        sha256: None,
         purl: format!("pkg:generic/{name}@{version}"),
-        needs: Vec::new(),
         texts,
+        ..Component::default()
     };
     Ok(match &*package.name {
         "zstd-sys" => {
@@ -252,11 +250,9 @@ fn rust_library() -> Result<Component> {
         name: "rust-std".to_owned(),
         licence: "MIT OR Apache-2.0".to_owned(),
         repository: Some("https://github.com/rust-lang/rust".to_owned()),
-        sha256: None,
         purl: format!("pkg:generic/rust-std@{version}"),
         version,
-        needs: Vec::new(),
-        texts: Vec::new(),
+        ..Component::default()
     })
 }
 
@@ -268,10 +264,9 @@ fn glibc() -> Result<Component> {
         name: "glibc".to_owned(),
         licence: "LGPL-2.1-or-later".to_owned(),
         repository: Some("https://sources.debian.org/src/glibc/".to_owned()),
-        sha256: None,
         purl: format!("pkg:deb/debian/glibc@{version}"),
         version,
-        needs: Vec::new(),
         texts: vec![text(Path::new("/usr/share/common-licenses/LGPL-2.1"))?],
+        ..Component::default()
     })
 }
