@@ -1,7 +1,7 @@
 //! Benchmarks of Allan deviations of an hour at 5.7 kSPS and of 150 s, and of noise models of a million samples.
 
 use divan::{Bencher, black_box};
-use zerorate_allan::{FitOptions, Input, Stat, deviations, fit};
+use zerorate_allan::{FitOptions, Input, Stat, deviations, fit, octaves};
 
 const HOUR: usize = 20_520_000;
 const STEP_8: usize = 855_000;
@@ -21,10 +21,6 @@ fn codes(len: usize) -> Vec<i32> {
 
 fn rate(len: usize) -> Vec<f64> {
     codes(len).into_iter().map(|code| f64::from(code) / 23_425.0).collect()
-}
-
-fn octaves(len: usize) -> Vec<u64> {
-    (0..).map(|k| 1 << k).take_while(|m| 2 * m <= len as u64).collect()
 }
 
 /// Averaging factors 1, 2, 3, then four per octave, as in `Taus::Fine`.

@@ -10,7 +10,7 @@ use rand_xoshiro::rand_core::SeedableRng;
 use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
-use zerorate_allan::{Input, Stat, deviations};
+use zerorate_allan::{Input, Stat, deviations, octaves};
 
 /// Number of runs of zerorate. The fastest run counts, because each is short.
 const REPEATS: usize = 7;
@@ -48,11 +48,6 @@ fn read(path: &str) -> Vec<f64> {
     let bytes = std::fs::read(path).expect("the data file");
     let (numbers, _) = bytes.as_chunks::<8>();
     numbers.iter().map(|number| f64::from_le_bytes(*number)).collect()
-}
-
-/// Averaging factors 1, 2, 4 …, as long as a difference of two averages fits into the record.
-fn octaves(samples: usize) -> Vec<u64> {
-    std::iter::successors(Some(1), |m| Some(m * 2)).take_while(|m| 2 * m <= samples as u64).collect()
 }
 
 /// 100 averaging factors from 1 to a third of the record, evenly spaced in the logarithm, without duplicates.
