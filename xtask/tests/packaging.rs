@@ -32,13 +32,7 @@ fn reading_a_log_compiles_no_driver() {
 #[test]
 fn every_file_of_packaging_goes_somewhere() {
     let code: String = ["deb", "c_library", "mod"].map(|name| read(&format!("lab/src/dist/{name}.rs"))).concat();
-    let packaging = root().join("packaging");
-    let mut open = vec![packaging.clone()];
-    while let Some(path) = open.pop() {
-        if path.is_dir() {
-            open.extend(fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
-            continue;
-        }
+    for path in files("packaging") {
         let name = path.file_name().unwrap().to_str().unwrap();
         let folder = path.parent().unwrap().file_name().unwrap().to_str().unwrap();
         let used =
@@ -56,7 +50,7 @@ fn packages_agree_with_the_program() {
     assert!(told, "the program names those capabilities where it lacks them");
     let rules = read("packaging/udev/60-zerorate.rules");
     assert!(rules.contains("ATTRS{idVendor}==\"1209\", ATTRS{idProduct}==\"0001\""));
-    let bridge = sources("firmware/bridge/src").concat();
+    let bridge: String = files("firmware/bridge/src").iter().map(|path| fs::read_to_string(path).unwrap()).collect();
     assert!(bridge.contains("0x1209, 0x0001"), "the bridge has the USB ID that the rules know it by");
     assert!(read("packaging/c/zerorate.pc").contains("-lzerorate_c"));
     assert!(read("packaging/c/zerorate-config.cmake").contains("libzerorate_c.a"));
@@ -102,13 +96,13 @@ fn minor() -> &'static str {
     env!("CARGO_PKG_VERSION").rsplit_once('.').unwrap().0
 }
 
-fn sources(folder: &str) -> Vec<String> {
+fn files(folder: &str) -> Vec<PathBuf> {
     let (mut found, mut open) = (Vec::new(), vec![root().join(folder)]);
     while let Some(path) = open.pop() {
         if path.is_dir() {
             open.extend(fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(fs::read_to_string(path).unwrap());
+        } else {
+            found.push(path);
         }
     }
     found
