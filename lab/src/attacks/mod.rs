@@ -12,6 +12,7 @@ mod websocket;
 
 use crate::app;
 use anyhow::{Result, ensure};
+use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use tally::Tally;
 
@@ -33,7 +34,7 @@ pub struct AttacksArgs {
 }
 
 /// The project or standard that the cases come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Part {
     /// Requests that two servers may read in two ways; of PortSwigger's http-request-smuggler and RFC 9112
     Http,
@@ -48,8 +49,6 @@ enum Part {
     /// The same of Parquet; `git clone https://github.com/apache/parquet-testing`
     Parquet,
 }
-
-const ALL: [Part; 6] = [Part::Http, Part::Websocket, Part::Libiio, Part::Mcap, Part::Arrow, Part::Parquet];
 
 impl Part {
     /// Runs the cases of this part. If a tool or the data is missing, prints that and returns `None`.
@@ -74,7 +73,7 @@ impl Part {
 
 pub fn run(args: &AttacksArgs) -> Result<()> {
     let program = app::given_or_built(args.program.as_deref())?;
-    let parts = if args.parts.is_empty() { &ALL[..] } else { &args.parts };
+    let parts = if args.parts.is_empty() { Part::value_variants() } else { &args.parts };
     let mut wrong = 0;
     for part in parts {
         if let Some(tally) = part.run(&program, args.data.as_deref())? {

@@ -7,6 +7,7 @@ mod tsan;
 mod valgrind;
 
 use anyhow::{Context, Result};
+use clap::ValueEnum;
 use std::time::Instant;
 
 /// The build folder. Each part has its own folder below it.
@@ -27,7 +28,7 @@ pub struct ProofsArgs {
 }
 
 /// A tool, and what it watches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Part {
     /// Tests of driver, core and C interface in Miri, on a processor of 32 bits
     Miri,
@@ -39,12 +40,11 @@ enum Part {
     Valgrind,
 }
 
-const ALL: [Part; 4] = [Part::Miri, Part::Asan, Part::Tsan, Part::Valgrind];
 const QUICK: [Part; 2] = [Part::Miri, Part::Asan];
 
 /// Runs the parts. If the tools of a part are missing, prints that and continues.
 pub fn run(args: &ProofsArgs) -> Result<()> {
-    let all = if args.check { &QUICK[..] } else { &ALL };
+    let all = if args.check { &QUICK[..] } else { Part::value_variants() };
     for part in if args.parts.is_empty() { all } else { &args.parts } {
         let start = Instant::now();
         let done = match part {
