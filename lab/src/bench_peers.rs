@@ -101,7 +101,7 @@ fn print_goals(lines: &[Line]) {
     }
 }
 
-fn missed(is_met: bool) -> &'static str {
+pub fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 

@@ -1,7 +1,7 @@
 //! `cargo xtask bench-web`: compares the speed of the core as WebAssembly with a native program on one thread. It also
 //! measures how soon the page shows something, and how many bytes the page loads.
 
-use crate::bench_peers::{self, Line};
+use crate::bench_peers::{self, Line, missed};
 use crate::venv::{done, printed};
 use crate::web;
 use anyhow::{Context, Result};
@@ -49,7 +49,6 @@ fn one_thread(text: &str) -> Result<Line> {
 
 fn print(page: &Page, native: &Line) {
     let seconds = native.seconds.unwrap_or(f64::NAN);
-    let missed = |is_met: bool| if is_met { "" } else { ", MISSED" };
     let times = page.seconds / seconds;
     println!(
         "OADEV of {SAMPLES} samples: WebAssembly {:.3} s, the program on one thread {seconds:.3} s",
