@@ -47,11 +47,7 @@ pub struct Batch {
 pub struct Hub {
     facts: DeviceInfo,
     requests: Sender<Request>,
-    subscribers: Subscribers,
-    speed: Speed,
-    failure: Failure,
-    stop: Stop,
-    ended: Stop,
+    shared: Shared,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -97,11 +93,6 @@ impl<T> Poll<T> {
     }
 }
 
-/// The error that ended the reading; `None` without an error.
-type Failure = Arc<Mutex<Option<DeviceError>>>;
-
-type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
-
 #[derive(Debug)]
 enum Subscriber {
     LosslessReader(SyncSender<BatchResult>),
@@ -129,15 +120,8 @@ impl Hub {
     pub fn start(open: impl FnOnce() -> Result<Box<dyn Source>> + Send + 'static, stop: &Stop) -> Result<Self> {
         let (requests, wanted) = channel();
         let (tell, told) = channel();
-        let subscribers = Subscribers::default();
-        let (ended, speed, failure) = (Stop::default(), Speed::default(), Failure::default());
-        let reading = Worker {
-            subscribers: subscribers.clone(),
-            speed: speed.clone(),
-            failure: failure.clone(),
-            stop: stop.clone(),
-            ended: ended.clone(),
-        };
+        let shared = Shared { stop: stop.clone(), ..Shared::default() };
+        let reading = shared.clone();
         let body = move || match open() {
             Ok(mut source) => {
                 let _ = tell.send(Ok(source.facts()));
@@ -148,8 +132,7 @@ impl Hub {
         let thread =
             thread::Builder::new().name("hub".to_owned()).spawn(body).context("starting the reading thread")?;
         let facts = told.recv().map_err(|_| died())??;
-        let thread = Some(thread);
-        Ok(Self { facts, requests, subscribers, speed, failure, stop: stop.clone(), ended, thread })
+        Ok(Self { facts, requests, shared, thread: Some(thread) })
     }
 
     /// The facts about the device, which do not change while it is read.
@@ -161,19 +144,19 @@ impl Hub {
     /// The stop that ends the reading.
     #[must_use]
     pub fn stop(&self) -> &Stop {
-        &self.stop
+        &self.shared.stop
     }
 
     /// The speed of simulated or replayed time. [`Hub::read`] sets it first; afterwards it may be changed at any time.
     #[must_use]
     pub fn speed(&self) -> &Speed {
-        &self.speed
+        &self.shared.speed
     }
 
     /// The error that ended the samples; `None` if the device did not fail.
     #[must_use]
     pub fn failure(&self) -> Option<DeviceError> {
-        lock(&self.failure).as_ref().map(DeviceError::again)
+        lock(&self.shared.failure).as_ref().map(DeviceError::again)
     }
 
     /// Runs `work` with the source in the reading thread. Call it before [`Hub::read`].
@@ -207,7 +190,7 @@ impl Hub {
     }
 
     fn add(&self, subscriber: Subscriber) {
-        lock(&self.subscribers).push(subscriber);
+        lock(&self.shared.subscribers).push(subscriber);
     }
 
     /// Starts reading samples. Each of `marks_ns` ends a batch at the first sample whose time since the first sample
@@ -216,7 +199,7 @@ impl Hub {
     /// # Errors
     /// Returns an error if the thread has ended.
     pub fn read(&self, pace: Pace, marks_ns: Vec<u64>) -> Result<()> {
-        self.speed.set(pace.factor());
+        self.shared.speed.set(pace.factor());
         let begun = self.requests.send(Request::Read { marks_ns });
         begun.map_err(|_| died().into())
     }
@@ -224,7 +207,7 @@ impl Hub {
 
 impl Drop for Hub {
     fn drop(&mut self) {
-        self.ended.ask();
+        self.shared.ended.ask();
         let (closed, _) = channel();
         self.requests = closed;
         let _ = self.thread.take().map(JoinHandle::join);
@@ -309,17 +292,19 @@ impl BatchBuilder {
     }
 }
 
-/// The part of the hub that runs in the reading thread.
-struct Worker {
-    subscribers: Subscribers,
+/// What the hub and its reading thread share. The methods run in the thread.
+#[derive(Clone, Debug, Default)]
+struct Shared {
+    subscribers: Arc<Mutex<Vec<Subscriber>>>,
     speed: Speed,
-    failure: Failure,
+    /// The error that ended the reading; `None` without an error.
+    failure: Arc<Mutex<Option<DeviceError>>>,
     stop: Stop,
     /// Set when the hub was dropped.
     ended: Stop,
 }
 
-impl Worker {
+impl Shared {
     /// Serves the requests until one of them starts the reading, reads until the end, and closes all subscriptions.
     fn serve(self, source: &mut dyn Source, wanted: &Receiver<Request>) {
         while let Ok(request) = wanted.recv() {
