@@ -24,16 +24,9 @@ impl Pace {
 }
 
 /// The speed of simulated or replayed time, as a multiple of real time; 0 means as fast as the reader accepts
-/// samples. Clones share one speed, which may change at any time.
-#[derive(Clone, Debug)]
+/// samples, and is the default. Clones share one speed, which may change at any time.
+#[derive(Clone, Debug, Default)]
 pub struct Speed(Arc<AtomicU64>);
-
-impl Default for Speed {
-    /// The speed 0: as fast as the reader accepts samples.
-    fn default() -> Self {
-        Self(Arc::new(AtomicU64::new(0.0f64.to_bits())))
-    }
-}
 
 impl Speed {
     /// The largest speed.
