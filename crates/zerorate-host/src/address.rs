@@ -4,7 +4,6 @@ use crate::source::{Setup, Source};
 use crate::{Result, Stop};
 use std::fmt;
 use std::path::Path;
-use std::sync::Arc;
 
 pub(crate) trait Address: fmt::Debug + Send + Sync {
     /// Opens the device. `name` is the whole address, as the user wrote it. The part is initialised later, by
@@ -21,5 +20,3 @@ pub(crate) trait Address: fmt::Debug + Send + Sync {
         false
     }
 }
-
-pub(crate) type ParseResult = Result<Arc<dyn Address>, String>;

@@ -1,6 +1,6 @@
 //! The kinds of devices, and their addresses.
 
-use crate::address::{Address, ParseResult};
+use crate::address::Address;
 use crate::bridge::BridgeAddress;
 use crate::replay::ReplayAddress;
 use crate::source::{Setup, Source};
@@ -24,21 +24,27 @@ pub struct Kind {
     parse: fn(&str) -> ParseResult,
 }
 
+type ParseResult = Result<Arc<dyn Address>, String>;
+
 /// All kinds of devices. To add a kind, add a file with its address and its source, and a row here.
 pub const KINDS: &[Kind] = &[
-    Kind { name: "twin", form: "twin:, twin:KEY=VALUE,…", parse: TwinAddress::parse },
-    Kind { name: "replay", form: "replay:FILE", parse: ReplayAddress::parse },
+    Kind { name: "twin", form: "twin:, twin:KEY=VALUE,…", parse: |keys| shared(TwinAddress::read(keys)) },
+    Kind { name: "replay", form: "replay:FILE", parse: |path| shared(ReplayAddress::read(path)) },
     #[cfg(target_os = "linux")]
-    Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE", parse: SpiAddress::parse },
+    Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE", parse: |text| shared(SpiAddress::read(text)) },
     #[cfg(not(target_os = "linux"))]
     Kind { name: "spi", form: "spi:/dev/spidevB.C?rdy=CHIP:LINE (Linux)", parse: only_linux },
     #[cfg(target_os = "linux")]
-    Kind { name: "iio", form: "iio:NAME", parse: IioAddress::parse },
+    Kind { name: "iio", form: "iio:NAME", parse: |text| shared(IioAddress::read(text)) },
     #[cfg(not(target_os = "linux"))]
     Kind { name: "iio", form: "iio:NAME (Linux)", parse: only_linux },
-    Kind { name: "bridge", form: "bridge:/dev/ttyACM0", parse: BridgeAddress::parse_serial },
-    Kind { name: "tcp", form: "tcp:HOST:PORT", parse: BridgeAddress::parse_tcp },
+    Kind { name: "bridge", form: "bridge:/dev/ttyACM0", parse: |text| shared(BridgeAddress::read_serial(text)) },
+    Kind { name: "tcp", form: "tcp:HOST:PORT", parse: |text| shared(BridgeAddress::read_tcp(text)) },
 ];
+
+fn shared<A: Address + 'static>(address: Result<A, String>) -> ParseResult {
+    Ok(Arc::new(address?))
+}
 
 #[cfg(not(target_os = "linux"))]
 fn only_linux(_: &str) -> ParseResult {

@@ -1,13 +1,12 @@
 //! Replays a recording as a device.
 
-use crate::address::{Address, ParseResult};
+use crate::address::Address;
 use crate::error::UserError;
 use crate::source::{DeviceInfo, Sampling, Setup, Source, nominal_rate_hz, part_of};
 use crate::warning::SourceWarning;
 use crate::{Result, RowReader, Stop, files};
 use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use zerorate::{Part, Setting};
 use zerorate_record::Row;
 
@@ -18,10 +17,10 @@ pub struct ReplayAddress {
 }
 
 impl ReplayAddress {
-    pub fn parse(path: &str) -> ParseResult {
+    pub fn read(path: &str) -> Result<Self, String> {
         match path {
             "" => Err("replay: needs the file, as in replay:unit.arrows".to_owned()),
-            path => Ok(Arc::new(Self { path: path.into() })),
+            path => Ok(Self { path: path.into() }),
         }
     }
 }

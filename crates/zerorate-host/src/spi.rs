@@ -1,7 +1,7 @@
 //! A part on a Linux SPI bus.
 
 use crate::Stop;
-use crate::address::{Address, ParseResult};
+use crate::address::Address;
 use crate::connected::{ConnectedPart, Connection};
 use crate::error::{Cause, UserError};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
@@ -46,11 +46,7 @@ pub struct SpiAddress {
 
 impl SpiAddress {
     /// Parses the text after `spi:`.
-    pub fn parse(text: &str) -> ParseResult {
-        Ok(Arc::new(Self::read(text)?))
-    }
-
-    pub(crate) fn read(text: &str) -> Result<Self, String> {
+    pub fn read(text: &str) -> Result<Self, String> {
         let (spi, options) = split(text);
         if !spi.starts_with('/') {
             return Err(format!("spi: needs the spidev file and the RDY line, as in {SPI_EXAMPLE}"));

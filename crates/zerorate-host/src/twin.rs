@@ -1,6 +1,6 @@
 //! The twin as a device: an ADIS16130 simulated in this process, on simulated time.
 
-use crate::address::{Address, ParseResult};
+use crate::address::Address;
 use crate::chamber::ProfileFollower;
 use crate::edges::Edges;
 use crate::error::UserError;
@@ -12,7 +12,6 @@ use crate::{Result, Stop};
 use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
 use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
-use std::sync::Arc;
 use zerorate::calibration::Notes;
 use zerorate::{Axis, NamedAxis, Part, Scale, Setting, SettingNames};
 use zerorate_record::{CaptureInfo, Layout, Row};
@@ -29,7 +28,7 @@ pub struct TwinAddress {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl TwinAddress {
-    pub fn parse(keys: &str) -> ParseResult {
+    pub fn read(keys: &str) -> Result<Self, String> {
         let (mut part, mut axes, mut unit) = (PartOptions::new(), 1, Vec::new());
         for item in keys.split(',') {
             if let Some(text) = item.trim().strip_prefix("axes=") {
@@ -48,7 +47,7 @@ impl TwinAddress {
         let units = (0..axes).map(|axis| unit_of(axis, axes, &unit)).collect::<Result<Vec<_>, _>>();
         let units = units.map_err(|error| error.to_string())?;
         part.bandwidth_hz = (units[0].roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
-        Ok(Arc::new(Self { units, part }))
+        Ok(Self { units, part })
     }
 
     fn live(&self, axis: usize, setup: &Setup, stop: &Stop) -> Live<TwinSpi, TwinEdges> {

@@ -2,14 +2,13 @@
 
 use super::open;
 use crate::Stop;
-use crate::address::{Address, ParseResult};
+use crate::address::Address;
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split};
 use crate::source::{Setup, Source};
 use crate::wire::Port;
 use adis16130::{MAX_SCLK_HZ, MCLK_HZ};
 use std::fmt;
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeAddress {
@@ -35,11 +34,7 @@ const BAUD_RANGE: RangeInclusive<u32> = 9_600..=12_000_000;
 
 impl BridgeAddress {
     /// Parses the text after `bridge:`.
-    pub fn parse_serial(text: &str) -> ParseResult {
-        Ok(Arc::new(Self::read_serial(text)?))
-    }
-
-    pub(crate) fn read_serial(text: &str) -> Result<Self, String> {
+    pub fn read_serial(text: &str) -> Result<Self, String> {
         let (path, options) = split(text);
         if path.is_empty() {
             return Err("bridge: needs the serial port, as in bridge:/dev/ttyACM0".to_owned());
@@ -55,11 +50,7 @@ impl BridgeAddress {
     }
 
     /// Parses the text after `tcp:`.
-    pub fn parse_tcp(text: &str) -> ParseResult {
-        Ok(Arc::new(Self::read_tcp(text)?))
-    }
-
-    pub(crate) fn read_tcp(text: &str) -> Result<Self, String> {
+    pub fn read_tcp(text: &str) -> Result<Self, String> {
         let (address, options) = split(text);
         let port = address.rsplit_once(':').filter(|(host, _)| !host.is_empty());
         if port.and_then(|(_, port)| port.parse::<u16>().ok()).is_none() {

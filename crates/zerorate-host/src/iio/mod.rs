@@ -9,13 +9,12 @@ mod generic;
 mod sysfs;
 
 use crate::Stop;
-use crate::address::{Address, ParseResult};
+use crate::address::Address;
 use crate::error::{Cause, UserError};
 use crate::options::{bandwidth, number, split};
 use crate::source::{Setup, Source};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 use zerorate::Setting;
 
@@ -35,11 +34,7 @@ const DEFAULT_POLL_HZ: u32 = 100;
 
 impl IioAddress {
     /// Parses the text after `iio:`.
-    pub fn parse(text: &str) -> ParseResult {
-        Ok(Arc::new(Self::read(text)?))
-    }
-
-    pub(crate) fn read(text: &str) -> Result<Self, String> {
+    pub fn read(text: &str) -> Result<Self, String> {
         let (name, options) = split(text);
         if name.is_empty() || name.contains('/') {
             return Err("iio: needs the device's name, as in iio:iio:device0 (ls /sys/bus/iio/devices)".to_owned());
