@@ -31,22 +31,18 @@ pub struct Adis16130 {
 impl Adis16130 {
     /// Reads the driver's scales and offsets, and checks that the scales are those of F-40 and F-41, within 0.5 %.
     pub fn open(address: &IioAddress, device: &str, setup: &Setup) -> crate::Result<Self> {
+        let (folder, hz) = (&address.folder, address.hz.unwrap_or(DEFAULT_POLL_HZ));
         let options = PartOptions { bandwidth_hz: address.bandwidth_hz, ..PartOptions::new() };
         let sampling = setup.sampling.config(options.divided);
         let facts = DeviceInfo::of_part(device, &options, sampling, MCLK_HZ, setup.part.as_ref())?;
-        let facts = DeviceInfo { framing: None, rate_hz: Some(address.hz.unwrap_or(DEFAULT_POLL_HZ).into()), ..facts };
-        Ok(Self::with_facts(address, setup.sampling, facts)?)
-    }
-
-    fn with_facts(address: &IioAddress, sampling: Sampling, facts: DeviceInfo) -> Result<Self> {
-        let folder = &address.folder;
-        let hz = address.hz.unwrap_or(DEFAULT_POLL_HZ);
+        let facts = DeviceInfo { framing: None, rate_hz: Some(hz.into()), ..facts };
         let dps = std::f64::consts::PI / 180.0; // the kernel's unit is rad/s
         let rate_shift = shift(folder, RATE, dps / f64::from(RATE_LSB_PER_DPS), i64::from(ZERO_CODE))?;
         // the kernel's unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code (F-41)
         let temp_zero = i64::from(ZERO_CODE) - 25 * i64::from(TEMP_LSB_PER_C);
         let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
-        Ok(Self { address: address.clone(), facts, sampling, rate_shift, temp_shift, polls: Polls::new(hz), taken: 0 })
+        let (address, sampling, polls) = (address.clone(), setup.sampling, Polls::new(hz));
+        Ok(Self { address, facts, sampling, rate_shift, temp_shift, polls, taken: 0 })
     }
 
     fn poll(&mut self) -> Result<Sample> {
