@@ -94,7 +94,7 @@ impl Connection for BridgePart {
     }
 
     fn damaged(&self) -> u64 {
-        self.link.damaged()
+        self.link.lock().damaged()
     }
 }
 
@@ -193,10 +193,6 @@ impl SharedLink {
             _ => None,
         });
         set.context("setting the SPI clock of the bridge")
-    }
-
-    fn damaged(&self) -> u64 {
-        self.lock().damaged()
     }
 
     /// Returns an error with that cause if the bridge is gone or silent, and any other error unchanged.
