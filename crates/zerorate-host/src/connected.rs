@@ -3,7 +3,7 @@
 
 use crate::edges::Edges;
 use crate::live::Live;
-use crate::pin::PinError;
+use crate::pin::HalError;
 use crate::reader::Reader;
 use crate::source::{Bus, DeviceInfo, Losses, Registers, Source};
 use crate::warning::SourceWarning;
@@ -21,7 +21,7 @@ pub trait Connection {
     type Error: spi::Error + Send + Sync + 'static;
     type Spi: SpiDevice<Error = Self::Error>;
     type Edges: Edges;
-    type Pin: OutputPin<Error = PinError>;
+    type Pin: OutputPin<Error = HalError>;
 
     /// True if reads go directly over an SPI bus of this computer, so that timing them is meaningful.
     const IS_BUS: bool;

@@ -2,7 +2,7 @@
 
 use crate::edges::Edges;
 use crate::error::{Cause, UserError};
-use crate::pin::PinError;
+use crate::pin::HalError;
 use adis16130::{Edge, RdyEdge};
 use anyhow::{Context, Result};
 use embedded_hal::digital::{self, OutputPin};
@@ -104,16 +104,16 @@ impl GpioOutput {
 }
 
 impl digital::ErrorType for GpioOutput {
-    type Error = PinError;
+    type Error = HalError;
 }
 
 impl OutputPin for GpioOutput {
-    fn set_low(&mut self) -> Result<(), PinError> {
-        self.request.set_value(self.line, Value::Inactive).map(drop).map_err(PinError::new)
+    fn set_low(&mut self) -> Result<(), HalError> {
+        self.request.set_value(self.line, Value::Inactive).map(drop).map_err(HalError::new)
     }
 
-    fn set_high(&mut self) -> Result<(), PinError> {
-        self.request.set_value(self.line, Value::Active).map(drop).map_err(PinError::new)
+    fn set_high(&mut self) -> Result<(), HalError> {
+        self.request.set_value(self.line, Value::Active).map(drop).map_err(HalError::new)
     }
 }
 

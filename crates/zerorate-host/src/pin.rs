@@ -4,29 +4,37 @@ use crate::Stop;
 use crate::edges::Edges;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin};
+use embedded_hal::spi;
 use std::cell::RefCell;
 use std::fmt;
 
 /// Longest wait for an edge in one call of `is_low`, ns.
 const LOOK_NS: u64 = 1_000_000;
 
-pub struct PinError(String);
+/// The error of a pin or a bus, as a text.
+pub struct HalError(String);
 
-impl PinError {
+impl HalError {
     pub fn new(error: impl fmt::Display) -> Self {
         Self(format!("{error:#}"))
     }
 }
 
-impl fmt::Debug for PinError {
+impl fmt::Debug for HalError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl Error for PinError {
+impl Error for HalError {
     fn kind(&self) -> ErrorKind {
         ErrorKind::Other
+    }
+}
+
+impl spi::Error for HalError {
+    fn kind(&self) -> spi::ErrorKind {
+        spi::ErrorKind::Other
     }
 }
 
@@ -37,18 +45,18 @@ pub struct Ready<'a, E> {
 }
 
 impl<E> ErrorType for Ready<'_, E> {
-    type Error = PinError;
+    type Error = HalError;
 }
 
 impl<E: Edges> InputPin for Ready<'_, E> {
-    fn is_low(&mut self) -> Result<bool, PinError> {
+    fn is_low(&mut self) -> Result<bool, HalError> {
         if self.stop.asked() {
-            return Err(PinError::new("interrupted"));
+            return Err(HalError::new("interrupted"));
         }
-        self.edges.borrow_mut().next(LOOK_NS).map(|edge| edge.is_some()).map_err(PinError::new)
+        self.edges.borrow_mut().next(LOOK_NS).map(|edge| edge.is_some()).map_err(HalError::new)
     }
 
-    fn is_high(&mut self) -> Result<bool, PinError> {
+    fn is_high(&mut self) -> Result<bool, HalError> {
         self.is_low().map(|low| !low)
     }
 }

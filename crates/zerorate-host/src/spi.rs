@@ -7,18 +7,18 @@ use crate::error::{Cause, UserError};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::live::Live;
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split};
+use crate::pin::HalError;
 use crate::reader::{Reader, WhenFull};
 use crate::source::{DeviceInfo, Setup, Source};
 use crate::warning::SourceWarning;
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ};
 use anyhow::Result;
-use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
+use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use preempt_rt::sched::{Pid, Scheduler, SchedulerParams, set_scheduler};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use rustix::mm::{MlockAllFlags, mlockall};
 use spidev::{SpiModeFlags, Spidev, SpidevOptions, SpidevTransfer};
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
@@ -107,7 +107,7 @@ struct SpiConnection {
 type Notes = Arc<Mutex<Vec<SourceWarning>>>;
 
 impl Connection for SpiConnection {
-    type Error = SpiError;
+    type Error = HalError;
     type Spi = SpiBus;
     type Edges = GpioEdges;
     type Pin = GpioOutput;
@@ -263,35 +263,21 @@ impl SpiBus {
 }
 
 impl ErrorType for SpiBus {
-    type Error = SpiError;
+    type Error = HalError;
 }
 
 impl SpiDevice for SpiBus {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), SpiError> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), HalError> {
         loop {
             match self.message(operations) {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Ok(()) => return Ok(()),
                 Err(error) => {
                     self.failed.set(error.raw_os_error().unwrap_or_default());
-                    return Err(SpiError(error));
+                    return Err(HalError::new(error));
                 }
             }
         }
-    }
-}
-
-struct SpiError(io::Error);
-
-impl fmt::Debug for SpiError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(&self.0, f)
-    }
-}
-
-impl Error for SpiError {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::Other
     }
 }
 

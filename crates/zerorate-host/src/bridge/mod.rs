@@ -9,7 +9,7 @@ use crate::connected::{ConnectedPart, Connection};
 use crate::edges::Edges;
 use crate::error::{Cause, UserError};
 use crate::live::Live;
-use crate::pin::PinError;
+use crate::pin::HalError;
 use crate::reader::{Reader, WhenFull};
 use crate::source::{DeviceInfo, Setup};
 use crate::wire::Wire;
@@ -255,16 +255,16 @@ impl SelfTestWire {
 }
 
 impl digital::ErrorType for SelfTestWire {
-    type Error = PinError;
+    type Error = HalError;
 }
 
 impl OutputPin for SelfTestWire {
-    fn set_low(&mut self) -> Result<(), PinError> {
-        self.set(false).map_err(PinError::new)
+    fn set_low(&mut self) -> Result<(), HalError> {
+        self.set(false).map_err(HalError::new)
     }
 
-    fn set_high(&mut self) -> Result<(), PinError> {
-        self.set(true).map_err(PinError::new)
+    fn set_high(&mut self) -> Result<(), HalError> {
+        self.set(true).map_err(HalError::new)
     }
 }
 
