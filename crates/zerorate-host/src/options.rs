@@ -20,6 +20,7 @@ pub struct PartOptions {
 pub const DEFAULT_HZ: u32 = MAX_SCLK_HZ / 2;
 pub const SLOWEST_HZ: u32 = 10_000;
 pub const MCLK_RANGE_HZ: RangeInclusive<u32> = 1_000..=10_000_000;
+
 pub fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     let (name, options) = text.split_once('?').unwrap_or((text, ""));
     (name, options.split('&').filter(|option| !option.is_empty()))

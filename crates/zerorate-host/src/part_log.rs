@@ -220,8 +220,7 @@ impl Coding<'_> {
             "beyond-codes",
             format!(
                 "{}, column {name}, row {row}: {value} is beyond the codes of the part, which have {bits} bits and go \
-             from \
-             {first} to {last}; is it the column, and the unit?",
+                 from {first} to {last}; is it the column, and the unit?",
                 self.path.display()
             ),
         ))

@@ -32,8 +32,7 @@ pub fn write(folder: &Path, name: &str, value: &str) -> Result<()> {
     fs::write(&path, value).with_context(|| {
         format!(
             "writing {value} to {}: run it as root, or poll with ?hz=N, which only reads; another program may hold \
-             the \
-             buffer, too",
+             the buffer, too",
             path.display()
         )
     })
