@@ -94,13 +94,13 @@ impl<'a> Request<'a> {
         let text = std::str::from_utf8(line).map_err(|_| Errno::NONSENSE)?;
         let mut words = Words(text.split_ascii_whitespace());
         let Some(command) = words.0.next() else { return Ok(Self::Nothing) };
-        let request = Self::of(&Keyword::of(command), &mut words)?;
+        let request = Self::of(&keyword(command), &mut words)?;
         words.end()?;
         Ok(request)
     }
 
-    fn of(command: &Keyword, words: &mut Words<'a>) -> Result<Self, Errno> {
-        Ok(match command.0.as_str() {
+    fn of(command: &str, words: &mut Words<'a>) -> Result<Self, Errno> {
+        Ok(match command {
             "HELP" => Self::Help,
             "EXIT" => Self::Exit,
             "VERSION" => Self::Version,
@@ -127,15 +127,10 @@ impl<'a> Request<'a> {
     }
 }
 
-/// A word of a request, in upper case if it may be a keyword.
-struct Keyword(String);
-
-impl Keyword {
-    /// Converts a word of lower-case letters to upper case. Any other word stays as it is.
-    fn of(word: &str) -> Self {
-        let is_small = word.bytes().all(|byte| byte.is_ascii_lowercase());
-        Self(if is_small { word.to_ascii_uppercase() } else { word.to_owned() })
-    }
+/// Converts a word of lower-case letters, which may be a keyword, to upper case. Any other word stays as it is.
+fn keyword(word: &str) -> String {
+    let is_small = word.bytes().all(|byte| byte.is_ascii_lowercase());
+    if is_small { word.to_ascii_uppercase() } else { word.to_owned() }
 }
 
 struct Words<'a>(SplitAsciiWhitespace<'a>);
@@ -162,7 +157,7 @@ impl<'a> Words<'a> {
     /// returned as well.
     fn place(&mut self) -> Result<(Place<'a>, Option<&'a str>), Errno> {
         let Some(word) = self.0.next() else { return Ok((Place::Device, None)) };
-        Ok(match Keyword::of(word).0.as_str() {
+        Ok(match keyword(word).as_str() {
             "DEBUG" => (Place::Debug, None),
             "BUFFER" => (Place::Buffer, None),
             "INPUT" => (Place::Input(self.next()?), None),
@@ -180,7 +175,7 @@ impl<'a> Words<'a> {
 
     fn buffers_count(&mut self) -> Result<Request<'a>, Errno> {
         let device = self.next()?;
-        if Keyword::of(self.next()?).0 != "BUFFERS_COUNT" || self.number::<u32>()? == 0 {
+        if keyword(self.next()?) != "BUFFERS_COUNT" || self.number::<u32>()? == 0 {
             return Err(Errno::NONSENSE);
         }
         Ok(Request::BuffersCount { device })
