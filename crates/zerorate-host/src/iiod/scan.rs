@@ -3,6 +3,7 @@
 use super::correcting::Correcting;
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
 use std::collections::VecDeque;
+use std::ops::Range;
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
 use zerorate_record::{Layout, Row};
 
@@ -68,8 +69,8 @@ impl Scanner {
 /// The layout of a sample in a buffer that has some of the channels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packing {
-    /// Each quantity of a sample, and its offset in bytes.
-    places: Vec<(Quantity, usize)>,
+    /// Each quantity of a sample, and its place in bytes.
+    places: Vec<(Quantity, Range<usize>)>,
     /// Size of a sample in bytes.
     size: usize,
 }
@@ -91,8 +92,8 @@ impl Packing {
     /// Adds a channel at a multiple of its own size. No padding follows the last channel.
     fn add(&mut self, channel: &Channel) {
         let at = self.size.next_multiple_of(channel.bytes);
-        self.places.push((channel.quantity, at));
         self.size = at + channel.bytes;
+        self.places.push((channel.quantity, at..self.size));
     }
 
     pub fn size(&self) -> usize {
@@ -102,31 +103,21 @@ impl Packing {
     pub fn pack(&self, layout: &Layout, scan: &Scan, out: &mut Vec<u8>) {
         let start = out.len();
         out.resize(start + self.size, 0);
-        for (quantity, at) in &self.places {
-            let place = &mut out[start + at..];
-            match value(layout, scan, *quantity) {
-                StoredValue::Code(code) => place[..4].copy_from_slice(&(code as u32).to_le_bytes()),
-                StoredValue::Wide(bits) => place[..8].copy_from_slice(&bits.to_le_bytes()),
-            }
+        for (quantity, place) in &self.places {
+            let bytes = value(layout, scan, *quantity).to_le_bytes();
+            out[start..][place.clone()].copy_from_slice(&bytes[..place.len()]);
         }
     }
 }
 
-/// The value of a channel, in its stored size.
-enum StoredValue {
-    /// 32 bits.
-    Code(i64),
-    /// 64 bits.
-    Wide(u64),
-}
-
-fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> StoredValue {
+/// The value of a channel. A sample has as many of its low bytes as the channel has.
+fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> u64 {
     match quantity {
-        Quantity::Rate(axis) => StoredValue::Code(scan.row.codes().get(axis).copied().unwrap_or_default()),
-        Quantity::Temp => StoredValue::Code(scan.row.temp_code.unwrap_or(layout.temp().codes().0)),
-        Quantity::Corrected(axis) => StoredValue::Wide(corrected(scan.corrected_dps[axis]) as u64),
-        Quantity::Lost => StoredValue::Wide(scan.lost),
-        Quantity::Time => StoredValue::Wide(scan.row.t_ns),
+        Quantity::Rate(axis) => scan.row.codes().get(axis).copied().unwrap_or_default() as u64,
+        Quantity::Temp => scan.row.temp_code.unwrap_or(layout.temp().codes().0) as u64,
+        Quantity::Corrected(axis) => corrected(scan.corrected_dps[axis]) as u64,
+        Quantity::Lost => scan.lost,
+        Quantity::Time => scan.row.t_ns,
     }
 }
 
