@@ -2,7 +2,7 @@
 //! simulates this, because the image lacks everything that the kernel has not written yet.
 
 use super::bench::{Bench, Folder, SHORT, random};
-use super::process::{hash, samples};
+use super::process::repaired;
 use super::{Class, Verdict};
 use crate::tools::is_root;
 use crate::venv::done;
@@ -130,17 +130,9 @@ fn within(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let Some(found) = found else {
         return Ok(Verdict::Silent("the file system cannot be mounted any more".to_owned()));
     };
-    let (log, repaired) = (found.file("log.arrows"), found.folder.file("repaired.arrows"));
+    let log = found.file("log.arrows");
     if fs::metadata(&log).map_or(0, |about| about.len()) == 0 {
         return Ok(Verdict::Right);
     }
-    let repair = bench.run(&["repair", &log, "-o", &repaired])?;
-    if repair.code != Some(0) {
-        return Ok(repair.refusal(&["no whole batch", "no schema", "empty"]));
-    }
-    let rows = samples(bench, &repaired)?;
-    let whole = found.folder.file("whole.arrows");
-    bench.must(&["capture", "--device", &device, "--samples", &rows.max(1).to_string(), "-o", &whole])?;
-    let same = rows == 0 || hash(bench, &repaired)? == hash(bench, &whole)?;
-    Ok(if same { Verdict::Right } else { Verdict::Silent(format!("the first {rows} samples are not the part's")) })
+    repaired(bench, &found.folder, &log, &device)
 }

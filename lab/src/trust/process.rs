@@ -26,33 +26,33 @@ fn interrupted(bench: &Bench, class: &str, seed: u64, args: &[&str], signal: &st
 
 fn kill_capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("kill-{seed}"))?;
-    let (file, whole) = (folder.file("log.arrows"), folder.file("whole.arrows"));
+    let file = folder.file("log.arrows");
     let device = format!("twin:seed={seed}");
     interrupted(bench, class, seed, &["capture", "--device", &device, "--duration", "30m", "-o", &file], "-KILL")?;
     if !fs::exists(&file)? {
         return Ok(Verdict::Right);
     }
-    let repaired = folder.file("repaired.arrows");
-    let repair = bench.run(&["repair", &file, "-o", &repaired])?;
+    repaired(bench, &folder, &file, &device)
+}
+
+/// The verdict on a recording that ended early. Repaired, it must be the first samples of `device`.
+pub fn repaired(bench: &Bench, folder: &Folder, file: &str, device: &str) -> Result<Verdict> {
+    let (repaired, whole) = (folder.file("repaired.arrows"), folder.file("whole.arrows"));
+    let repair = bench.run(&["repair", file, "-o", &repaired])?;
     if repair.code != Some(0) {
         return Ok(repair.refusal(&["no whole batch", "no schema", "empty"]));
     }
-    let rows = samples(bench, &repaired)?;
+    let rows = verified(bench, &repaired)?["rows"].as_u64().context("rows")?;
     if rows == 0 {
         return Ok(Verdict::Right);
     }
-    bench.must(&["capture", "--device", &device, "--samples", &rows.to_string(), "-o", &whole])?;
+    bench.must(&["capture", "--device", device, "--samples", &rows.to_string(), "-o", &whole])?;
     let [saved, whole] = [hash(bench, &repaired)?, hash(bench, &whole)?];
     Ok(if saved == whole {
         Verdict::Right
     } else {
         Verdict::Silent(format!("the first {rows} samples differ from the part's"))
     })
-}
-
-/// Number of samples in a complete capture.
-pub fn samples(bench: &Bench, file: &str) -> Result<u64> {
-    verified(bench, file)?["rows"].as_u64().context("rows")
 }
 
 pub fn hash(bench: &Bench, file: &str) -> Result<String> {
