@@ -136,17 +136,8 @@ fn time_program() -> Result<()> {
         command
     };
     done(&mut zerorate(&format!("capture --duration 60m --force -o {CAPTURE}")))?;
-    let mut seconds = Vec::new();
-    for _ in 0..5 {
-        let start = Instant::now();
-        silently(&mut zerorate(&format!("allan {CAPTURE}")))?;
-        seconds.push(start.elapsed().as_secs_f64());
-    }
-    let best = seconds.iter().copied().fold(f64::INFINITY, f64::min);
-    println!(
-        "zerorate allan FILE.parquet, an hour of the twin, from file to text: {best:.2} s, best of {}",
-        seconds.len()
-    );
+    let best = best_of(5, &mut zerorate(&format!("allan {CAPTURE}")))?;
+    println!("zerorate allan FILE.parquet, an hour of the twin, from file to text: {best:.2} s, best of 5");
     Ok(std::fs::remove_file(CAPTURE)?)
 }
 
@@ -165,10 +156,10 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
     done(peers().args(["make", LOGS]).arg(samples.to_string()))?;
     for (file, goal) in FILES {
         let path = format!("{LOGS}/{file}");
-        let theirs = |columns| best_of_three(peers().args([path.as_str(), columns]));
+        let theirs = |columns| best_of(3, peers().args([path.as_str(), columns]));
         let in_python = theirs("gx")?;
         let column = if file == "one.npy" { "0" } else { "gx" };
-        let zerorate = |columns| best_of_three(Command::new(PROGRAM).args(analysis(&path, columns)));
+        let zerorate = |columns| best_of(3, Command::new(PROGRAM).args(analysis(&path, columns)));
         let ours = zerorate(column)?;
         let times = in_python / ours;
         println!(
@@ -199,7 +190,7 @@ fn time_fit(python: &Path, path: &str, seconds: f64, samples: u64) -> Result<()>
     const MOST_TIMES: f64 = 4.0;
     const MOST_COLUMNS: f64 = 1.5;
     let line: Vec<&str> = analysis(path, "0").into_iter().chain(["--fit"]).collect();
-    let fit = best_of_three(Command::new(PROGRAM).args(&line))?;
+    let fit = best_of(3, Command::new(PROGRAM).args(&line))?;
     let times = fit / seconds;
     let columns = peak(python, &line)? / (samples as f64 * 8.0);
     println!(
@@ -231,15 +222,12 @@ fn print_peak(python: &Path, path: &str, columns: &str, samples: u64) -> Result<
     Ok(())
 }
 
-fn silently(command: &mut Command) -> Result<()> {
-    done(command.stdout(Stdio::null()).stderr(Stdio::null()))
-}
-
-fn best_of_three(command: &mut Command) -> Result<f64> {
+/// Time of the fastest of some runs, s.
+fn best_of(runs: usize, command: &mut Command) -> Result<f64> {
     let mut best = f64::INFINITY;
-    for _ in 0..3 {
+    for _ in 0..runs {
         let start = Instant::now();
-        silently(command)?;
+        done(command.stdout(Stdio::null()).stderr(Stdio::null()))?;
         best = best.min(start.elapsed().as_secs_f64());
     }
     Ok(best)
