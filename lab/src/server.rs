@@ -49,15 +49,6 @@ impl Server {
         self.child.id()
     }
 
-    /// Number of open files and connections of the server.
-    pub fn descriptors(&self) -> Result<usize> {
-        descriptors(self.child.id())
-    }
-
-    pub fn peak_mb(&self) -> Result<f64> {
-        memory_mb(self.child.id(), "VmHWM:")
-    }
-
     /// Ends the server as Ctrl-C does.
     pub fn end(mut self) -> Result<()> {
         done(Command::new("kill").args(["-INT", &self.child.id().to_string()]))?;
@@ -75,15 +66,13 @@ impl Drop for Server {
     }
 }
 
-pub fn resident_mb(id: u32) -> Result<f64> {
-    memory_mb(id, "VmRSS:")
-}
-
+/// Number of open files and connections of a process.
 pub fn descriptors(id: u32) -> Result<usize> {
     Ok(fs::read_dir(format!("/proc/{id}/fd"))?.count())
 }
 
-fn memory_mb(id: u32, field: &str) -> Result<f64> {
+/// A memory size in the kernel's status of a process.
+pub fn memory_mb(id: u32, field: &str) -> Result<f64> {
     let status = fs::read_to_string(format!("/proc/{id}/status"))?;
     let line = status.lines().find_map(|line| line.strip_prefix(field)).context("/proc/PID/status")?;
     Ok(line.trim().trim_end_matches(" kB").parse::<f64>()? * 1024.0 / 1e6)

@@ -1,7 +1,7 @@
 //! Runs libiio's own programs against the server for libiio clients.
 
 use super::tally::{Outcome, Tally};
-use crate::server::Server;
+use crate::server::{Server, descriptors};
 use crate::tools::{self, Tool};
 use anyhow::{Context, Result};
 use std::path::Path;
@@ -33,7 +33,7 @@ pub fn run(program: &Path) -> Result<Option<Tally>> {
     let mut tally = Tally::default();
     // count the files after a first client, because the server has then opened all files that it keeps open
     tally.note("iio_genxml", described_again()?);
-    let before = server.descriptors()?;
+    let before = descriptors(server.id())?;
     tally.note("iio_stresstest, 4 threads", stress("4", true)?);
     tally.note(format!("iio_stresstest, {CROWD} threads"), stress(CROWD, false)?);
     for (name, arguments) in REFUSED {
@@ -114,10 +114,10 @@ fn settled(server: &Server, before: usize) -> Result<Outcome> {
     /// Longest wait, s. The server drops a client that stops in the middle of a line after 10 s.
     const PATIENCE_S: u32 = 60;
     for _ in 0..PATIENCE_S {
-        if server.descriptors()? <= before {
+        if descriptors(server.id())? <= before {
             return Ok(Outcome::Right);
         }
         std::thread::sleep(std::time::Duration::from_secs(1));
     }
-    Ok(Outcome::Wrong(format!("{} descriptors, and {before} before", server.descriptors()?)))
+    Ok(Outcome::Wrong(format!("{} descriptors, and {before} before", descriptors(server.id())?)))
 }

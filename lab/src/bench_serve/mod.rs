@@ -5,7 +5,7 @@ pub mod page;
 pub mod samples;
 
 use crate::app;
-use crate::server::Server;
+use crate::server::{Server, memory_mb};
 use crate::tools::{self, Tool};
 use anyhow::{Result, bail, ensure};
 use page::Frames;
@@ -53,7 +53,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let server = Server::start(&program, &["--device", DEVICE, "-o", &capture.display().to_string()])?;
     let begun = Instant::now();
     let seen = look_on(args, &server, clients)?;
-    let peak_mb = server.peak_mb()?;
+    let peak_mb = memory_mb(server.id(), "VmHWM:")?;
     server.end()?;
     let wall_s = begun.elapsed().as_secs_f64();
     let recorded = CaptureSummary::of(&program, &capture)?;

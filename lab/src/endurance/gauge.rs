@@ -1,6 +1,6 @@
 //! Measures memory and file descriptors of a process over time.
 
-use crate::server::{descriptors, resident_mb};
+use crate::server::{descriptors, memory_mb};
 use anyhow::{Result, ensure};
 
 /// Ignored growth from the second quarter of a run to the last, MB. Buffers of visitors that come and go need it.
@@ -17,7 +17,7 @@ pub struct Gauge {
 
 impl Gauge {
     pub fn read(&mut self, process: u32) -> Result<()> {
-        self.resident_mb.push(resident_mb(process)?);
+        self.resident_mb.push(memory_mb(process, "VmRSS:")?);
         self.descriptors.push(descriptors(process)?);
         Ok(())
     }

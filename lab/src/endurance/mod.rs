@@ -10,7 +10,7 @@ mod tracker;
 use crate::app;
 use crate::bench_serve::page;
 use crate::bench_serve::samples::CaptureSummary;
-use crate::server::Server;
+use crate::server::{Server, descriptors};
 use anyhow::{Result, ensure};
 use gauge::Gauge;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
     let folder = tempfile::tempdir()?;
     let capture = folder.path().join("served.arrows");
     let server = Server::start(program, &["--device", device, "-o", &capture.display().to_string()])?;
-    let idle = server.descriptors()?;
+    let idle = descriptors(server.id())?;
     page::ask(&server.page, &format!(r#"{{"id":1,"do":"speed","factor":{speed}}}"#))?;
     let begun = Instant::now();
     let mut gauge = Gauge::default();
@@ -92,7 +92,7 @@ fn settled(server: &Server, before: usize) -> Result<usize> {
     const PATIENCE: Duration = Duration::from_secs(120);
     let begun = Instant::now();
     loop {
-        let left = server.descriptors()?;
+        let left = descriptors(server.id())?;
         if left <= before + OWN {
             return Ok(left);
         }
