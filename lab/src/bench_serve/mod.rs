@@ -6,10 +6,10 @@ pub mod samples;
 
 use crate::app;
 use crate::server::{Server, memory_mb};
-use crate::tools::{self, Tool};
+use crate::tools;
 use anyhow::{Result, bail, ensure};
 use page::Frames;
-use samples::{CaptureSummary, Client};
+use samples::{CaptureSummary, Client, READDEV};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
@@ -47,7 +47,8 @@ pub struct BenchServeArgs {
 
 pub fn run(args: &BenchServeArgs) -> Result<()> {
     let program = app::given_or_built(args.program.as_deref())?;
-    let clients = if has_iio(args)? { args.clients } else { 0 };
+    let has_iio = args.clients > 0 && tools::available(&[READDEV], "clients of libiio that look on")?;
+    let clients = if has_iio { args.clients } else { 0 };
     let folder = tempfile::tempdir()?;
     let capture = folder.path().join("served.arrows");
     let server = Server::start(&program, &["--device", DEVICE, "-o", &capture.display().to_string()])?;
@@ -63,11 +64,6 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!((recorded.rows as f64 / expected - 1.0).abs() < 0.03, "{} samples do not match the time", recorded.rows);
     check_clients(&seen.clients, &program, &capture)
-}
-
-fn has_iio(args: &BenchServeArgs) -> Result<bool> {
-    let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
-    Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)
 }
 
 struct Watchers {

@@ -1,5 +1,6 @@
 //! Compares the recording with the twin's samples, and with the samples that libiio clients received.
 
+use crate::tools::Tool;
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, anyhow, ensure};
 use serde_json::Value;
@@ -8,6 +9,9 @@ use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::{self, JoinHandle};
+
+/// The program of a [`Client`].
+pub const READDEV: Tool = Tool { program: "iio_readdev", package: "libiio-utils" };
 
 /// Size of a sample of an ADIS16130 without a calibration, bytes: code, temperature, lost samples, time.
 const SAMPLE: usize = 24;
@@ -69,7 +73,7 @@ pub struct Client {
 
 impl Client {
     pub fn start(uri: &str) -> Result<Self> {
-        let mut command = Command::new("iio_readdev");
+        let mut command = Command::new(READDEV.program);
         let mut child = command.args(["-u", uri, "-b", "1024", "iio:device0"]).stdout(Stdio::piped()).spawn()?;
         let mut out = child.stdout.take().context("no stdout")?;
         let bytes = thread::spawn(move || {

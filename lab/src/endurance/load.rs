@@ -2,9 +2,9 @@
 
 use super::gauge::Gauge;
 use crate::bench_serve::page;
-use crate::bench_serve::samples::{self, Client};
+use crate::bench_serve::samples::{self, Client, READDEV};
 use crate::server::Server;
-use crate::tools::{self, Tool};
+use crate::tools;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -53,8 +53,7 @@ impl Visits {
 
 /// Lets pages and clients connect and disconnect until a page has shown `hours` of the sensor's time.
 pub fn run(server: &Server, hours: f64, gauge: &mut Gauge) -> Result<Visits> {
-    let tool = Tool { program: "iio_readdev", package: "libiio-utils" };
-    let clients = if tools::available(&[tool], "clients of libiio that come and go")? { CLIENTS } else { 0 };
+    let clients = if tools::available(&[READDEV], "clients of libiio that come and go")? { CLIENTS } else { 0 };
     let (over, shown_ms) = (AtomicBool::new(false), AtomicU64::new(0));
     thread::scope(|scope| {
         let (over, shown_ms) = (&over, &shown_ms);
