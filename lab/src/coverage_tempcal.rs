@@ -5,7 +5,7 @@ use crate::seeds::{self, for_each_seed};
 use anyhow::{Context, anyhow};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::StandardNormal;
 use std::ops::RangeInclusive;
 use std::time::Instant;
 use zerorate::temperature::curve::{AxisRecord, LagLikelihood, LogCurve, LogMeans, MeansBuilder};
@@ -181,10 +181,7 @@ fn course_c(at_s: f64) -> f64 {
 
 fn simulated(kind: &Kind, seed: u64) -> Log {
     let mut random = SmallRng::seed_from_u64(seed);
-    let mut normal = |deviation: f64| -> f64 {
-        let number: f64 = StandardNormal.sample(&mut random);
-        deviation * number
-    };
+    let mut normal = |deviation: f64| deviation * random.sample::<f64, _>(StandardNormal);
     let count = (RATE_HZ * if kind.cools { 5400.0 } else { 2700.0 }) as usize;
     let hard = if kind.is_hard { HARD_DPS } else { 0.0 };
     let sizes = [TERMS_DPS[0], TERMS_DPS[1], TERMS_DPS[2], TERMS_DPS[3], hard, hard];
@@ -197,10 +194,7 @@ fn simulated(kind: &Kind, seed: u64) -> Log {
     let (mut late_c, mut held_c, mut read_c) = (course_c(0.0), course_c(0.0), course_c(0.0));
     let of_thermometer = if kind.late_s > 0.0 { (-1.0 / RATE_HZ / kind.late_s).exp() } else { 0.0 };
     let mut of_air = SmallRng::seed_from_u64(seed ^ 0xA1);
-    let mut draught = |deviation: f64| -> f64 {
-        let number: f64 = StandardNormal.sample(&mut of_air);
-        deviation * number
-    };
+    let mut draught = |deviation: f64| deviation * of_air.sample::<f64, _>(StandardNormal);
     let mut draught_c = 0.0;
     let (mut walks, mut flickers) = ([0.0; AXES], [[0.0; FLICKER_S.len()]; AXES]);
     flickers.iter_mut().flatten().for_each(|state| *state = normal(FLICKER_DPS));
