@@ -1,9 +1,7 @@
 //! The simulated records, with the bounds on the results for each.
 
 use std::f64::consts::{LN_2, PI};
-
-/// Ratio of the Allan deviation's floor to B: √(2 ln 2/π).
-const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
+use zerorate_allan::FLOOR_PER_B;
 
 /// A record to simulate, with its true noise coefficients N, B, K and Q, with ° and s as units.
 #[derive(Clone, Copy)]
