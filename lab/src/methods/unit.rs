@@ -114,14 +114,11 @@ impl Recording {
         self.means.chunks_exact(count).map(block)
     }
 
-    /// The lowest and the highest temperature of the blocks, °C.
-    pub fn span_c(&self) -> (f64, f64) {
-        let temps = self.blocks().into_iter().map(|block| block.temp_c);
-        temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
-    }
-
+    /// Temperatures from the lowest to the highest of the blocks, °C.
     pub fn temps_c(&self) -> [f64; TEMPS] {
-        let (low_c, high_c) = self.span_c();
+        let temps = self.blocks().into_iter().map(|block| block.temp_c);
+        let (low_c, high_c) =
+            temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)));
         std::array::from_fn(|k| low_c + (high_c - low_c) * k as f64 / (TEMPS - 1) as f64)
     }
 
