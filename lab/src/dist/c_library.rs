@@ -69,9 +69,8 @@ pub fn make(folder: &Folder) -> Result<()> {
         }
         let values = [("VERSION", VERSION), ("URL", &repository("URL"))];
         fill("c/zerorate.pc", &to.join("lib/pkgconfig/zerorate.pc"), &values)?;
-        for (from, file) in [("bindings/c/include", "zerorate.h"), ("bindings/c", "README.md")] {
-            let folder = if file.ends_with(".h") { to.join("include") } else { to.clone() };
-            put(&folder.join(file), &fs::read(Path::new(from).join(file))?)?;
+        for file in ["include/zerorate.h", "README.md"] {
+            put(&to.join(file), &fs::read(Path::new("bindings/c").join(file))?)?;
         }
         for paper in ["LICENSE-MIT", "LICENSE-APACHE", &papers::licences("zerorate-c"), papers::RUST_LIBRARY] {
             let bytes = fs::read(folder.of(paper)).with_context(|| format!("{paper}: make the part papers first"))?;

@@ -23,15 +23,6 @@ enum Form {
     Uf2(Loader),
 }
 
-impl Form {
-    const fn ending(&self) -> &'static str {
-        match self {
-            Self::Elf => "elf",
-            Self::Uf2(_) => "uf2",
-        }
-    }
-}
-
 /// The boards. With a boot loader, the firmware of a Black Pill is at another flash address.
 const BOARDS: [Board; 3] = [
     Board {
@@ -58,7 +49,11 @@ const BOARDS: [Board; 3] = [
 ];
 
 fn name(board: &Board, form: &Form) -> String {
-    format!("zerorate-bridge-{VERSION}-{}.{}", board.name, form.ending())
+    let ending = match form {
+        Form::Elf => "elf",
+        Form::Uf2(_) => "uf2",
+    };
+    format!("zerorate-bridge-{VERSION}-{}.{ending}", board.name)
 }
 
 pub fn make(folder: &Folder) -> Result<()> {
