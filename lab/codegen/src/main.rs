@@ -37,18 +37,14 @@ fn check() -> Result<()> {
 
 /// The files that are out of date, each with its new text.
 fn old() -> Result<Vec<(&'static str, String)>> {
-    let mut made = made()?;
-    made.retain(|(path, text)| fs::read_to_string(path).map_or(true, |there| there != *text));
-    Ok(made)
-}
-
-fn made() -> Result<Vec<(&'static str, String)>> {
     let facts = fs::read_to_string("docs/facts.md").context("docs/facts.md: run this in the project's folder")?;
-    Ok(vec![
+    let mut made = vec![
         ("docs/pictures/bandwidth.svg", bandwidth::draw(&facts)?),
         ("docs/pictures/spectrum.svg", spectrum::draw()?),
         ("firmware/examples/src/unit.rs", unit()?),
-    ])
+    ];
+    made.retain(|(path, text)| fs::read_to_string(path).map_or(true, |there| there != *text));
+    Ok(made)
 }
 
 /// The calibration of the firmware's examples, as `zerorate export --format rust` writes it.
