@@ -24,6 +24,7 @@ const NO_EDGE_NS: u64 = 100_000_000;
 /// suppress the noise at higher frequencies.
 const IMAGES: i32 = 64;
 
+#[derive(Clone, Copy)]
 struct Setup {
     name: &'static str,
     roa: Roa,
@@ -35,23 +36,14 @@ struct Setup {
 
 pub fn draw() -> Result<String> {
     let (open, filtered) = (Axis::ADIS16130.bandwidth_hz, Some(Axis::ADIS16130_ROA_10NF_HZ));
+    let roa = Roa::TenNanofarad;
+    let every = Setup { name: "every edge", roa: Roa::Open, divider: 1, samples: SAMPLES, bandwidth_hz: open };
+    let few = Setup { name: "every 50th edge", divider: 50, samples: SAMPLES_DIVIDED, bandwidth_hz: None, ..every };
     let ways = [
-        Setup { name: "every edge", roa: Roa::Open, divider: 1, samples: SAMPLES, bandwidth_hz: open },
-        Setup {
-            name: "every edge, 0.01 µF",
-            roa: Roa::TenNanofarad,
-            divider: 1,
-            samples: SAMPLES,
-            bandwidth_hz: filtered,
-        },
-        Setup { name: "every 50th edge", roa: Roa::Open, divider: 50, samples: SAMPLES_DIVIDED, bandwidth_hz: None },
-        Setup {
-            name: "every 50th edge, 0.01 µF",
-            roa: Roa::TenNanofarad,
-            divider: 50,
-            samples: SAMPLES_DIVIDED,
-            bandwidth_hz: filtered,
-        },
+        every,
+        Setup { name: "every edge, 0.01 µF", roa, bandwidth_hz: filtered, ..every },
+        few,
+        Setup { name: "every 50th edge, 0.01 µF", roa, bandwidth_hz: filtered, ..few },
     ];
     let all = ways.iter().map(Setup::spectrum).collect::<Result<Vec<_>>>()?;
     Ok(spectra("A part at rest, read in four ways (twin, seed 4, at the nominal clock)", &all, "°/s/√Hz") + "\n")
