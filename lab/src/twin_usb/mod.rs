@@ -159,7 +159,7 @@ impl Plug {
             Err(error) if error.kind() == ErrorKind::Interrupted => return Ok(true),
             Err(error) => return Err(error).context("reading the socket"),
         }
-        while let Some((id, request)) = self.connection.next()? {
+        while let Some((id, request)) = self.connection.next().map_err(anyhow::Error::msg)? {
             self.serve(id, request)?;
         }
         Ok(true)
