@@ -35,10 +35,6 @@ struct Source {
 }
 
 impl Source {
-    fn new(path: &str, text: &str) -> Self {
-        Self { path: path.to_owned(), text: text.to_owned() }
-    }
-
     fn is_root(&self) -> bool {
         matches!(&*self.path, "lib.rs" | "main.rs")
     }
@@ -129,8 +125,8 @@ fn root() -> PathBuf {
 }
 
 fn circles_of(files: &[(&str, &str)]) -> Vec<String> {
-    let files: Vec<Source> = files.iter().map(|(path, text)| Source::new(path, text)).collect();
-    uses(&files).circles()
+    let file = |(path, text): &(&str, &str)| Source { path: (*path).to_owned(), text: (*text).to_owned() };
+    uses(&files.iter().map(file).collect::<Vec<_>>()).circles()
 }
 
 #[test]
