@@ -30,8 +30,7 @@ fn svg(width: u32, height: u32, title: &str, body: &str) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
          height=\"{height}\" role=\"img\" font-family=\"sans-serif\" font-size=\"13\">\n<title>{title}</title>\n<rect \
-         width=\"{width}\" \
-         height=\"{height}\" fill=\"#fff\"/>\n{body}</svg>\n"
+         width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n{body}</svg>\n"
     )
 }
 
@@ -43,11 +42,6 @@ fn text(at: (f64, f64), anchor: &str, colour: &str, content: &str) -> String {
 
 fn line(from: (f64, f64), to: (f64, f64), style: &str) -> String {
     format!("<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" {style}/>\n", from.0, from.1, to.0, to.1)
-}
-
-fn rect(at: (f64, f64), size: (f64, f64), style: &str) -> String {
-    let ((x, y), (width, height)) = (at, size);
-    format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>\n")
 }
 
 /// Converts values to pixels in a log-log plot of densities.
@@ -92,7 +86,7 @@ pub fn draw(facts: &str) -> Result<String> {
     let fall = |hz: f64, pole: f64| 1.0 / (1.0 + (hz / pole).powi(2)).sqrt();
     let open = |hz: f64| poles.iter().fold(density, |all, pole| all * fall(hz, *pole));
     let mut body = text((380.0, 24.0), "middle", "#000", "density of the noise, °/s/√Hz (F-02, F-03, F-04)");
-    body += &rect((70.0, 40.0), (620.0, 290.0), "fill=\"none\" stroke=\"#000\"");
+    body += "<rect x=\"70.0\" y=\"40.0\" width=\"620.0\" height=\"290.0\" fill=\"none\" stroke=\"#000\"/>\n";
     for hz in [10.0, 100.0, 1000.0, 10_000.0] {
         body += &line((Plot::x(hz), 330.0), (Plot::x(hz), 40.0), "stroke=\"#ddd\"");
         body += &text((Plot::x(hz), 348.0), "middle", "#000", &format!("{hz} Hz"));
