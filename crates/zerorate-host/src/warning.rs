@@ -45,12 +45,6 @@ impl SourceWarning {
     }
 }
 
-impl From<LogWarning> for SourceWarning {
-    fn from(warning: LogWarning) -> Self {
-        Self::Log(warning)
-    }
-}
-
 impl From<CaptureWarning> for SourceWarning {
     fn from(warning: CaptureWarning) -> Self {
         Self::Log(of_capture(&warning))
