@@ -18,7 +18,7 @@ pub fn residuals(methods: &[Vec<Summary>]) -> String {
         y_name: "residual, °/h".to_owned(),
         is_log: true,
         rule: None,
-        panels: panels(&chosen(methods, &correcting), |summary| over(summary.at_temps_dph)),
+        panels: panels(methods, &correcting, |summary| over(summary.at_temps_dph)),
     })
 }
 
@@ -33,7 +33,7 @@ pub fn coverage(methods: &[Vec<Summary>]) -> String {
         y_name: "inside, %".to_owned(),
         is_log: false,
         rule: Some(100.0 * Uncertainty::COVERAGE),
-        panels: panels(&chosen(methods, &stating), inside),
+        panels: panels(methods, &stating, inside),
     })
 }
 
@@ -41,19 +41,15 @@ fn names(indices: &[usize]) -> Vec<String> {
     indices.iter().map(|index| METHODS[*index].name.to_owned()).collect()
 }
 
-/// Selects the methods with these indices for each kind of unit.
-fn chosen(methods: &[Vec<Summary>], indices: &[usize]) -> Vec<Vec<Summary>> {
-    methods.iter().map(|of_kind| indices.iter().map(|index| of_kind[*index].clone()).collect()).collect()
-}
-
 fn inside(summary: &Summary) -> Vec<(f64, f64)> {
     summary.coverage.map_or(Vec::new(), |coverage| over(coverage.at_temps))
 }
 
-fn panels(methods: &[Vec<Summary>], line: impl Fn(&Summary) -> Vec<(f64, f64)>) -> Vec<Panel> {
+/// A panel for each kind of unit, with lines of the methods that have these indices.
+fn panels(methods: &[Vec<Summary>], indices: &[usize], line: fn(&Summary) -> Vec<(f64, f64)>) -> Vec<Panel> {
     let panel = |(kind, of_kind): (Kind, &Vec<Summary>)| Panel {
         label: format!("{} units", kind.name()),
-        lines: of_kind.iter().map(&line).collect(),
+        lines: indices.iter().map(|index| line(&of_kind[*index])).collect(),
     };
     Kind::ALL.into_iter().zip(methods).map(panel).collect()
 }
