@@ -177,7 +177,7 @@ impl Hub {
     #[must_use]
     pub fn everything(&self) -> LosslessReader {
         let (queue, batches) = sync_channel(QUEUE);
-        self.add(Subscriber::LosslessReader(queue));
+        lock(&self.shared.subscribers).push(Subscriber::LosslessReader(queue));
         LosslessReader(batches)
     }
 
@@ -185,12 +185,8 @@ impl Hub {
     #[must_use]
     pub fn watch(&self, queue: usize) -> Watcher {
         let (queue, batches) = sync_channel(queue.max(1));
-        self.add(Subscriber::Watcher { queue, missed: 0, lost: 0 });
+        lock(&self.shared.subscribers).push(Subscriber::Watcher { queue, missed: 0, lost: 0 });
         Watcher(batches)
-    }
-
-    fn add(&self, subscriber: Subscriber) {
-        lock(&self.shared.subscribers).push(subscriber);
     }
 
     /// Starts reading samples. Each of `marks_ns` ends a batch at the first sample whose time since the first sample
@@ -200,8 +196,7 @@ impl Hub {
     /// Returns an error if the thread has ended.
     pub fn read(&self, pace: Pace, marks_ns: Vec<u64>) -> Result<()> {
         self.shared.speed.set(pace.factor());
-        let begun = self.requests.send(Request::Read { marks_ns });
-        begun.map_err(|_| died().into())
+        self.requests.send(Request::Read { marks_ns }).map_err(|_| died().into())
     }
 }
 
