@@ -1,7 +1,7 @@
 //! Converts rows of the hub to samples of a buffer: checked, corrected if possible, and with a count of losses.
 
 use super::correcting::Correcting;
-use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
+use super::table::{CORRECTED_RAD_PER_S, Quantity, Table};
 use std::collections::VecDeque;
 use std::ops::Range;
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
@@ -84,16 +84,12 @@ impl Packing {
         }
         let mut packing = Self { places: Vec::new(), size: 0 };
         for (_, channel) in channels.iter().enumerate().filter(|(bit, _)| mask >> bit & 1 == 1) {
-            packing.add(channel);
+            // a channel is at a multiple of its own size, and no padding follows the last channel
+            let at = packing.size.next_multiple_of(channel.bytes);
+            packing.size = at + channel.bytes;
+            packing.places.push((channel.quantity, at..packing.size));
         }
         Some(packing)
-    }
-
-    /// Adds a channel at a multiple of its own size. No padding follows the last channel.
-    fn add(&mut self, channel: &Channel) {
-        let at = self.size.next_multiple_of(channel.bytes);
-        self.size = at + channel.bytes;
-        self.places.push((channel.quantity, at..self.size));
     }
 
     pub fn size(&self) -> usize {
