@@ -155,26 +155,15 @@ fn become_realtime(notes: &Notes) {
     }
 }
 
-/// The error number of the last failed transfer, which the driver's errors do not carry.
-#[derive(Clone, Debug, Default)]
-struct LastErrno(Arc<AtomicI32>);
-
-impl LastErrno {
-    fn set(&self, raw: i32) {
-        self.0.store(raw, Ordering::Relaxed);
-    }
-
-    fn get(&self) -> Option<Errno> {
-        let raw = self.0.load(Ordering::Relaxed);
-        (raw > 0).then(|| Errno::from_raw_os_error(raw))
-    }
-}
+/// The error number of the last failed transfer, which the driver's errors do not carry; 0 without one.
+type LastErrno = Arc<AtomicI32>;
 
 /// Adds the name of the spidev file and advice to an error that shows that the SPI adapter is gone or hangs.
 fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> anyhow::Error {
     let spi = address.spi.display();
     let of_line = error.chain().find_map(|source| source.downcast_ref()).and_then(errno);
-    let told = match of_line.or_else(|| failed.get()) {
+    let of_bus = Some(failed.load(Ordering::Relaxed)).filter(|raw| *raw > 0).map(Errno::from_raw_os_error);
+    let told = match of_line.or(of_bus) {
         Some(Errno::NODEV | Errno::SHUTDOWN | Errno::NXIO | Errno::NOENT) => UserError::new(
             Cause::Gone,
             format!("{spi} is gone: the SPI adapter was unplugged or its driver unbound; plug it in and start again"),
@@ -273,7 +262,7 @@ impl SpiDevice for SpiBus {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Ok(()) => return Ok(()),
                 Err(error) => {
-                    self.failed.set(error.raw_os_error().unwrap_or_default());
+                    self.failed.store(error.raw_os_error().unwrap_or_default(), Ordering::Relaxed);
                     return Err(HalError::new(error));
                 }
             }
@@ -343,7 +332,7 @@ mod tests {
         };
         assert_eq!(seen(Errno::NODEV.raw_os_error()), Cause::Gone);
         assert_eq!(seen(Errno::IO.raw_os_error()), Cause::Other);
-        let of_bus = LastErrno(Arc::new(AtomicI32::new(Errno::SHUTDOWN.raw_os_error())));
+        let of_bus = Arc::new(AtomicI32::new(Errno::SHUTDOWN.raw_os_error()));
         assert!(
             explain(UserError::request("transfer"), &address, &of_bus).to_string().contains("/dev/spidev0.0 is gone")
         );
