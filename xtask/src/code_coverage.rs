@@ -89,12 +89,9 @@ fn files(report: &str) -> Vec<File> {
             *file.lines.entry(line).or_default() |= count > 0;
         }
     }
+    let is_test = |path: &str| path.split('/').any(|part| matches!(part, "tests" | "tests.rs"));
     files.retain(|file| file.path.starts_with("crates/") && !is_test(&file.path));
     files
-}
-
-fn is_test(path: &str) -> bool {
-    path.split('/').any(|part| matches!(part, "tests" | "tests.rs"))
 }
 
 /// Each crate with its number of lines and the share that tests reach, %.

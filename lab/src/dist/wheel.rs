@@ -7,7 +7,6 @@ use crate::targets;
 use crate::tools::{Tool, available};
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, ensure};
-use std::path::Path;
 use std::process::Command;
 
 /// The build folder. It differs from the program's build folder, because the compiler flags differ.
@@ -85,14 +84,10 @@ fn emulated(folder: &Folder) -> Result<Option<String>> {
     let mut python = Command::new("qemu-aarch64-static");
     python.arg("-L").arg(&root).arg("-E").arg(format!("LD_LIBRARY_PATH={}", libraries.join(":")));
     python.arg(root.join("usr/bin/python3.11")).args(["-c", USED]).current_dir(&packages);
-    python
-        .env("PYTHONHOME", root.join("usr"))
-        .env("PYTHONPATH", paths(&[&packages, &root.join("usr/lib/python3/dist-packages")]));
+    let numpy = root.join("usr/lib/python3/dist-packages");
+    python.env("PYTHONHOME", root.join("usr"));
+    python.env("PYTHONPATH", format!("{}:{}", packages.display(), numpy.display()));
     printed(&mut python).map(Some)
-}
-
-fn paths(folders: &[&Path]) -> String {
-    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(":")
 }
 
 /// A script that must print the same numbers on all machines.

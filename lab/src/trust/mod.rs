@@ -95,7 +95,7 @@ pub fn run(args: &TrustArgs) -> Result<()> {
         classes().into_iter().filter(|class| args.only.as_deref().is_none_or(|only| class.name.starts_with(only)))
     {
         let started = Instant::now();
-        let count = match done.take(class.name) {
+        let count = match done.counts.remove(class.name) {
             Some(count) => count,
             None => {
                 try_class(args, &bench, &class).and_then(|count| done.keep(class.name, count)).context(class.name)?
@@ -126,10 +126,6 @@ impl FinishedClasses {
         let text = path.as_deref().filter(|path| path.exists()).map(std::fs::read_to_string).transpose()?;
         let lines = text.as_deref().unwrap_or_default().lines().map(serde_json::from_str);
         Ok(Self { path, counts: lines.collect::<Result<Vec<(String, Count)>, _>>()?.into_iter().collect() })
-    }
-
-    fn take(&mut self, class: &str) -> Option<Count> {
-        self.counts.remove(class)
     }
 
     fn keep(&self, class: &str, count: Count) -> Result<Count> {

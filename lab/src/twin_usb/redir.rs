@@ -127,7 +127,7 @@ impl Connection {
     /// Decodes the next request and its id; `None` if it has not arrived completely. An error if the other end
     /// violates the protocol.
     pub fn next(&mut self) -> Result<Option<(u64, Request)>, String> {
-        let head = self.head_len();
+        let head = if self.caps.has(Caps::WIDE_IDS) { 16 } else { 12 };
         let Some((kind, length)) = le32(&self.received, 0).zip(le32(&self.received, 4)) else {
             return Ok(None);
         };
@@ -143,10 +143,6 @@ impl Connection {
         let request = self.parse(kind, &packet[head..]);
         let request = request.ok_or_else(|| format!("usbredir: a packet of kind {kind} with only {length} bytes"))?;
         Ok(Some((id.unwrap_or_default(), request)))
-    }
-
-    fn head_len(&self) -> usize {
-        if self.caps.has(Caps::WIDE_IDS) { 16 } else { 12 }
     }
 
     fn parse(&mut self, kind: u32, body: &[u8]) -> Option<Request> {
