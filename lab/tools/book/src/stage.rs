@@ -26,7 +26,9 @@ pub fn fill(root: &Path, staged: &Path, commands: &str) -> Result<()> {
         let is_page = name.extension().is_some_and(|e| e == "md") && !name.ends_with("SUMMARY.md");
         ensure!(!is_page || chapters.contains(&name), "{} is not in docs/SUMMARY.md", name.display());
         if !is_page && !name.ends_with("book.toml") {
-            copy(file, &staged.join(place(&name)))?;
+            let to = staged.join(place(&name));
+            fs::create_dir_all(to.parent().context("a file in a folder")?)?;
+            fs::copy(file, to).with_context(|| format!("cannot copy {}", file.display()))?;
         }
     }
     for chapter in &chapters {
@@ -68,7 +70,8 @@ fn relinked(text: &str, page: &Path, root: &Path, chapters: &BTreeSet<PathBuf>) 
         let wanted = if root.join(&wanted).is_dir() { wanted.join("README.md") } else { wanted };
         if chapters.contains(&wanted) || (wanted.starts_with("docs") && root.join(&wanted).is_file()) {
             made += &text[done..at.start];
-            made += &format!("{}{anchor}", relative(here, &place(&wanted)));
+            made += &"../".repeat(here.components().count());
+            made += &format!("{}{anchor}", place(&wanted).display());
             done = at.end;
         } else {
             made += &text[done..whole.start];
@@ -115,17 +118,6 @@ fn plain(path: &Path) -> Result<PathBuf> {
         }
     }
     Ok(plain)
-}
-
-fn relative(from: &Path, to: &Path) -> String {
-    let ups = from.components().count();
-    "../".repeat(ups) + &to.to_string_lossy()
-}
-
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to.parent().context("a file in a folder")?)?;
-    fs::copy(from, to).with_context(|| format!("cannot copy {}", from.display()))?;
-    Ok(())
 }
 
 /// All files below a folder, in a fixed order.
