@@ -16,13 +16,10 @@ const CALIBRATION: &str = "calibrate --device twin:seed=4 --serial SN17 --force 
 const CORRECTION: &str = "report unit.toml --force -o";
 
 pub fn make(folder: &Folder) -> Result<()> {
-    draw(&folder.of(program::name(&MACHINES[0])), &folder.empty("pictures")?, &folder.dist)
-}
-
-fn draw(program: &Path, work: &Path, to: &Path) -> Result<()> {
+    let (program, work) = (folder.of(program::name(&MACHINES[0])), folder.empty("pictures")?);
     let zerorate = |line: &str, picture: Option<&str>| {
-        let mut command = Command::new(program);
-        command.current_dir(work).args(line.split(' ')).args(picture.map(|name| to.join(name)));
+        let mut command = Command::new(&program);
+        command.current_dir(&work).args(line.split(' ')).args(picture.map(|name| folder.of(name)));
         done(command.stdout(Stdio::null()).stderr(Stdio::null()))
     };
     zerorate(RECORD, None)?;
