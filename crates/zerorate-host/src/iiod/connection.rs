@@ -65,12 +65,6 @@ struct Buffer<'a> {
     sent: usize,
 }
 
-enum WaitEnd {
-    Samples,
-    Nothing,
-    Gone,
-}
-
 impl<'a> Buffer<'a> {
     fn new(hub: &Hub, device: &'a Device, open: Open) -> Self {
         Self { watcher: hub.watch(QUEUE), device, scanner: device.scanner(), open, bytes: Vec::new(), sent: 0 }
@@ -81,10 +75,10 @@ impl<'a> Buffer<'a> {
         let mut left = bytes;
         while left > 0 {
             match self.wait(patience, peer.stop) {
-                WaitEnd::Samples => {}
-                WaitEnd::Nothing if left == bytes => return peer.send(&refusal(Errno::TIMED_OUT)),
-                WaitEnd::Gone if left == bytes => return peer.send(&refusal(Errno::NO_DEVICE)),
-                WaitEnd::Nothing | WaitEnd::Gone => return peer.send(&number(0)),
+                Poll::Samples(()) => {}
+                Poll::Nothing if left == bytes => return peer.send(&refusal(Errno::TIMED_OUT)),
+                Poll::End if left == bytes => return peer.send(&refusal(Errno::NO_DEVICE)),
+                Poll::Nothing | Poll::End => return peer.send(&number(0)),
             }
             let chunk = &self.bytes[self.sent..];
             let chunk = &chunk[..chunk.len().min(left)];
@@ -97,28 +91,26 @@ impl<'a> Buffer<'a> {
     }
 
     /// Waits until there are samples to send, for `patience` at most. `None` sets no limit.
-    fn wait(&mut self, patience: Option<Duration>, stop: &Stop) -> WaitEnd {
+    fn wait(&mut self, patience: Option<Duration>, stop: &Stop) -> Poll<()> {
         let begun = Instant::now();
         while self.sent == self.bytes.len() {
             match self.watcher.next_within(POLL) {
                 Poll::Samples(watched) => self.take(&watched),
-                Poll::End => return WaitEnd::Gone,
-                Poll::Nothing if stop.asked() || self.device.is_gone() => return WaitEnd::Gone,
+                Poll::End => return Poll::End,
+                Poll::Nothing if stop.asked() || self.device.is_gone() => return Poll::End,
                 Poll::Nothing if patience.is_some_and(|patience| begun.elapsed() >= patience) => {
-                    return WaitEnd::Nothing;
+                    return Poll::Nothing;
                 }
                 Poll::Nothing => {}
             }
         }
-        WaitEnd::Samples
+        Poll::Samples(())
     }
 
     fn take(&mut self, watched: &WatchedBatch) {
         self.bytes.clear();
         self.sent = 0;
-        if watched.missed > 0 {
-            self.device.note_missed(watched.missed);
-        }
+        self.device.note_missed(watched.missed);
         let trims_dps = self.device.trims_dps();
         let mut missed = watched.missed + watched.lost;
         for row in &watched.batch.rows {
