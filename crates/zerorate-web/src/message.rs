@@ -76,8 +76,7 @@ pub enum Command {
 
 /// A guided calibration: its method, and settings that differ from the defaults.
 #[derive(Clone, Debug, Deserialize)]
-#[cfg_attr(feature = "types", derive(TS))]
-#[cfg_attr(feature = "types", ts(optional_fields))]
+#[cfg_attr(feature = "types", derive(TS), ts(optional_fields))]
 pub struct CalibrateCommand {
     /// The procedure to run.
     pub method: MethodName,
@@ -158,8 +157,7 @@ pub struct Download {
 
 /// The changes since the last frame, or everything in a snapshot. An absent field did not change.
 #[derive(Clone, Debug, Default, Serialize)]
-#[cfg_attr(feature = "types", derive(TS))]
-#[cfg_attr(feature = "types", ts(optional_fields))]
+#[cfg_attr(feature = "types", derive(TS), ts(optional_fields))]
 pub struct Frame {
     /// The number of the frame. It increases with each frame of changes; a snapshot repeats the last number.
     pub seq: u32,

@@ -9,8 +9,7 @@ use zerorate_imu::{AxisReport, Kind};
 /// The user's statements about a log. All else is taken from the log itself.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
-#[cfg_attr(feature = "types", derive(TS))]
-#[cfg_attr(feature = "types", ts(optional_fields))]
+#[cfg_attr(feature = "types", derive(TS), ts(optional_fields))]
 pub struct LogSettings {
     /// The columns, by name or by number counted from 0; null: all axes, or all columns of a log without axes.
     pub columns: Option<Vec<String>>,
