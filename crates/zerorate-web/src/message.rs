@@ -200,7 +200,6 @@ pub struct Strip {
     pub level: u32,
     /// Number of the first bin. It starts `first` bin lengths after the first sample. `bins_s` of the device has the
     /// bin length of the level.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub first: u64,
     /// The number of bins.
     pub count: u32,
@@ -388,19 +387,14 @@ pub enum RestVerdict {
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct SampleCounts {
     /// Number of samples that reached the session.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
     /// Number of samples that were lost before they were read. Each sample states the number lost before it.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub lost: u64,
     /// Number of samples that were read but not shown, because the session was too slow. A recording has them.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missed: u64,
     /// Number of readings of all axes that are impossible for the part.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub impossible: u64,
     /// Number of readings of all axes that are out of range.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub out_of_range: u64,
     /// Rate of the samples that were read, Hz; 0 before the second sample.
     pub rate_hz: f64,

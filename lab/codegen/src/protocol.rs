@@ -12,7 +12,7 @@ const HEAD: &str = "// Made from zerorate-web/src/message.rs and log/message.rs,
 /// The text of `web/src/protocol.ts`.
 pub fn text() -> Result<String> {
     let folder = tempfile::tempdir()?;
-    let config = Config::new().with_out_dir(folder.path());
+    let config = Config::new().with_out_dir(folder.path()).with_large_int("number");
     Request::export_all(&config)?;
     Answer::export_all(&config)?;
     Frame::export_all(&config)?;

@@ -94,7 +94,6 @@ pub struct LogAbout {
     /// The format of the file: `Parquet`, `text, packed by gzip`.
     pub form: String,
     /// Number of samples of the first column, including missing ones.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
     /// Sample rate of the first column, Hz.
     pub rate_hz: f64,
@@ -119,7 +118,6 @@ pub struct LogColumn {
     /// The unit of the results; null: unknown, so the results are in the column's own unit.
     pub unit: Option<String>,
     /// Number of missing samples.
-    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missing: u64,
 }
 
