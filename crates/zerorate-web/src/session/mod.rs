@@ -144,7 +144,7 @@ impl Session {
         let mut anew = Self { live_view: live_view.reopened(about.clone()), store, calibrating, ..Self::new(about) };
         anew.apply_again();
         // a bridge is opened twice: when that is requested, and when its part has answered
-        anew.guided = wanted.or(guided).filter(|guided| !guided.has_begun());
+        anew.guided = wanted.or(guided).filter(|guided| !guided.begun);
         if anew.guided.is_none() {
             anew.abort_calibration("the device was opened again");
         }

@@ -60,7 +60,7 @@ pub struct GuidedCalibration {
     pub method: MethodName,
     serial: Option<String>,
     procedure: Box<dyn GuidedMethod>,
-    begun: bool,
+    pub begun: bool,
     hash: SampleHash,
     temps_c: Option<[f64; 4]>,
     look_s: f64,
@@ -97,10 +97,6 @@ impl GuidedCalibration {
         }
         self.hash.update(row);
         self.procedure.take(scan)
-    }
-
-    pub const fn has_begun(&self) -> bool {
-        self.begun
     }
 
     /// Ends a recording now. Returns false if the method is not a recording that can end early.
