@@ -16,7 +16,8 @@ const MOST: usize = 100;
 pub struct CalibrationStore {
     stored: Vec<StoredCalibration>,
     applied: Option<String>,
-    changes: u64,
+    /// Number of additions and removals so far.
+    pub changes: u64,
 }
 
 #[derive(Debug)]
@@ -66,11 +67,6 @@ impl CalibrationStore {
         self.stored.retain(|stored| stored.calibration.id() != id);
         self.changes += 1;
         Ok(())
-    }
-
-    /// Number of additions and removals so far.
-    pub const fn changes(&self) -> u64 {
-        self.changes
     }
 
     pub fn all(&self) -> impl Iterator<Item = &Calibration> {

@@ -53,7 +53,7 @@ impl Session {
         let all = seen.snapshot;
         Frame {
             statistics: (all || changed.statistics)
-                .then(|| self.statistics.iter().map(|one| one.shown().clone()).collect()),
+                .then(|| self.statistics.iter().map(|one| one.shown.clone()).collect()),
             calibration: (all || changed.calibration).then(|| self.calibrating.clone()),
             calibrations: (all || changed.calibrations).then(|| self.store.entries()),
             ..seen

@@ -5,7 +5,7 @@ use super::axis::{Angle, AxisState, BLOCK_NS, Block};
 use super::checkup::Examination;
 use super::notices::{NoticeText, Notices};
 use crate::message::{CheckResult, DeviceState};
-use zerorate::{Correction, Corrector, Reading, Scan, Tally};
+use zerorate::{Correction, Corrector, Reading, Tally};
 use zerorate_record::{Layout, Row};
 
 #[derive(Debug)]
@@ -20,7 +20,7 @@ pub struct LiveView {
     pub(super) missed: u64,
     pub(super) seq: u32,
     pub(super) changed: ViewChanges,
-    layout: Layout,
+    pub layout: Layout,
     /// The check of the first seconds; `None` when it is complete.
     examination: Option<Examination>,
     start_ns: Option<u64>,
@@ -102,10 +102,6 @@ impl LiveView {
         }
         self.changed.readings = true;
         ends_blocks
-    }
-
-    pub fn scan(&self, row: &Row) -> Scan {
-        self.layout.scan(row)
     }
 
     #[inline]

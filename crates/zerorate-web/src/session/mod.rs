@@ -171,7 +171,7 @@ impl Session {
             self.restart_statistics();
         }
         if self.guided.is_some() {
-            let scan = self.live_view.scan(row);
+            let scan = self.live_view.layout.scan(row);
             self.take_guided(row, &scan);
         }
     }
@@ -271,6 +271,6 @@ impl Session {
     /// Number of calibrations stored or removed so far.
     #[must_use]
     pub const fn store_changes(&self) -> u64 {
-        self.store.changes()
+        self.store.changes
     }
 }

@@ -31,7 +31,7 @@ pub struct Statistics {
     temps: Temperatures,
     /// Time in which the part was not at rest, s.
     moved_s: f64,
-    shown: Shown,
+    pub shown: Shown,
     fit: Option<allan::Fit>,
     fitted_s: f64,
 }
@@ -108,10 +108,6 @@ impl Statistics {
             caution,
         };
         true
-    }
-
-    pub fn shown(&self) -> &Shown {
-        &self.shown
     }
 
     fn fitted(&self) -> Option<allan::Fit> {
