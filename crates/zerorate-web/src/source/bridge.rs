@@ -117,7 +117,8 @@ async fn measure(shared: SharedWire, config: Config) -> Result<Infallible, Strin
         return Err(format!("{} ({error})", Fault::UNPLUGGED));
     }
     let values = part.read_all().await.map_err(|error| error.to_string())?;
-    shared.borrow_mut().opened(registers::described(&config, &values));
+    shared.borrow_mut().registers = registers::described(&config, &values);
+    shared.borrow_mut().is_opened = true;
     let SamplerConfig { every_temp, divider, .. } = SamplerConfig::new();
     let start = Command::Start { every_temp, divider, mclk_hz: MCLK_HZ };
     wire::request(&shared, start, Answer::Started.only()).await.map_err(told)?;

@@ -32,13 +32,6 @@ pub struct Wire {
     pub rows: VecDeque<Row>,
 }
 
-impl Wire {
-    pub fn opened(&mut self, registers: Vec<Register>) {
-        self.registers = registers;
-        self.is_opened = true;
-    }
-}
-
 /// Sends a request, repeatedly if necessary, until an answer comes that `take` accepts.
 pub async fn request<T>(
     shared: &SharedWire,
