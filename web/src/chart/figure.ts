@@ -31,7 +31,7 @@ export abstract class Figure<T> {
   readonly #details: HTMLDetailsElement;
   readonly #resized = new ResizeObserver(() => this.#fit());
   #plot: uPlot | undefined;
-  #data: T | undefined;
+  protected data: T | undefined;
 
   constructor(
     readonly title: string,
@@ -55,7 +55,7 @@ export abstract class Figure<T> {
   }
 
   show(data: T | undefined): void {
-    this.#data = data;
+    this.data = data;
     this.#draw();
   }
 
@@ -77,12 +77,8 @@ export abstract class Figure<T> {
   protected abstract columns(data: T): (number | null)[][];
   protected abstract told(data: T): Told;
 
-  protected get data(): T | undefined {
-    return this.#data;
-  }
-
   #draw(): void {
-    const data = this.#data;
+    const data = this.data;
     const there = data !== undefined && this.isThere(data);
     this.#nothing.hidden = there;
     if (!there) say(this.#summary, this.#nothing.textContent ?? "");
@@ -107,8 +103,8 @@ export abstract class Figure<T> {
   }
 
   #tabulate(): void {
-    if (!this.#details.open || this.#data === undefined) return;
-    const { head, rows } = this.told(this.#data);
+    if (!this.#details.open || this.data === undefined) return;
+    const { head, rows } = this.told(this.data);
     const at = this.#table.scrollTop;
     this.#table.replaceChildren(table(this.title, head, rows));
     this.#table.scrollTop = at;
