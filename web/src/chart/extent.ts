@@ -7,10 +7,6 @@ export class Extent {
 
   constructor(readonly least: number) {}
 
-  get any(): boolean {
-    return this.seen !== undefined;
-  }
-
   forget(): void {
     this.#min = this.#max = NaN;
   }

@@ -121,7 +121,7 @@ export class Strip {
       this.#plot!.setScale("x", { min: from, max: to });
       this.#plot!.setScale("y", range);
     });
-    this.#nothing.hidden = this.#extent.any;
+    this.#nothing.hidden = this.#extent.seen !== undefined;
     this.tell();
   }
 
