@@ -6,7 +6,8 @@ export type Column = (typeof COLUMNS)[number];
 export class Ring {
   readonly #columns: Float32Array[];
   #first = 0;
-  #next = 0;
+  /** Number of the bin after the newest. */
+  next = 0;
 
   constructor(
     readonly size: number,
@@ -17,20 +18,15 @@ export class Ring {
 
   /** Number of the oldest bin that is kept. */
   get oldest(): number {
-    return Math.max(this.#first, this.#next - this.size);
-  }
-
-  /** Number of the bin after the newest. */
-  get next(): number {
-    return this.#next;
+    return Math.max(this.#first, this.next - this.size);
   }
 
   /** Takes complete bins; some of them may be known already. Bins that did not arrive stay empty. */
   write(first: number, count: number, payload: Float32Array, at: number): void {
-    if (this.#next === 0 || first - this.#next >= this.size) this.#begin(first);
-    for (; this.#next < first; this.#next++)
+    if (this.next === 0 || first - this.next >= this.size) this.#first = this.next = first;
+    for (; this.next < first; this.next++)
       this.#columns.forEach((column) => {
-        column[this.#next % this.size] = NaN;
+        column[this.next % this.size] = NaN;
       });
     const skip = Math.max(0, count - this.size);
     for (let column = 0; column < 6; column++) {
@@ -38,12 +34,7 @@ export class Ring {
       for (let bin = skip; bin < count; bin++)
         this.#columns[column]![(first + bin) % this.size] = payload[from + bin]!;
     }
-    this.#next = Math.max(this.#next, first + count);
-  }
-
-  #begin(first: number): void {
-    this.#first = first;
-    this.#next = first;
+    this.next = Math.max(this.next, first + count);
   }
 
   /** Copies the bins `from` to `to` − 1, which the ring must have, as far as they fit. Returns their number. */
