@@ -8,7 +8,7 @@ export const NO_SERIAL =
   "localhost, or run `zerorate serve --device bridge:/dev/ttyACM0`.";
 
 /** Baud rate of a UART, enough for the full rate with every temperature. USB ignores it. */
-export const DEFAULT_BAUD = 3_000_000;
+const BAUD = 3_000_000;
 
 export interface PortEvents {
   received(bytes: Uint8Array): void;
@@ -43,9 +43,9 @@ export class OpenPort {
     private readonly events: PortEvents,
   ) {}
 
-  static async open(port: SerialPort, events: PortEvents, baudRate: number = DEFAULT_BAUD): Promise<OpenPort> {
+  static async open(port: SerialPort, events: PortEvents): Promise<OpenPort> {
     try {
-      await port.open({ baudRate, bufferSize: 65_536 });
+      await port.open({ baudRate: BAUD, bufferSize: 65_536 });
     } catch (why) {
       const reason = why instanceof Error ? why.message : String(why);
       throw new Error(`The port cannot be opened (${reason}). Check that no other program or window uses it.`);
