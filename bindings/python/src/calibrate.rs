@@ -2,8 +2,8 @@
 
 use crate::calibration::Calibration;
 use crate::device::{Device, DeviceOptions, Duration, argument, in_words, sink, text};
+use crate::imu::named;
 use crate::worker::{Reporter, supervised};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pythonize::pythonize;
 use serde_json::Value;
@@ -42,10 +42,7 @@ pub struct CalibrateOptions {
 
 impl CalibrateOptions {
     fn plan(&self, is_recorded: bool) -> PyResult<Plan> {
-        let method = Method::ALL.into_iter().find(|method| method.name() == self.method).ok_or_else(|| {
-            let names = Method::ALL.map(|method| format!("'{}'", method.name())).join(", ");
-            PyValueError::new_err(format!("method='{}': give {names}", self.method))
-        })?;
+        let method = named("method", &self.method, Method::ALL, Method::name)?;
         let usual = Plan::default();
         let time = |given: &Option<Duration>, setting, usual_s| {
             given.as_ref().map_or(Ok(usual_s), |of| of.s(argument(setting)).map(|Seconds(seconds)| seconds))

@@ -100,7 +100,7 @@ fn no_file(why: NoNoiseFile) -> PyErr {
 }
 
 /// Finds the item of `all` with this name. The error lists all names.
-fn named<T: Copy, const N: usize>(what: &str, name: &str, all: [T; N], of: fn(T) -> &'static str) -> PyResult<T> {
+pub fn named<T: Copy, const N: usize>(what: &str, name: &str, all: [T; N], of: fn(T) -> &'static str) -> PyResult<T> {
     let names = || all.map(|one| format!("'{}'", of(one))).join(", ");
     let found = all.into_iter().find(|one| of(*one) == name);
     found.ok_or_else(|| PyValueError::new_err(format!("{what}='{name}': give {}", names())))
