@@ -40,14 +40,6 @@ def test_the_deviation_is_its_definition() -> None:
     assert (result.stat, result.samples, result.missing) == ("oadev", 4096, 0)
 
 
-def test_phase_is_the_integral_of_the_rate() -> None:
-    rate = white()
-    phase = np.concatenate([[0.0], np.cumsum(rate)]) / 100.0
-    by_rate = zerorate.allan(rate, rate_hz=100.0, stat="mdev")
-    by_phase = zerorate.allan(phase, rate_hz=100.0, stat="mdev", data="phase")
-    np.testing.assert_allclose(by_phase.dev, by_rate.dev, rtol=1e-9)
-
-
 def test_white_noise_has_an_angle_random_walk_and_nothing_else() -> None:
     fit = zerorate.allan(white(200_000), rate_hz=100.0).fit
     assert fit is not None
