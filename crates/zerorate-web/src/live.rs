@@ -10,7 +10,8 @@ pub type Open = Box<dyn Fn(f64) -> Result<Box<dyn Source>, String>>;
 
 /// A session and its device.
 pub struct Live {
-    session: Session,
+    /// The session, for requests that do not need the device.
+    pub session: Session,
     open: Open,
     /// `None` if the device could not be opened or cannot be read any longer.
     source: Option<Box<dyn Source>>,
@@ -46,11 +47,6 @@ impl Live {
         self.session.speed(1.0);
         self.reopened(source);
         Ok(())
-    }
-
-    /// The session, for requests that do not need the device.
-    pub fn session(&mut self) -> &mut Session {
-        &mut self.session
     }
 
     /// Reads the samples that are due, for about `budget_ms`. `clock` returns the page's time, ms.

@@ -24,7 +24,7 @@ fn header(bytes: &[u8]) -> Value {
 }
 
 fn seen(live: &mut Live) -> Value {
-    header(&live.session().snapshot())
+    header(&live.session.snapshot())
 }
 
 /// Runs a turn every 33 ms, for `for_ms`. Each reading of the clock takes `look_ms`.
@@ -90,7 +90,7 @@ fn a_session_continues_from_the_preview() {
     run(&mut live, &mut now_ms, 1000.0, 0.001);
     let later_s = seen(&mut live)["now"]["t_s"].as_f64().expect("a time") - t_s;
     assert!((0.9..1.1).contains(&later_s), "{later_s}");
-    let (before, after) = (rates(&seen_first), rates(&live.session().snapshot()));
+    let (before, after) = (rates(&seen_first), rates(&live.session.snapshot()));
     assert!(before.len() > 25 && after.starts_with(&before), "{} bins", before.len());
     assert!(FirstLook::open("sed=7").is_err_and(|why| why.contains("sed")));
 }
@@ -147,7 +147,7 @@ impl Page {
     fn read_until(&mut self, twin: &Twin, until_ms: f64) -> Value {
         self.until_ms = until_ms;
         assert!(firmware::serve(twin, "test 1.0", self).is_err());
-        self.live.session().frame();
+        self.live.session.frame();
         seen(&mut self.live)
     }
 

@@ -4,7 +4,7 @@
 use super::file;
 use super::now_ms;
 use crate::live::{Live, Open};
-use crate::session::{NoticeText, Session};
+use crate::session::NoticeText;
 #[cfg(feature = "wasm-replay")]
 use crate::source::Replay;
 use crate::source::{Bridge, Source, TwinSource};
@@ -56,31 +56,31 @@ impl LiveSession {
 
     /// The stored calibrations as TOML, the newest last.
     pub fn calibrations(&mut self) -> Vec<String> {
-        self.session().calibrations().map(|calibration| calibration.to_toml()).collect()
+        self.0.session.calibrations().map(|calibration| calibration.to_toml()).collect()
     }
 
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, JsError> {
-        self.session().add_calibration(toml).map_err(|why| JsError::new(&why))
+        self.0.session.add_calibration(toml).map_err(|why| JsError::new(&why))
     }
 
     pub fn apply(&mut self, id: &str) -> Result<(), JsError> {
-        self.session().apply(Some(id)).map_err(|why| JsError::new(&why))
+        self.0.session.apply(Some(id)).map_err(|why| JsError::new(&why))
     }
 
     pub fn applied(&mut self) -> Option<String> {
-        self.session().applied().map(Calibration::id)
+        self.0.session.applied().map(Calibration::id)
     }
 
     pub fn is_calibrating(&mut self) -> bool {
-        self.session().method().is_some()
+        self.0.session.method().is_some()
     }
 
     pub fn note(&mut self, text: &str) {
-        self.session().note(NoticeText::plain(text));
+        self.0.session.note(NoticeText::plain(text));
     }
 
     pub fn cannot_open(&mut self, why: &str) {
-        self.session().note(NoticeText::new("cannot-open", why));
+        self.0.session.note(NoticeText::new("cannot-open", why));
     }
 
     pub fn catch_up(&mut self, shown_s: f64) {
@@ -97,11 +97,11 @@ impl LiveSession {
     }
 
     pub fn frame(&mut self) -> Option<Vec<u8>> {
-        self.session().frame()
+        self.0.session.frame()
     }
 
     pub fn snapshot(&mut self) -> Vec<u8> {
-        self.session().snapshot()
+        self.0.session.snapshot()
     }
 
     pub fn received(&mut self, bytes: &[u8]) {
@@ -119,10 +119,6 @@ impl LiveSession {
 
     fn instead(&mut self, open: Open) -> Result<(), JsError> {
         self.0.instead(open, now_ms()).map_err(|why| JsError::new(&why))
-    }
-
-    fn session(&mut self) -> &mut Session {
-        self.0.session()
     }
 }
 
