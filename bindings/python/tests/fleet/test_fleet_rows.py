@@ -66,14 +66,6 @@ def test_links_are_followed(captures: Path, tmp_path: Path) -> None:
     assert (ended.states, list(ended.undone)) == ({"ok": UNITS}, [str(links / "gone.arrows")])
 
 
-def test_a_second_start_changes_nothing(captures: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    fleet.run(str(captures), str(out), RECIPE)
-    before = {path: path.stat().st_mtime_ns for path in out.rglob("*.json")}
-    assert fleet.run(str(captures), str(out), RECIPE).states == {"there": UNITS}
-    assert {path: path.stat().st_mtime_ns for path in out.rglob("*.json")} == before
-
-
 def test_another_recipe_or_content_is_another_row(captures: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     fleet.run(str(captures), str(out), RECIPE)
