@@ -81,7 +81,7 @@ impl Stream {
         let known = calibration.known.clone();
         let work = move |stop: &Stop, tell| follow(&device, &known, serial.as_deref(), options, stop, tell);
         let mut worker = Worker::start(sync_channel(ROWS), work);
-        let stop = worker.stop().clone();
+        let stop = worker.stop.clone();
         match next(&mut worker, py, OF_CALLER)? {
             Some(Item::Open(axes)) => Ok(Self { axes, stop, worker: Mutex::new(Some(worker)) }),
             _ => {

@@ -18,7 +18,7 @@ const PATIENCE: Duration = Duration::from_millis(100);
 pub struct Worker<E, T> {
     events: Option<Receiver<E>>,
     thread: Option<JoinHandle<anyhow::Result<T>>>,
-    stop: Stop,
+    pub stop: Stop,
 }
 
 impl<E: Send + 'static, T: Send + 'static> Worker<E, T> {
@@ -31,10 +31,6 @@ impl<E: Send + 'static, T: Send + 'static> Worker<E, T> {
         let asked = stop.clone();
         let thread = thread::spawn(move || work(&asked, tell));
         Self { events: Some(events), thread: Some(thread), stop }
-    }
-
-    pub fn stop(&self) -> &Stop {
-        &self.stop
     }
 
     /// Waits a moment for the next event. Raises KeyboardInterrupt after Ctrl-C.
