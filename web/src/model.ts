@@ -2,9 +2,8 @@ import type { Framed } from "./frame";
 import { Ring } from "./ring";
 import type { Calibrating, CalibrationEntry, Device, Frame, Notice, Now, SampleCounts, Statistics } from "./protocol";
 
-export type Part =
-  "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
-const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"];
+const PARTS = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"] as const;
+export type Part = "strips" | (typeof PARTS)[number];
 export const ALL: ReadonlySet<Part> = new Set<Part>(["strips", ...PARTS]);
 
 /** The state that the session has sent so far. Its memory is bounded by the rings and the size of a frame. */
@@ -52,8 +51,8 @@ export class Model {
 
   #overwrite(frame: Frame): void {
     for (const part of PARTS) {
-      if (frame[part as keyof Frame] === undefined) continue;
-      Object.assign(this, { [part]: frame[part as keyof Frame] });
+      if (frame[part] === undefined) continue;
+      Object.assign(this, { [part]: frame[part] });
       this.#changed.add(part);
     }
   }
