@@ -122,14 +122,6 @@ fn several_logs_are_compared() {
     assert!(page.contains("angle random walk") && page.contains("<svg") && !page.contains("http-equiv"));
 }
 
-#[cfg(feature = "png")]
-#[test]
-fn a_picture_may_be_a_png() {
-    let bench = bench();
-    bench.zerorate(&format!("allan {LOG} --plot one.png")).ok();
-    assert!(std::fs::read(bench.path("one.png")).unwrap().starts_with(b"\x89PNG"));
-}
-
 #[test]
 fn kalibr_reads_n_and_k_in_radians() {
     let bench = bench();
