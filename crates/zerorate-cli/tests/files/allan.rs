@@ -56,17 +56,7 @@ fn a_capture_needs_no_options() {
     let rows =
         |i: u64| format!("{},{i},{},8,8400000,0\n", 1_000 + i * 10_000_000, 8_388_608 + (i * i * 7919) % 10_007);
     bench.write("rest.csv", capture("A1", &(0..300).map(rows).collect::<String>()));
-    let json = bench.zerorate("allan rest.csv --json").ok();
-    let report: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(
-        (&report["rate_hz"], &report["samples"], &report["stat"]),
-        (&100.0.into(), &300.into(), &"oadev".into())
-    );
-    assert_eq!(report["points"][0]["tau_s"], 0.01);
-    assert_eq!(report["points"][0]["n"], 299);
-    let raw = points(&json);
-    let unscaled = points(&bench.zerorate("allan rest.csv --scale 1 --json").ok());
-    assert!((unscaled[3].1 / raw[3].1 / 23_488.0 - 1.0).abs() < 1e-12);
+    let raw = points(&bench.zerorate("allan rest.csv --json").ok());
     bench.write("unit.toml", super::calibration(-0.25, 0.0, 30.0));
     bench.zerorate(&format!("correct rest.csv --cal unit.toml -o corrected.{SMALLEST}")).ok();
     let corrected = points(&bench.zerorate(&format!("allan corrected.{SMALLEST} --json")).ok());

@@ -21,7 +21,8 @@ fn the_contract_of_json() {
     assert_eq!((&report["rate_hz"], &report["samples"]), (&100.0.into(), &90_000.into()));
     let first = &report["points"][0];
     let number = |value: &Value| value.as_f64().unwrap();
-    assert_eq!((&first["m"], &first["n"], &first["alpha"]), (&1.into(), &89_999.into(), &0.into()));
+    assert_eq!((&first["tau_s"], &first["m"]), (&0.01.into(), &1.into()));
+    assert_eq!((&first["n"], &first["alpha"]), (&89_999.into(), &0.into()));
     assert!((number(&first["dev"]) / 0.06 - 1.0).abs() < 0.02, "white noise of 0.06 °/s");
     assert!(number(&first["lo"]) < number(&first["dev"]) && number(&first["dev"]) < number(&first["hi"]));
     let n = &report["fit"]["n"];
