@@ -124,10 +124,17 @@ mod tests {
 
     #[test]
     fn a_typo_finds_what_was_meant() {
-        for (typo, meant) in [("aliasd", "aliased"), ("earth-inlcuded", "earth-included"), ("realtime", "realtime")] {
+        for (typo, meant) in [
+            ("aliasd", "aliased"),
+            ("earth-inlcuded", "earth-included"),
+            ("realtime", "realtime"),
+            ("Frosen ", "frozen"),
+        ] {
             let near = nearest(typo);
             assert!(near.first().is_some_and(|code| code.contains(meant)), "{typo}: {near:?}");
         }
-        assert_eq!(nearest("qqqqqqqq"), [""; 0]);
+        for far in ["qqqqqqqq", "f", "glitchy-steps-and-gaps-of-lines"] {
+            assert_eq!(nearest(far), [""; 0]);
+        }
     }
 }

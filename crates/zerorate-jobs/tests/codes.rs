@@ -422,13 +422,3 @@ fn sources() -> Vec<(PathBuf, String)> {
 fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
-
-#[test]
-fn a_word_is_near_a_code_by_its_letters() {
-    for word in ["frozn", "frozenn", "frosen", "Frozen "] {
-        assert_eq!(codes::nearest(word).first(), Some(&"frozen"), "{word}");
-    }
-    for far in ["xfxrxoxzxexn", "f", "glitchy-steps-and-gaps-of-lines"] {
-        assert!(codes::nearest(far).is_empty(), "{far}: {:?}", codes::nearest(far));
-    }
-}
