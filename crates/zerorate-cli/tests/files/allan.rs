@@ -4,7 +4,7 @@ use super::{Bench, SMALLEST, capture, skip};
 use lzma_rust2::XzReader;
 use std::fs::{self, File};
 use std::io::Read;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The averaging factor m and the deviation of each point in the JSON.
 fn points(json: &str) -> Vec<(u64, f64)> {
@@ -20,10 +20,7 @@ fn the_published_allan_variance_of_a_real_gyroscope_is_found() {
         return;
     };
     let bench = Bench::new();
-    let mut samples = Vec::new();
-    let packed = File::open(folder.join("adis16405_imu1_gyro_z.i16le.xz")).unwrap();
-    XzReader::new(packed, true).read_to_end(&mut samples).unwrap();
-    bench.write("gyro_z.i16", samples);
+    bench.write("gyro_z.i16", unpacked(&folder.join("adis16405_imu1_gyro_z.i16le.xz")));
     let json = bench.zerorate("allan gyro_z.i16 --raw i16 --rate 100 --scale 0.05 --json").ok();
     let found = points(&json);
     let published = fs::read_to_string(folder.join("published_gyro_z.csv")).unwrap();
@@ -47,6 +44,13 @@ pub fn reference_data() -> Option<PathBuf> {
         return None;
     }
     Some(folder)
+}
+
+/// The content of a recording in that folder.
+pub fn unpacked(path: &Path) -> Vec<u8> {
+    let mut content = Vec::new();
+    XzReader::new(File::open(path).unwrap(), true).read_to_end(&mut content).unwrap();
+    content
 }
 
 /// A capture states its rate and its scale. The corrected capture has the same noise.

@@ -1,11 +1,10 @@
 //! Calibration, correction and export for another gyroscope, an ADIS16405 with three axes, by its part file alone.
 
+use super::allan::{reference_data, unpacked};
 use super::{Bench, SMALLEST};
-use lzma_rust2::XzReader;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use zerorate::{Calibration, Part};
 use zerorate_record::{CaptureInfo, CaptureWriter, Format, Layout, Row};
@@ -151,14 +150,12 @@ fn the_wrong_part_is_named() {
 /// is refused. With a larger `--max-u-btc`, the bias of each axis agrees with the mean over step 8.
 #[test]
 fn a_real_log_goes_all_the_way() {
-    let Some(folder) = super::allan::reference_data() else { return };
+    let Some(folder) = reference_data() else { return };
     let bench = Bench::new();
     bench.write("part.toml", PART);
     let axes = ["x", "y", "z"].map(|axis| {
-        let packed = File::open(folder.join(format!("adis16405/adis16405_imu1_gyro_{axis}.i16le.xz"))).unwrap();
-        let mut bytes = Vec::new();
-        XzReader::new(packed, false).take(2 * 320_000).read_to_end(&mut bytes).unwrap();
-        bytes.as_chunks().0.iter().map(|code| i16::from_le_bytes(*code)).collect::<Vec<i16>>()
+        let bytes = unpacked(&folder.join(format!("adis16405/adis16405_imu1_gyro_{axis}.i16le.xz")));
+        bytes.as_chunks().0.iter().take(320_000).map(|code| i16::from_le_bytes(*code)).collect::<Vec<i16>>()
     });
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
     let mut log = "t_s,x,y,z,temp\n".to_owned();

@@ -4,12 +4,9 @@
 //! code and another solver (logarithms as parameters). `reference.py` in the folder of the reference data prints the
 //! numbers, if it is changed to replace the narrowest glitches before it looks for wider glitches.
 
-use super::allan::reference_data;
+use super::allan::{reference_data, unpacked};
 use super::{Bench, raw, white};
-use lzma_rust2::XzReader;
 use serde_json::Value;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 use zerorate_allan::{self as allan, Fit, FitOptions, Input, Stat};
 
@@ -81,10 +78,7 @@ fn seven_real_axes_get_the_models_of_the_prototype() {
     let bench = Bench::new();
     let (mut inside, mut octaves) = (0, 0);
     for axis in axes() {
-        let mut samples = Vec::new();
-        let packed = File::open(folder.join(&axis.file)).unwrap();
-        XzReader::new(packed, true).read_to_end(&mut samples).unwrap();
-        bench.write("axis.raw", samples);
+        bench.write("axis.raw", unpacked(&folder.join(&axis.file)));
         let report = bench.zerorate(&format!("allan axis.raw {} --fit --json", axis.options)).ended_with(0).json();
         let (file, fit) = (&axis.file, &report["fit"]);
         assert!(near(&fit["n"]["value"], axis.n, 6e-3), "{file}: N {} for {}", fit["n"]["value"], axis.n);
@@ -156,8 +150,7 @@ impl PredictionCount {
 
 /// The samples as the file holds them. The scale of the options is not applied.
 fn samples(axis: &Axis, folder: &Path) -> Vec<f64> {
-    let mut bytes = Vec::new();
-    XzReader::new(File::open(folder.join(&axis.file)).unwrap(), true).read_to_end(&mut bytes).unwrap();
+    let bytes = unpacked(&folder.join(&axis.file));
     match axis.options {
         GYRO | ACCEL => {
             bytes.as_chunks().0.iter().map(|&code: &[u8; 2]| f64::from(i16::from_le_bytes(code))).collect()
