@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use zerorate_host::{Cause, DeviceError};
 use zerorate_input::InputError;
 use zerorate_jobs::output::is_refusal;
+use zerorate_jobs::refusal_code;
 pub use zerorate_jobs::{CodedRefusal, InvalidOptions as Usage};
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
@@ -18,7 +19,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     }
     let cause = error.downcast_ref().map(DeviceError::cause);
     let log = error.downcast_ref::<LogError>();
-    let refusal = refusal(error);
+    let refusal = refusal_code(error);
     let is_request = error.chain().any(|cause| is_request(cause.downcast_ref(), cause.downcast_ref()));
     let (label, code) = if refusal.is_some() {
         ("refused", 3)
@@ -44,18 +45,6 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         say(format_args!("code: {code} (`zerorate explain {code}` says more)"));
     }
     ExitCode::from(code)
-}
-
-fn refusal(error: &anyhow::Error) -> Option<&'static str> {
-    let of_device = match error.downcast_ref().map(DeviceError::cause) {
-        Some(Cause::Refused(code)) => Some(code),
-        _ => None,
-    };
-    let of_log = match error.downcast_ref() {
-        Some(LogError::Refused(code, _)) => Some(*code),
-        _ => None,
-    };
-    error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
 }
 
 /// True if one of these errors is a usage error: a file name has an unknown extension, or this build lacks a format.

@@ -1,5 +1,8 @@
 //! Errors of the jobs themselves. Errors of lower layers pass through.
 
+use zerorate_host::{Cause, DeviceError};
+use zerorate_logs::LogError;
+
 /// The measurement was refused: there are results, but they must not become a calibration.
 #[derive(Debug, thiserror::Error)]
 #[error("{why}")]
@@ -20,3 +23,17 @@ impl CodedRefusal {
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct InvalidOptions(pub String);
+
+/// The code of a refusal; `None` for any other error.
+#[must_use]
+pub fn refusal_code(error: &anyhow::Error) -> Option<&'static str> {
+    let of_device = match error.downcast_ref().map(DeviceError::cause) {
+        Some(Cause::Refused(code)) => Some(code),
+        _ => None,
+    };
+    let of_log = match error.downcast_ref() {
+        Some(LogError::Refused(code, _)) => Some(*code),
+        _ => None,
+    };
+    error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
+}

@@ -42,7 +42,7 @@ pub mod temperature;
 mod warning;
 
 pub use acquisition::{Acquisition, WarningSink};
-pub use error::{CodedRefusal, InvalidOptions};
+pub use error::{CodedRefusal, InvalidOptions, refusal_code};
 pub use judged::JudgedAxis;
 pub use recorder::Recorder;
 pub use warning::{CodedWarning, JobWarning};

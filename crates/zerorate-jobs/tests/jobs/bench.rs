@@ -1,19 +1,20 @@
 //! Devices, files and listeners of the tests.
 
-use anyhow::{Error, Result};
+use anyhow::Result;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zerorate::health::Flags;
 use zerorate::{Calibration, Plan, Progress, Setting, SettingNames};
-use zerorate_host::{Cause, DeviceError, Pace, Sampling, Setup, Stop};
+use zerorate_host::{Pace, Sampling, Setup, Stop};
 use zerorate_jobs::calibrate::{AxisNumbers, Files, OutputOptions, RunResult, Watch, prepare};
 use zerorate_jobs::correct;
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, stream};
-use zerorate_jobs::{Acquisition, CodedRefusal, CodedWarning, JobWarning};
-use zerorate_logs::LogError;
+use zerorate_jobs::{Acquisition, CodedWarning, JobWarning};
 use zerorate_record::{CaptureWriter, Format};
+
+pub use zerorate_jobs::refusal_code as refusal;
 
 pub struct Folder(TempDir);
 
@@ -185,17 +186,4 @@ pub fn codes(warnings: &[JobWarning]) -> Vec<&'static str> {
 
 pub fn has(warnings: &[CodedWarning], code: &str) -> bool {
     warnings.iter().any(|warning| warning.to_string().starts_with(&format!("{code}: ")))
-}
-
-/// The code of a refusal; `None` for any other error.
-pub fn refusal(error: &Error) -> Option<&'static str> {
-    let of_log = match error.downcast_ref() {
-        Some(LogError::Refused(code, _)) => Some(*code),
-        _ => None,
-    };
-    let of_device = match error.downcast_ref().map(DeviceError::cause) {
-        Some(Cause::Refused(code)) => Some(code),
-        _ => None,
-    };
-    error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
 }
