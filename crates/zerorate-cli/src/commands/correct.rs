@@ -1,7 +1,7 @@
 //! `zerorate correct`: corrects a capture and keeps its raw columns, or corrects the gyroscope of a log.
 
 use super::imu::axes::option;
-use super::serial::{GIVE, Part, one_line};
+use super::serial::{self, one_line};
 use crate::column::{LogArgs, UNITS, listed, positive};
 use crate::exit::Usage;
 use crate::interrupt;
@@ -128,7 +128,7 @@ fn log(args: &CorrectArgs, calibration: &Calibration, outputs: Outputs) -> Resul
     }
     let (log_name, serial) = (args.capture.display().to_string(), args.serial.as_deref());
     if serial.is_some()
-        && let Err(mismatch) = (Part { name: &log_name, serial, advice: GIVE }).check(calibration, &args.cal)
+        && let Err(mismatch) = serial::check(calibration, &args.cal, (&log_name, serial))
     {
         if !args.force {
             bail!("{mismatch} (--force corrects nevertheless)");
@@ -208,7 +208,7 @@ fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibratio
         }
         (recorded, given) => recorded.or(given),
     };
-    match (Part { name: &name, serial, advice: GIVE }).check(calibration, &args.cal) {
+    match serial::check(calibration, &args.cal, (&name, serial)) {
         Err(mismatch) if args.force => warn(&[mismatch]),
         Err(mismatch) => bail!("{mismatch} (--force corrects nevertheless)"),
         Ok(doubt) => warn(doubt.map(coded).as_slice()),

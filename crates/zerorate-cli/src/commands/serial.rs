@@ -43,19 +43,9 @@ impl From<NotesArgs> for Notes {
 /// The advice of commands that have the option `--serial`.
 pub const GIVE: &str = "give --serial SN";
 
-/// The part whose rates will be corrected.
-pub struct Part<'a> {
-    /// The name of the part in messages: the device or the capture.
-    pub name: &'a str,
-    pub serial: Option<&'a str>,
-    /// Advice on how to state the serial number.
-    pub advice: &'static str,
-}
-
-impl Part<'_> {
-    /// Returns a warning if it is uncertain that `calibration`, from the file `path`, belongs to this part.
-    pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<SessionWarning>> {
-        let (cal, part) = (path.display().to_string(), (self.name, self.serial));
-        SessionWarning::of_serial((cal, calibration.serial.as_deref()), part, self.advice).map_err(Error::msg)
-    }
+/// Returns a warning if it is uncertain that `calibration`, from the file `path`, belongs to the part. `part` is the
+/// name of the part in messages, which is the device or the capture, and its serial number.
+pub fn check(calibration: &Calibration, path: &Path, part: (&str, Option<&str>)) -> Result<Option<SessionWarning>> {
+    let cal = (path.display().to_string(), calibration.serial.as_deref());
+    SessionWarning::of_serial(cal, part, GIVE).map_err(Error::msg)
 }

@@ -1,7 +1,7 @@
 //! `zerorate serve`: serves the live page.
 
 use super::correct::load;
-use super::serial::{self, Part, one_line};
+use super::serial::{self, one_line};
 use crate::device::{SamplingArgs, SourceArgs};
 use crate::exit::Usage;
 use crate::interrupt;
@@ -160,8 +160,8 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
 }
 
 fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
-    let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: serial::GIVE };
-    warn(part.check(calibration, cal)?.map(coded).as_slice());
+    let doubt = serial::check(calibration, cal, (&about.name, about.info.serial.as_deref()))?;
+    warn(doubt.map(coded).as_slice());
     Ok(())
 }
 
