@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// The reasons why an output is refused or cannot be written.
 #[derive(Debug, thiserror::Error)]
-#[expect(missing_docs, reason = "the fields are what the text shows")]
+#[expect(missing_docs, reason = "the texts say what the variants and fields are")]
 pub enum OutputError {
-    /// The output exists already.
     #[error("{} exists, and is not overwritten by accident: choose another name", path.display())]
     Exists {
         path: PathBuf,
@@ -15,22 +14,18 @@ pub enum OutputError {
         has_force: bool,
     },
 
-    /// The output is also an input of the run.
     #[error("{} would be overwritten while it is read, since it is the same file as the input {}: choose \
              another name", path.display(), input.display())]
     IsInput { path: PathBuf, input: PathBuf },
 
-    /// The run writes another output to the same file.
     #[error("{} is the same file as {other}, where other output of this command goes: choose another \
              name", path.display())]
     Twice { path: PathBuf, other: String },
 
-    /// The output is an existing recording, and the new file would not be a recording.
     #[error("{} is a capture, which cannot be had again, and no option replaces it by a computed file: choose \
              another name, or remove it yourself", path.display())]
     IsCapture { path: PathBuf },
 
-    /// Another process writes to the output.
     #[error("{} is being written by another zerorate: choose another name, or wait for it to end", path.display())]
     Busy { path: PathBuf },
 
@@ -52,7 +47,6 @@ pub enum OutputError {
     #[error("`-` is not a file, and stdout is for what the command prints; give the file a name")]
     Dash,
 
-    /// The output ends in `.pdf`, a format that the program does not write.
     #[error("{}: zerorate writes no PDF; name a page .html, and print it from a browser", path.display())]
     Pdf { path: PathBuf },
 
@@ -64,7 +58,6 @@ pub enum OutputError {
     #[error("cannot write {}: it is a folder", path.display())]
     Folder { path: PathBuf },
 
-    /// The folder of the output does not exist.
     #[error(
         "cannot write {}: the folder {} does not exist; make it, or choose another",
         path.display(),
@@ -72,7 +65,6 @@ pub enum OutputError {
     )]
     NoFolder { path: PathBuf, folder: PathBuf },
 
-    /// The file system reported an error.
     #[error("cannot {action} {}", path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
 }
