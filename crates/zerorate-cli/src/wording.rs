@@ -15,7 +15,8 @@ pub fn coded(warning: impl Into<JobWarning>) -> CodedWarning {
 
 /// The text of an error, with advice about an option. Errors and warnings about errors are printed with this text.
 pub fn text(error: &anyhow::Error) -> String {
-    format!("{error:#}{}", remedy(error))
+    let advice = if could_be_forced(error) { ", or give --force" } else { "" };
+    format!("{error:#}{advice}")
 }
 
 /// The format of the file to write: as requested by `--format`, or by the file extension.
@@ -24,11 +25,6 @@ pub fn form(asked: Option<Format>, path: &Path) -> anyhow::Result<Format> {
         CaptureError::UnknownEnding { .. } => InvalidOptions(format!("{error}, or give --format")).into(),
         other => other.into(),
     })
-}
-
-/// The end of an error's text with an option that helps; empty if there is none.
-fn remedy(error: &anyhow::Error) -> &'static str {
-    if could_be_forced(error) { ", or give --force" } else { "" }
 }
 
 pub fn flag(setting: Setting) -> SettingName {
