@@ -49,10 +49,6 @@ impl Temporary {
         if let Some(permissions) = permissions_before_umask() {
             builder.permissions(permissions);
         }
-        Self::create(folder, &builder)
-    }
-
-    fn create(folder: &Path, builder: &Builder<'_, '_>) -> io::Result<Self> {
         let mut all = all();
         let file = builder.tempfile_in(folder).map_err(without_path)?;
         all.insert(file.path().to_owned());
