@@ -113,9 +113,8 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let (mut session_thread, requests) =
         SessionThread::new(opener, opened, recordings, Folder::new(args.folder.clone()));
     shelve(args, &mut session_thread)?;
-    let libiio = libiio(args, calibrations.into_iter().next())?;
-    let at = libiio.as_ref().map(Libiio::address).transpose()?;
-    let mut session_thread = session_thread.with_libiio(libiio);
+    session_thread.libiio = libiio(args, calibrations.into_iter().next())?;
+    let at = session_thread.libiio.as_ref().map(Libiio::address).transpose()?;
     session_thread.begin()?;
     announce(address, token.as_ref(), args.token_file.as_deref());
     if let Some(at) = at {
@@ -167,7 +166,7 @@ fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<
 
 /// Stores the calibrations of the folder and of the command line in the session, and applies the first `--cal`.
 fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
-    let (session, folder) = session_thread.calibrations();
+    let SessionThread { session, folder, .. } = session_thread;
     folder.read(session)?;
     for (index, cal) in args.cals.iter().enumerate() {
         let id = folder.add(cal, session)?;

@@ -15,7 +15,7 @@ use zerorate_web::session::{NoticeText, Session};
 /// The folder with the calibrations. Without a path, no calibration is saved.
 #[derive(Debug, Default)]
 pub struct Folder {
-    path: Option<PathBuf>,
+    pub path: Option<PathBuf>,
     /// Ids of calibrations that are not written again: they came from a file, or a write was tried before.
     known: HashSet<String>,
     /// The files in the folder, by the id of their calibration.
@@ -27,10 +27,6 @@ pub struct Folder {
 impl Folder {
     pub fn new(path: Option<PathBuf>) -> Self {
         Self { path, ..Self::default() }
-    }
-
-    pub fn is_there(&self) -> bool {
-        self.path.is_some()
     }
 
     /// Stores all calibrations of the folder in the session. Prints the names of files that cannot be read.

@@ -47,13 +47,14 @@ pub type RequestSender = SyncSender<SessionRequest>;
 
 /// The session, its device, and the viewers that wait for their first snapshot.
 pub struct SessionThread {
-    session: Session,
+    /// Calibrations are added to it and to the folder before the device is read.
+    pub session: Session,
     opener: Opener,
     device: Device,
     speed: f64,
     recordings: Recordings,
-    folder: Folder,
-    libiio: Option<Libiio>,
+    pub folder: Folder,
+    pub libiio: Option<Libiio>,
     requests: Receiver<SessionRequest>,
     frames: broadcast::Sender<Bytes>,
     pending: Vec<oneshot::Sender<Subscription>>,
@@ -113,15 +114,6 @@ impl SessionThread {
         (thread, sender)
     }
 
-    pub fn with_libiio(self, libiio: Option<Libiio>) -> Self {
-        Self { libiio, ..self }
-    }
-
-    /// The session and the folder of calibrations, to be filled before the device is read.
-    pub fn calibrations(&mut self) -> (&mut Session, &mut Folder) {
-        (&mut self.session, &mut self.folder)
-    }
-
     pub fn begin(&mut self) -> Result<()> {
         self.note_standing();
         let device = std::mem::replace(&mut self.device, Device::Over { hub: None, again: None });
@@ -132,7 +124,7 @@ impl SessionThread {
 
     /// Called each time the device is opened.
     fn note_standing(&mut self) {
-        if !self.folder.is_there() {
+        if self.folder.path.is_none() {
             self.session.note(SessionWarning::NoFolder);
         }
     }
