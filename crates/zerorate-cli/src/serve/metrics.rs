@@ -16,8 +16,8 @@ pub async fn metrics(server: &Server) -> Answer {
 
 /// The metrics as text; `None` if the session has ended.
 pub async fn text_of(server: &Server) -> Option<String> {
-    let head = watch::snapshot(&server.requests).await.as_deref().and_then(head)?;
-    Some(text(&head, server.watchers()))
+    let subscription = watch::subscribe(&server.requests).await?;
+    Some(text(&head(&subscription.snapshot)?, server.watchers()))
 }
 
 /// Parses the header of a frame (docs/formats/page.md); `None` if it is malformed.

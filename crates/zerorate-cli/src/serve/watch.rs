@@ -164,8 +164,3 @@ async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Result<Messag
     time::sleep_until(at).await;
     socket.next().await
 }
-
-/// Requests a snapshot of the session; `None` if the session has ended.
-pub async fn snapshot(requests: &RequestSender) -> Option<Bytes> {
-    subscribe(requests).await.map(|subscription| subscription.snapshot)
-}
