@@ -3,7 +3,7 @@
 use super::axes::{self, Axis, number};
 use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, label, line, shortened, stroke};
 use super::curve::Scales;
-use super::label::{Labels, densely};
+use super::label::{Labels, Position, densely};
 use svg::Document;
 use svg::node::element::Group;
 
@@ -321,7 +321,7 @@ impl Picture<'_> {
 
     /// Label positions along a line, the best first: the positions at least `APART` from the curve, nearest first,
     /// then the closer positions, farthest first.
-    fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<((f64, f64), Anchor)> {
+    fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<Position> {
         let track = densely(&self.scales.track(curve));
         let far = |(x, y): (f64, f64)| track.iter().map(|(a, b)| (x - a).hypot(y - b)).fold(f64::MAX, f64::min);
         let mut spots: Vec<(f64, (f64, f64))> =
@@ -336,7 +336,7 @@ fn styles() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 /// Label positions around a point, the nearest first.
-pub fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
+pub fn around((x, y): (f64, f64)) -> Vec<Position> {
     let ring = |away: f64| {
         [
             ((x, y + away + SMALL), Anchor::Middle),
@@ -350,7 +350,7 @@ pub fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
     [16.0, 32.0, 56.0, 88.0, 128.0].into_iter().flat_map(ring).collect()
 }
 
-fn beside((x, y): (f64, f64)) -> [((f64, f64), Anchor); 4] {
+fn beside((x, y): (f64, f64)) -> [Position; 4] {
     [
         ((x + 8.0, y - 8.0), Anchor::Start),
         ((x - 8.0, y + 8.0 + SMALL), Anchor::End),

@@ -2,6 +2,9 @@
 
 use super::canvas::{Anchor, Area};
 
+/// The position of a text: a point, and the anchor of the text at that point.
+pub type Position = ((f64, f64), Anchor);
+
 /// The lines and labels that are already drawn.
 pub struct Labels {
     area: Area,
@@ -25,11 +28,7 @@ impl Labels {
 
     /// Chooses the candidate position at which the text covers the fewest points of lines, and marks it as taken. Of
     /// equally good positions, the first is chosen. Returns `None` if all leave the frame or cover another label.
-    pub fn place(
-        &mut self,
-        text: &str,
-        candidates: impl IntoIterator<Item = ((f64, f64), Anchor)>,
-    ) -> Option<((f64, f64), Anchor)> {
+    pub fn place(&mut self, text: &str, candidates: impl IntoIterator<Item = Position>) -> Option<Position> {
         let cost = |place: &Area| self.ink.iter().filter(|point| place.contains(**point)).count();
         let free = |place: &Area| self.area.holds(place) && !self.taken.iter().any(|other| other.overlaps(place));
         let (at, anchor, place, _) = candidates
@@ -43,12 +42,8 @@ impl Labels {
     }
 
     /// Chooses the first candidate position that covers neither lines nor labels, and marks it as taken.
-    pub fn place_clear(
-        &mut self,
-        text: &str,
-        candidates: impl IntoIterator<Item = ((f64, f64), Anchor)>,
-    ) -> Option<((f64, f64), Anchor)> {
-        let is_clear = |(at, anchor): &((f64, f64), Anchor)| {
+    pub fn place_clear(&mut self, text: &str, candidates: impl IntoIterator<Item = Position>) -> Option<Position> {
+        let is_clear = |(at, anchor): &Position| {
             let place = Area::of_text(text, *at, *anchor);
             !self.ink.iter().any(|point| place.contains(*point))
         };
