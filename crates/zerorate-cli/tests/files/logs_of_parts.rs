@@ -1,6 +1,7 @@
 //! Logs of ArduPilot and PX4 with the same readings of three axes and the temperature give the same calibration.
 
 use super::Bench;
+use super::tempcal::{Reading, ulog};
 use std::fmt::Write;
 use zerorate::{Calibration, Correction};
 
@@ -60,29 +61,8 @@ fn of_ardupilot() -> String {
 
 /// A ULog with one gyroscope topic.
 fn of_px4() -> Vec<u8> {
-    let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
-    let mut message = |kind: u8, body: &[u8]| {
-        log.extend(u16::try_from(body.len()).unwrap().to_le_bytes());
-        log.push(kind);
-        log.extend(body);
-    };
-    message(b'B', &[0; 40]);
-    message(
-        b'F',
-        b"sensor_gyro:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;\
-          float temperature;uint32_t error_count;uint8_t[3] clip_counter;uint8_t samples;",
-    );
-    message(b'A', b"\0\x05\0sensor_gyro");
-    for (t_s, rates, temp_c) in rows() {
-        let us = (t_s * 1e6) as u64 + 5_000_000;
-        let mut body = [&5_u16.to_le_bytes()[..], &(us + 120).to_le_bytes(), &us.to_le_bytes()].concat();
-        body.extend(2_818_058_u32.to_le_bytes());
-        for value in rates.map(f64::to_radians).into_iter().chain([temp_c]) {
-            body.extend((value as f32).to_le_bytes());
-        }
-        message(b'D', &[&body[..], &[0; 8]].concat());
-    }
-    log
+    let reading = |(at_s, rates, temp_c)| Reading { at_s, temp_c, rates, accelerations: [0.0; 3] };
+    ulog(&[("sensor_gyro", 0)], rows().map(reading))
 }
 
 fn corrections(bench: &Bench, log: &str, part: &str) -> Vec<Correction> {

@@ -23,11 +23,11 @@ fn bias(terms: &[f64; 4], temp_c: f64) -> f64 {
 }
 
 /// A reading: time (s), temperature (°C), rates (°/s) and accelerations (m/s²).
-struct Reading {
-    at_s: f64,
-    temp_c: f64,
-    rates: [f64; 3],
-    accelerations: [f64; 3],
+pub struct Reading {
+    pub at_s: f64,
+    pub temp_c: f64,
+    pub rates: [f64; 3],
+    pub accelerations: [f64; 3],
 }
 
 /// Readings of a sensor that warms from 8 °C for twenty minutes.
@@ -299,33 +299,31 @@ fn a_log_in_which_ardupilot_begins_to_correct_asks_where_to_end() {
     bench.zerorate("tempcal log.bin --until 900").ended_with(0);
 }
 
-/// A log of PX4 with two gyroscopes and an accelerometer.
-fn ulog() -> Vec<u8> {
-    let message = |log: &mut Vec<u8>, kind: u8, body: &[u8]| {
+/// A log of PX4 of these sensors: the topic and the instance of each.
+pub fn ulog(sensors: &[(&str, u8)], readings: impl IntoIterator<Item = Reading>) -> Vec<u8> {
+    let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
+    let mut message = |kind: u8, body: &[u8]| {
         log.extend((body.len() as u16).to_le_bytes());
         log.push(kind);
         log.extend(body);
     };
-    let mut log = b"\x55\x4c\x6f\x67\x01\x12\x35\x01".to_vec();
-    log.extend(0_u64.to_le_bytes());
-    let fields =
-        "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;";
+    message(b'B', &[0; 40]);
+    let fields = "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;\
+                  float temperature;uint32_t error_count;uint8_t[3] clip_counter;uint8_t samples;";
     for name in ["sensor_gyro", "sensor_accel"] {
-        message(&mut log, b'F', format!("{name}:{fields}").as_bytes());
+        message(b'F', format!("{name}:{fields}").as_bytes());
     }
-    let topics = [("sensor_gyro", 0_u8), ("sensor_gyro", 1), ("sensor_accel", 0)];
-    for (id, (name, instance)) in (0_u16..).zip(topics) {
-        let head = [&[instance][..], &id.to_le_bytes(), name.as_bytes()].concat();
-        message(&mut log, b'A', &head);
+    for (id, (name, instance)) in (0_u16..).zip(sensors) {
+        message(b'A', &[&[*instance][..], &id.to_le_bytes(), name.as_bytes()].concat());
     }
-    for Reading { at_s, temp_c, rates, accelerations } in readings() {
-        for (id, (name, _)) in (0_u16..).zip(topics) {
-            let stamp = (at_s * 1e6) as u64;
-            let mut body = [&id.to_le_bytes()[..], &stamp.to_le_bytes(), &stamp.to_le_bytes()].concat();
+    for Reading { at_s, temp_c, rates, accelerations } in readings {
+        let us = (at_s * 1e6) as u64 + 5_000_000;
+        for (id, (name, _)) in (0_u16..).zip(sensors) {
+            let mut body = [&id.to_le_bytes()[..], &(us + 120).to_le_bytes(), &us.to_le_bytes()].concat();
             body.extend((1_310_988 + u32::from(id)).to_le_bytes());
-            let values = if name == "sensor_gyro" { rates.map(f64::to_radians) } else { accelerations };
+            let values = if *name == "sensor_gyro" { rates.map(f64::to_radians) } else { accelerations };
             values.into_iter().chain([temp_c]).for_each(|value| body.extend((value as f32).to_le_bytes()));
-            message(&mut log, b'D', &body);
+            message(b'D', &[&body[..], &[0; 8]].concat());
         }
     }
     log
@@ -334,7 +332,8 @@ fn ulog() -> Vec<u8> {
 #[test]
 fn the_parameters_of_px4_remove_the_bias_of_all_sensors() {
     let bench = Bench::new();
-    bench.write("log.ulg", ulog());
+    let sensors = [("sensor_gyro", 0), ("sensor_gyro", 1), ("sensor_accel", 0)];
+    bench.write("log.ulg", ulog(&sensors, readings()));
     bench.zerorate("tempcal log.ulg --format px4 -o tc.params").ended_with(0);
     let of = of_px4(&bench.text("tc.params"));
     assert_eq!((of["TC_G_ENABLE"], of["TC_A_ENABLE"], of["TC_G1_ID"]), (1.0, 1.0, 1_310_989.0));
