@@ -3,7 +3,7 @@
 #[path = "../../../zerorate/tests/outcome/mod.rs"]
 mod outcome;
 
-use super::{Bench, calibration};
+use super::Bench;
 use zerorate::calibration::{Calibration, Origin};
 use zerorate::{Correction, Outcome, Part, Uncertainty};
 
@@ -69,17 +69,6 @@ fn the_page_needs_nothing_else_and_obeys_nobody() {
     roxmltree::Document::parse(&html[start..end]).unwrap();
 }
 
-#[test]
-fn the_page_goes_to_a_file() {
-    let bench = Bench::new();
-    bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
-    assert_eq!(bench.zerorate("report unit.toml -o report.html").ok(), "");
-    let html = bench.text("report.html");
-    assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
-    bench.zerorate("report absent.toml -o other.html").fails(1, &["cannot read absent.toml"]);
-    assert!(!bench.path("other.html").exists());
-}
-
 #[cfg(feature = "png")]
 #[test]
 fn a_picture_of_the_page_may_be_a_png() {
@@ -101,6 +90,7 @@ fn a_picture_of_the_page_can_be_had_alone() {
     assert!(bench.zerorate("report unit.toml").ok().contains(svg.trim()), "it is the picture of the page");
     bench.write("axes.toml", super::AXES);
     bench.zerorate("report axes.toml -o axes.svg").fails(2, &["a picture shows one axis"]);
+    bench.zerorate("report absent.toml -o axes.svg").fails(1, &["cannot read absent.toml"]);
     assert!(!bench.path("axes.svg").exists());
 }
 
@@ -127,10 +117,11 @@ fn the_page_shows_a_curve() {
     unit.axes[0].correction.btc3_dps_per_c3 = -2e-6;
     bench.write("curve.toml", unit.to_toml());
     let page = |name: &str| {
-        bench.zerorate(&format!("report {name}.toml -o {name}.html")).ok();
+        assert_eq!(bench.zerorate(&format!("report {name}.toml -o {name}.html")).ok(), "");
         bench.text(&format!("{name}.html"))
     };
     let (line, curve) = (page("line"), page("curve"));
+    assert!(line.starts_with("<!DOCTYPE html>") && line.trim_end().ends_with("</html>"), "{line}");
     for expected in [
         "RBC = RATE + PBC + (TEMP − T3) · BTC + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3",
         "(TEMP − 31.5000 °C)² · (+5.0000e-4 °/s/°C²)",
@@ -151,7 +142,7 @@ fn the_page_shows_a_curve() {
 fn no_page_and_no_picture_has_control_characters() {
     let bench = Bench::new();
     let name = "un\u{1b}]0;title\u{7}\u{9b}2Jit.toml";
-    bench.write(name, calibration(-0.25, -0.04, 24.0));
+    bench.write(name, super::calibration(-0.25, -0.04, 24.0));
     bench.write("log\u{1b}[31m.csv", "gz\n".to_owned() + &"1\n2\n1\n3\n2\n1\n2\n3\n".repeat(40));
     for line in [
         format!("report {name} -o a.html"),
