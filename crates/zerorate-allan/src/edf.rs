@@ -1,6 +1,5 @@
 //! Equivalent degrees of freedom of the deviations.
 
-use super::stat::Freedom;
 use super::{Difference, Stat};
 
 /// Largest number of terms that are summed before tables take over (J_max in Greenhall & Riley 2003).
@@ -19,12 +18,10 @@ const LONGEST_FILTER: f64 = 1e6;
 #[must_use]
 pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let row = stat.row();
-    match row.freedom {
-        Freedom::Total if alpha <= 0 => total_edf(alpha, m, phase_points),
-        Freedom::Total | Freedom::Differences => {
-            finite_difference_edf(row.kernel.difference(), alpha, m, phase_points)
-        }
+    if row.has_total_edf && alpha <= 0 {
+        return total_edf(alpha, m, phase_points);
     }
+    finite_difference_edf(row.kernel.difference(), alpha, m, phase_points)
 }
 
 /// Equivalent degrees of freedom of a finite-difference variance: Greenhall & Riley, "Uncertainty of stability

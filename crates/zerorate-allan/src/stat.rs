@@ -12,32 +12,19 @@ pub(super) struct StatRow {
     /// The differences that are squared: their order, their spacing, and the record length that one of them needs.
     pub kernel: Kernel,
     /// Divisor of the mean square of the differences of averages. With it, the deviation of white noise at m = 1,
-    /// before `factor`, is the standard deviation of the samples.
+    /// before a factor of τ/√3, is the standard deviation of the samples.
     pub divisor: f64,
-    /// Factor on the deviation, which determines its unit.
-    pub factor: Factor,
-    /// The formula for the degrees of freedom.
-    pub freedom: Freedom,
+    /// Whether the deviation is multiplied by τ/√3, which gives it the unit of the rate times s.
+    pub is_times_s: bool,
+    /// Whether frequency noise has the total deviation's own formula for the degrees of freedom. Otherwise, and for
+    /// phase noise, they follow the formula for finite differences.
+    pub has_total_edf: bool,
     /// Number of averages of τ below which the noise type is not identified.
     pub fewest_averages: u64,
     /// Cap on the noise exponent α that lengths with fewer averages inherit from the next shorter length.
     pub carried_alpha: i32,
     /// Whether the expected square is the Allan variance, so that a [`Fit`](super::Fit) models it.
     pub is_allan: bool,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Factor {
-    One,
-    TauPerSqrt3,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Freedom {
-    /// The formula for finite differences.
-    Differences,
-    /// The total deviation's own formula for frequency noise. For phase noise, the formula for finite differences.
-    Total,
 }
 
 macro_rules! statistics {
@@ -65,45 +52,45 @@ statistics! {
     /// Allan deviation, every m-th i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 10).
     Adev {
         name: "adev", title: "Allan deviation",
-        kernel: every_average(Order::Second), divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
+        kernel: every_average(Order::Second), divisor: 2.0, is_times_s: false, has_total_edf: false,
         fewest_averages: 10, carried_alpha: 2, is_allan: true,
     }
     /// Overlapping Allan deviation, every i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 11).
     Oadev {
         name: "oadev", title: "overlapping Allan deviation",
-        kernel: every_sample(Order::Second), divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
+        kernel: every_sample(Order::Second), divisor: 2.0, is_times_s: false, has_total_edf: false,
         fewest_averages: 8, carried_alpha: 2, is_allan: true,
     }
     /// Modified Allan deviation: σ² = ⟨(sum of m adjacent d₂)²⟩ / 2m⁴ (NIST SP 1065 equation 14).
     Mdev {
         name: "mdev", title: "modified Allan deviation",
-        kernel: Kernel::Modified, divisor: 2.0, factor: Factor::One, freedom: Freedom::Differences,
+        kernel: Kernel::Modified, divisor: 2.0, is_times_s: false, has_total_edf: false,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
     /// Time deviation: τ/√3 times the modified Allan deviation, in the input's unit times s (NIST SP 1065 equation
     /// 15).
     Tdev {
         name: "tdev", title: "time deviation",
-        kernel: Kernel::Modified, divisor: 2.0, factor: Factor::TauPerSqrt3, freedom: Freedom::Differences,
+        kernel: Kernel::Modified, divisor: 2.0, is_times_s: true, has_total_edf: false,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
     /// Hadamard deviation, every m-th i: σ² = ⟨d₃²⟩ / 6m² (NIST SP 1065 equation 17).
     Hdev {
         name: "hdev", title: "Hadamard deviation",
-        kernel: every_average(Order::Third), divisor: 6.0, factor: Factor::One, freedom: Freedom::Differences,
+        kernel: every_average(Order::Third), divisor: 6.0, is_times_s: false, has_total_edf: false,
         fewest_averages: 10, carried_alpha: 2, is_allan: false,
     }
     /// Overlapping Hadamard deviation, every i: σ² = ⟨d₃²⟩ / 6m² (NIST SP 1065 equation 18).
     Ohdev {
         name: "ohdev", title: "overlapping Hadamard deviation",
-        kernel: every_sample(Order::Third), divisor: 6.0, factor: Factor::One, freedom: Freedom::Differences,
+        kernel: every_sample(Order::Third), divisor: 6.0, is_times_s: false, has_total_edf: false,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
     /// Total deviation: the overlapping Allan deviation with x continued by reflection through both of its ends. The
     /// middle point i+m is every point but the first and the last (NIST SP 1065 equation 25).
     Totdev {
         name: "totdev", title: "total deviation",
-        kernel: Kernel::Reflected, divisor: 2.0, factor: Factor::One, freedom: Freedom::Total,
+        kernel: Kernel::Reflected, divisor: 2.0, is_times_s: false, has_total_edf: true,
         fewest_averages: 8, carried_alpha: 0, is_allan: true,
     }
 }
@@ -133,10 +120,7 @@ impl Stat {
 
     /// Whether the unit of the statistic is the unit of the rate times s, as for an angle.
     pub const fn is_times_s(self) -> bool {
-        match self.row().factor {
-            Factor::One => false,
-            Factor::TauPerSqrt3 => true,
-        }
+        self.row().is_times_s
     }
 
     /// Whether the expected square is the Allan variance, so that the curve is comparable with a [`Fit`](super::Fit).
@@ -147,10 +131,7 @@ impl Stat {
     /// The differences that [`finite_difference_edf`](super::finite_difference_edf) needs for this statistic. `None`
     /// for the total deviation, which has its own formula.
     pub const fn difference(self) -> Option<Difference> {
-        match self.row().freedom {
-            Freedom::Differences => Some(self.row().kernel.difference()),
-            Freedom::Total => None,
-        }
+        if self.row().has_total_edf { None } else { Some(self.row().kernel.difference()) }
     }
 }
 

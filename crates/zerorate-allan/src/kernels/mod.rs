@@ -18,7 +18,7 @@ pub(super) use gaps::expanded;
 pub(super) use threads::join;
 
 use super::kernel::{Kernel, Reason};
-use super::stat::{Factor, StatRow};
+use super::stat::StatRow;
 use super::{Input, Stat};
 use alloc::vec::Vec;
 
@@ -94,7 +94,7 @@ pub(crate) fn deviations_and_missing(
         None => gaps::squares(input, row.kernel, &fitting),
     }
     .into_iter();
-    let scale = |m: usize| scale(row.factor, is_phase, rate_hz, m);
+    let scale = |m: usize| scale(row.is_times_s, is_phase, rate_hz, m);
     let mut finish = |m| squares.next().ok_or(Reason::Gaps)?.and_then(|squares| deviation(squares, row, m, scale(m)));
     (checked.into_iter().map(|m| m.and_then(&mut finish)).collect(), missing)
 }
@@ -113,12 +113,9 @@ fn whole_squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Option<Vec<R
 }
 
 /// The factor from a difference of averages, in the unit of the record (for phase: per sample), to the deviation.
-fn scale(factor: Factor, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
+fn scale(is_times_s: bool, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
     let per_second = if is_phase { rate_hz } else { 1.0 };
-    match factor {
-        Factor::One => per_second,
-        Factor::TauPerSqrt3 => per_second * (m as f64 / rate_hz) / libm::sqrt(3.0),
-    }
+    if is_times_s { per_second * (m as f64 / rate_hz) / libm::sqrt(3.0) } else { per_second }
 }
 
 fn deviation(squares: Squares, row: &StatRow, m: usize, scale: f64) -> Result<Deviation, Reason> {

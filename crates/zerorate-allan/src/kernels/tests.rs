@@ -211,7 +211,7 @@ fn gaps_path_agrees_with_the_whole_record() {
             let row = stat.row();
             for input in [Input::Rate(&rate), Input::Phase(&x)] {
                 let sum = gaps::squares(&input, row.kernel, &[m])[0].unwrap();
-                let found = deviation(sum, row, m, scale(row.factor, false, 1.0, m)).unwrap();
+                let found = deviation(sum, row, m, scale(row.is_times_s, false, 1.0, m)).unwrap();
                 assert_eq!(found.n, row.kernel.terms(1001, m as u64));
                 assert_close(found.dev, whole, 1e-10, stat.name());
             }
