@@ -1,7 +1,7 @@
 //! Large arrays. On Linux they use large pages: to touch a new array in small pages costs as much as the sums over it.
 
 #[cfg(all(feature = "std", target_os = "linux"))]
-pub(super) use pages::{Array, Number};
+pub(super) use pages::{Array, Number, zeroed};
 
 #[cfg(all(feature = "std", target_os = "linux"))]
 mod pages {
@@ -20,15 +20,13 @@ mod pages {
         Pages(MmapMut),
     }
 
-    impl<T: Number> Array<T> {
-        pub fn zeroed(len: usize) -> Self {
-            let bytes = len * size_of::<T>();
-            let pages = (bytes >= LARGE).then(|| MmapMut::map_anon(bytes)).and_then(Result::ok);
-            let Some(pages) = pages else { return Self::Heap(vec![T::zeroed(); len]) };
-            // small pages work as well
-            pages.advise(Advice::HugePage).ok();
-            Self::Pages(pages)
-        }
+    pub(in super::super) fn zeroed<T: Number>(len: usize) -> Array<T> {
+        let bytes = len * size_of::<T>();
+        let pages = (bytes >= LARGE).then(|| MmapMut::map_anon(bytes)).and_then(Result::ok);
+        let Some(pages) = pages else { return Array::Heap(vec![T::zeroed(); len]) };
+        // small pages work as well
+        pages.advise(Advice::HugePage).ok();
+        Array::Pages(pages)
     }
 
     impl<T: Number> Deref for Array<T> {
@@ -53,36 +51,19 @@ mod pages {
 }
 
 #[cfg(not(all(feature = "std", target_os = "linux")))]
-pub(super) use heap::{Array, Number};
+pub(super) use heap::{Array, Number, zeroed};
 
 #[cfg(not(all(feature = "std", target_os = "linux")))]
 mod heap {
     use alloc::vec;
     use alloc::vec::Vec;
-    use core::ops::{Deref, DerefMut};
 
     pub(in super::super) trait Number: Copy + Default {}
     impl<T: Copy + Default> Number for T {}
 
-    pub(in super::super) struct Array<T>(Vec<T>);
+    pub(in super::super) type Array<T> = Vec<T>;
 
-    impl<T: Number> Array<T> {
-        pub fn zeroed(len: usize) -> Self {
-            Self(vec![T::default(); len])
-        }
-    }
-
-    impl<T> Deref for Array<T> {
-        type Target = [T];
-
-        fn deref(&self) -> &[T] {
-            &self.0
-        }
-    }
-
-    impl<T> DerefMut for Array<T> {
-        fn deref_mut(&mut self) -> &mut [T] {
-            &mut self.0
-        }
+    pub(in super::super) fn zeroed<T: Number>(len: usize) -> Array<T> {
+        vec![T::default(); len]
     }
 }

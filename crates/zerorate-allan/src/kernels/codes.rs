@@ -1,4 +1,4 @@
-use super::array::Array;
+use super::array::{Array, zeroed};
 use super::exact::ExactSum;
 use super::lanes::{self, SHORT};
 use super::{Squares, sweep, threads};
@@ -120,7 +120,7 @@ fn sums(codes: &[i32], bounds: &Bounds, kernel: Kernel, m: &[usize], width: Widt
 
 /// The running sum modulo 2^32.
 fn narrow_sum(codes: &[i32], bounds: &Bounds) -> Array<i32> {
-    let mut x = Array::zeroed(codes.len() + 1);
+    let mut x = zeroed(codes.len() + 1);
     threads::fill(&mut x[1..], PIECE, |piece, x| {
         let mut sum = bounds.before[piece] as i32;
         for (x, code) in x.iter_mut().zip(&codes[piece * PIECE..]) {
@@ -132,7 +132,7 @@ fn narrow_sum(codes: &[i32], bounds: &Bounds) -> Array<i32> {
 }
 
 fn running_sum(codes: &[i32], bounds: &Bounds) -> Array<i64> {
-    let mut x = Array::zeroed(codes.len() + 1);
+    let mut x = zeroed(codes.len() + 1);
     threads::fill(&mut x[1..], PIECE, |piece, x| {
         let mut sum = bounds.before[piece];
         for (x, &code) in x.iter_mut().zip(&codes[piece * PIECE..]) {
@@ -155,7 +155,7 @@ fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     let totals = threads::map(bounds.before.len(), |piece| sums(piece).fold(0, i64::wrapping_add));
     let before: Vec<i64> =
         totals.iter().scan(0i64, |sum, total| Some(core::mem::replace(sum, sum.wrapping_add(*total)))).collect();
-    let mut out = Array::zeroed(codes.len() + 2);
+    let mut out = zeroed(codes.len() + 2);
     threads::fill(&mut out[2..], PIECE, |piece, out| {
         let mut sum_of_sums = before[piece];
         for (out, sum) in out.iter_mut().zip(sums(piece)) {

@@ -1,4 +1,4 @@
-use super::array::Array;
+use super::array::{Array, zeroed};
 use super::lanes::Line;
 use super::sweep::FixedPoint;
 use super::{Squares, lanes, sweep, threads};
@@ -25,7 +25,7 @@ pub(super) fn phase(rate: &[f64]) -> Option<Array<f64>> {
     let less = |piece: &[f64], sum: f64| sum - (mean - near) * piece.len() as f64;
     let sums = pieces.iter().zip(sums).map(|(piece, sum)| less(piece, sum));
     let before: Vec<f64> = sums.scan(0.0, |sum, piece| Some(core::mem::replace(sum, *sum + piece))).collect();
-    let mut x = Array::zeroed(rate.len() + 1);
+    let mut x = zeroed(rate.len() + 1);
     threads::fill(&mut x[1..], PIECE, |i, x| run(pieces[i], mean, before[i], x));
     Some(x)
 }
@@ -78,7 +78,7 @@ const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
     let bounds = Bounds::of(x);
     let mut sums = vec![0.0; m.len()];
-    let mut sum_of_sums = Array::zeroed(x.len() + 1);
+    let mut sum_of_sums = zeroed(x.len() + 1);
     let mut shortest = 0;
     for longest in CLASSES {
         let class: Vec<usize> = (0..m.len()).filter(|&i| (shortest..longest).contains(&m[i])).collect();
