@@ -12,11 +12,7 @@ use core::f64::consts::PI;
 
 /// The masked bins as spectral lines, with their power above the model.
 pub(super) struct MaskedBins {
-    lines: Vec<Line>,
-    /// Variance and frequency of the sines in the model, for each line.
-    sines: Vec<Vec<(f64, f64)>>,
-    /// The first coefficient of each line, and one past its last.
-    runs: Vec<(usize, usize)>,
+    lines: Vec<WholeLine>,
     /// Density at frequency 0 of the tails of broad lines near the upper end, unit²/Hz.
     pub(super) tail_at_zero: f64,
 }
@@ -38,7 +34,7 @@ pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec
         (&narrow.line, (first.saturating_sub(half).max(1), end + half))
     });
     let masked = MaskedBins::of(spectrum, chosen, rate_hz);
-    let broad = masked.lines.iter().zip(masked.runs.iter().copied());
+    let broad = masked.lines.iter().map(|whole| (&whole.line, whole.run));
     let stands_out =
         |(line, _): &(&Line, (usize, usize))| line.rms * line.rms > SEEN * line.frequency_hz * chosen.found.at[N2];
     let all: Vec<(&Line, (usize, usize))> = narrow.chain(broad).collect();
@@ -53,6 +49,7 @@ pub(super) struct WholeLine {
     pub(super) line: Line,
     /// Variance and frequency of the line's sines in the model.
     pub(super) sines: Vec<(f64, f64)>,
+    /// The first coefficient, and one past the last.
     run: (usize, usize),
     /// Whether the line is narrow, and may be a sine that is still in the samples. Such a sine leaks into other bins.
     leaks: bool,
@@ -81,9 +78,7 @@ impl MaskedBins {
             run: narrow.run,
             leaks: !narrow.is_gone,
         });
-        let broad = self.lines.into_iter().zip(self.sines).zip(self.runs);
-        let broad = broad.map(|((line, sines), run)| WholeLine { line, sines, run, leaks: false });
-        let mut rest: Vec<WholeLine> = own.chain(broad).collect();
+        let mut rest: Vec<WholeLine> = own.chain(self.lines).collect();
         rest.sort_by(|a, b| b.line.rms.total_cmp(&a.line.rms));
         let mut found: Vec<WholeLine> = Vec::new();
         for weak in rest {
@@ -105,7 +100,6 @@ impl MaskedBins {
         let table = Table::new(masked.iter().copied(), &[], spectrum.samples, rate_hz).with_top(top_hz);
         let own = &chosen.found;
         let smooth = Problem::new(table, 0.0).density(&ModelForm { drift: None, ..own.form }, &own.at);
-        let mut found = Self { sines: Vec::new(), lines: Vec::new(), runs: Vec::new(), tail_at_zero: 0.0 };
         let mut runs: Vec<Vec<(f64, Bin)>> = Vec::new();
         for (bin, smooth) in masked.iter().zip(smooth) {
             let width_hz = (bin.end - bin.first) as f64 * hz;
@@ -115,13 +109,16 @@ impl MaskedBins {
                 _ => runs.push(vec![(variance, *bin)]),
             }
         }
-        found.runs = runs.iter().map(|run| (run[0].1.first, run[run.len() - 1].1.end)).collect();
-        found.lines = runs.iter().map(|run| line(run, hz)).collect();
-        found.sines = runs.iter().map(|run| run.iter().flat_map(|part| sines(part, hz)).collect()).collect();
-        let reach = |&(first, end): &(usize, usize)| (end - first) as f64 * hz / 2.0;
-        let reaches = found.runs.iter().map(reach);
-        found.tail_at_zero = found.lines.iter().zip(reaches).map(|(line, reach)| tail(line, reach, rate_hz)).sum();
-        found
+        let whole = |run: &Vec<(f64, Bin)>| WholeLine {
+            line: line(run, hz),
+            sines: run.iter().flat_map(|part| sines(part, hz)).collect(),
+            run: (run[0].1.first, run[run.len() - 1].1.end),
+            leaks: false,
+        };
+        let lines: Vec<WholeLine> = runs.iter().map(whole).collect();
+        let reach_hz = |(first, end): (usize, usize)| (end - first) as f64 * hz / 2.0;
+        let tail_at_zero = lines.iter().map(|whole| tail(&whole.line, reach_hz(whole.run), rate_hz)).sum();
+        Self { lines, tail_at_zero }
     }
 }
 
