@@ -106,9 +106,8 @@ impl Axis {
         let heating = self.self_heating?;
         let settled_s = heating.settles_to_s(self.temp_margin_c()).min(total_s);
         let at = |after_s: f64| Some(Forecast { after_s, u_dps: self.expected_u_dps(&heating, after_s)? });
-        let tried = core::iter::successors(Some(settled_s), |after_s| Some(after_s * 1.25));
-        let forecasts = tried.take_while(|after_s| *after_s < total_s).filter_map(at);
-        forecasts.into_iter().find(|forecast| forecast.u_dps <= target_dps).or_else(|| at(total_s))
+        let mut forecasts = temperature::geometric(settled_s, total_s, 1.25).filter_map(at);
+        forecasts.find(|forecast| forecast.u_dps <= target_dps).or_else(|| at(total_s))
     }
 
     /// Standard uncertainty that is expected at a time, °/s. It depends on temperatures and noise, not on the rates.
@@ -232,8 +231,8 @@ const BASE_MOTION_RATIO: f64 = 1.15;
 /// Returns the frequencies of possible base motions, Hz, in rising order: slow ones, which look like a bias that
 /// wanders, and those near the oscillations that were found.
 pub(crate) fn motions_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
-    let cycles = core::iter::successors(Some(SLOW_CYCLES.0), |cycles| Some(cycles * BASE_MOTION_RATIO));
-    let mut all: Vec<f64> = cycles.take_while(|count| *count < SLOW_CYCLES.1).map(|count| count / length_s).collect();
+    let cycles = temperature::geometric(SLOW_CYCLES.0, SLOW_CYCLES.1, BASE_MOTION_RATIO);
+    let mut all: Vec<f64> = cycles.map(|count| count / length_s).collect();
     for finding in hour.into_iter().flat_map(|hour| &hour.found) {
         if let Deviation::BaseMotion { hz, .. } = finding.deviation {
             all.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|cycles| hz + cycles / length_s));

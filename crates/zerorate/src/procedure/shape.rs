@@ -2,6 +2,7 @@
 
 use super::blocks::Second;
 use crate::noise::Window;
+use crate::temperature::geometric;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
@@ -81,16 +82,11 @@ pub(crate) fn all(seconds: &[Second], windows: &[Window], t3_c: f64) -> Vec<Shap
     let temps = || seconds.iter().map(|second| second.temp_c);
     let span_c = temps().fold(f64::MIN, f64::max) - temps().fold(f64::MAX, f64::min);
     let steps = windows.iter().skip(1).map(|window| Shape::step(f64::from(window.start_s)));
-    let lags = spread(2.0, total_s, 1.5).map(|lag_s| Shape::lagged(seconds, lag_s));
-    let plays = spread(0.02 * span_c, span_c, 1.3).map(|width_c| Shape::held(seconds, width_c));
+    let lags = geometric(2.0, total_s, 1.5).map(|lag_s| Shape::lagged(seconds, lag_s));
+    let plays = geometric(0.02 * span_c, span_c, 1.3).map(|width_c| Shape::held(seconds, width_c));
     let base_motions = (1..).map(|half| f64::from(half) / (2.0 * total_s)).take_while(|hz| hz * longest_s < 0.5);
     let base_motions = base_motions.map(|hz| Shape::Oscillation { hz, phase: 0.0 });
     steps.chain([Shape::curved(seconds, t3_c)]).chain(lags).chain(plays).chain(base_motions).collect()
-}
-
-/// Values from `first` up to `end`, each `ratio` times the one before.
-fn spread(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
-    core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
 }
 
 /// Returns the temperature less a follower, °C. `next` gets the last value of the follower, the temperature and the

@@ -31,6 +31,7 @@ use alloc::vec::Vec;
 use basis::Basis;
 pub use follow::{FollowedTemperature, LagAndPlay};
 use interval::{Peak, honest_u};
+pub(crate) use model_averaging::geometric;
 use model_averaging::{Weighed, weigh};
 use posterior::{Powers, Record};
 
