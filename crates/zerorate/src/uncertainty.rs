@@ -1,7 +1,7 @@
 //! Uncertainties of PBC, BTC and T3.
 
 /// Standard uncertainties and covariances (k = 1).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uncertainty {
     /// Uncertainty of B1 as the bias during step 4, by white noise and flicker, °/s.
     pub u_b1_dps: f64,

@@ -85,13 +85,9 @@ fn of_run(record: &Record, run: &ChamberRun<'_>) -> Run {
         rdy_hz: tally.rdy_hz(),
         samples: record.samples,
         lost_samples: record.lost,
-        average_s: 0.0,
-        warmup_s: 0.0,
-        settle_s: 0.0,
-        offset_s: 0.0,
         max_lost,
         max_u_btc_dps_per_c: Plan::default().max_u_btc_dps_per_c,
         earth_dps,
-        assume_linear: false,
+        ..Run::default()
     }
 }

@@ -170,7 +170,7 @@ pub struct NoiseRecord {
 }
 
 /// Durations, sample counts, data rates and limits of a measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `Outcome` and `Plan`")]
 pub struct Run {

@@ -298,17 +298,10 @@ fn curve(
 fn uncertainty_of(curve: &BiasCurve) -> Uncertainty {
     let covariance = &curve.covariance;
     Uncertainty {
-        u_b1_dps: 0.0,
-        u_b2_dps: 0.0,
-        u_t1_c: 0.0,
-        u_t2_c: 0.0,
         u_pbc_dps: libm::sqrt(covariance[0][0]),
         u_btc_dps_per_c: curve.u_btc_dps_per_c(),
-        u_curvature_dps_per_c: 0.0,
-        u_t3_c: 0.0,
         cov_pbc_btc: covariance[0][1],
-        cov_pbc_t3: 0.0,
-        drift_dps: 0.0,
+        ..Uncertainty::default()
     }
 }
 
