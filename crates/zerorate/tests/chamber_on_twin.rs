@@ -21,15 +21,7 @@ fn soak(to_c: f64) -> Step {
 }
 
 fn plan(steps: &[Step]) -> ChamberPlan {
-    ChamberPlan {
-        name: "test".into(),
-        steps: steps.into(),
-        drift_c_per_min: None,
-        window_s: 30.0,
-        settle_timeout_s: 1800.0,
-        overshoot_c: 5.0,
-        safe_c: 25.0,
-    }
+    ChamberPlan { steps: steps.into(), window_s: 30.0, settle_timeout_s: 1800.0, ..ChamberPlan::default() }
 }
 
 /// A unit in a chamber. The air follows the set point with a time constant of 30 s.

@@ -78,14 +78,15 @@ impl ChamberPlan {
         let number = |key, value: Option<f64>, bounds, default| {
             value.map_or(Ok(default), |value| root.at(key).number(value, bounds))
         };
+        let default = Self::default();
         Ok(Self {
             name: file.name.unwrap_or_default(),
             steps: core::iter::repeat_n(once, cycles).flatten().collect(),
             drift_c_per_min: auto(root.at("drift_c_per_min"), file.drift_c_per_min.as_ref(), &DRIFT)?,
-            window_s: number("window_s", file.window_s, &WINDOW_S, 120.0)?,
-            settle_timeout_s: number("settle_timeout_s", file.settle_timeout_s, &TIMEOUT_S, 7200.0)?,
-            overshoot_c: number("overshoot_c", file.overshoot_c, &OVERSHOOT_C, 5.0)?,
-            safe_c: number("safe_c", file.safe_c, &SAFE_C, 25.0)?,
+            window_s: number("window_s", file.window_s, &WINDOW_S, default.window_s)?,
+            settle_timeout_s: number("settle_timeout_s", file.settle_timeout_s, &TIMEOUT_S, default.settle_timeout_s)?,
+            overshoot_c: number("overshoot_c", file.overshoot_c, &OVERSHOOT_C, default.overshoot_c)?,
+            safe_c: number("safe_c", file.safe_c, &SAFE_C, default.safe_c)?,
         })
     }
 }

@@ -64,6 +64,21 @@ pub enum StepEnd {
     Average(Option<f64>),
 }
 
+impl Default for ChamberPlan {
+    /// A plan without a name and steps, with the values that a file need not give.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            steps: Vec::new(),
+            drift_c_per_min: None,
+            window_s: 120.0,
+            settle_timeout_s: 7200.0,
+            overshoot_c: 5.0,
+            safe_c: 25.0,
+        }
+    }
+}
+
 impl Step {
     /// Duration of the ramp from another temperature to the set point, s. It is 0 if the set point jumps.
     #[must_use]
@@ -103,15 +118,7 @@ impl ChamberPlan {
         if steps.len() > MAX_STRETCHES {
             return Err(ChamberPlanError::new("it has more than 1000 stretches at rest; is that its air?"));
         }
-        Ok(Self {
-            name: String::from("what the chamber did"),
-            steps,
-            drift_c_per_min: None,
-            window_s: 120.0,
-            settle_timeout_s: 7200.0,
-            overshoot_c: 5.0,
-            safe_c: 25.0,
-        })
+        Ok(Self { name: String::from("what the chamber did"), steps, ..Self::default() })
     }
 
     /// Returns the set points at the beginning and the end of a step, °C. The first step begins and ends at its own
@@ -289,15 +296,7 @@ mod tests {
 
     fn plan() -> ChamberPlan {
         let soak = |to_c| Step { to_c, c_per_min: Some(2.0), end: StepEnd::Average(None) };
-        ChamberPlan {
-            name: String::new(),
-            steps: vec![soak(15.0), soak(55.0)],
-            drift_c_per_min: None,
-            window_s: 120.0,
-            settle_timeout_s: 5400.0,
-            overshoot_c: 5.0,
-            safe_c: 25.0,
-        }
+        ChamberPlan { steps: vec![soak(15.0), soak(55.0)], ..ChamberPlan::default() }
     }
 
     /// The best averaging time is √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04). There the Allan deviation is √(N²/τ +

@@ -93,15 +93,7 @@ struct Present {
 /// use zerorate::Part;
 /// use zerorate::chamber::{ChamberAction, ChamberPlan, ChamberProcedure, Step, StepEnd};
 /// let step = |to_c| Step { to_c, c_per_min: Some(2.0), end: StepEnd::Average(None) };
-/// let plan = ChamberPlan {
-///     name: "two points".into(),
-///     steps: vec![step(15.0), step(55.0)],
-///     drift_c_per_min: None,
-///     window_s: 120.0,
-///     settle_timeout_s: 7200.0,
-///     overshoot_c: 5.0,
-///     safe_c: 25.0,
-/// };
+/// let plan = ChamberPlan { steps: vec![step(15.0), step(55.0)], ..ChamberPlan::default() };
 /// let mut procedure = ChamberProcedure::new(&Part::ADIS16130, plan, 0.001)?;
 /// assert_eq!((procedure.next(), procedure.set_point_c()), (ChamberAction::Initialise, 15.0));
 /// procedure.begin(1_000);
