@@ -202,13 +202,8 @@ fn points(input: &Input<'_>, rate_hz: f64, options: &Options, found: Vec<(Deviat
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::tests::nbs14;
     use alloc::vec;
-
-    fn noise(n: usize) -> Vec<f64> {
-        let next = |state: &u64| Some(16_807 * state % 2_147_483_647);
-        let states = core::iter::successors(Some(1_234_567_890u64), next);
-        states.take(n).map(|state| state as f64 / 2_147_483_647.0).collect()
-    }
 
     fn with(stat: Stat, taus: Taus) -> Options {
         Options { stat, taus, ..Options::default() }
@@ -218,7 +213,7 @@ mod tests {
     #[test]
     fn nist_1000_points() {
         let options = with(Stat::Oadev, Taus::List(vec![10.0]));
-        let point = analyse(&Input::Rate(&noise(1000)), 1.0, &options).unwrap().points[0];
+        let point = analyse(&Input::Rate(&nbs14(1000)), 1.0, &options).unwrap().points[0];
         assert_eq!((point.tau_s, point.m, point.alpha, point.n), (10.0, 10, 0, 981));
         assert!((point.dev / 9.159_953e-2 - 1.0).abs() < 3e-7);
         assert_eq!((point.lo, point.hi), interval(point.dev, edf(Stat::Oadev, 0, 10, 1001), 0.683));
@@ -242,7 +237,7 @@ mod tests {
     fn every_point_is_finite_up_to_the_longest() {
         for n in [2, 3, 4, 7, 31, 32, 100] {
             for stat in Stat::ALL {
-                let analysis = analyse(&Input::Rate(&noise(n)), 1.0, &with(stat, Taus::All)).unwrap();
+                let analysis = analyse(&Input::Rate(&nbs14(n)), 1.0, &with(stat, Taus::All)).unwrap();
                 assert!(analysis.points.len() as u64 >= longest(stat, n as u64 + 1), "{stat} {n}");
                 for point in analysis.points {
                     assert!(
@@ -258,7 +253,7 @@ mod tests {
     #[test]
     fn each_point_that_is_not_computed_has_a_reason() {
         let times = vec![0.0, 0.29, 0.31, 1.0, 1000.0, f64::NAN, -1.0];
-        let analysis = analyse(&Input::Rate(&noise(100)), 10.0, &with(Stat::Oadev, Taus::List(times))).unwrap();
+        let analysis = analyse(&Input::Rate(&nbs14(100)), 10.0, &with(Stat::Oadev, Taus::List(times))).unwrap();
         let computed: Vec<(u64, f64)> = analysis.points.iter().map(|point| (point.m, point.tau_s)).collect();
         assert_eq!(computed, [(3, 0.3), (10, 1.0)]);
         let reasons: Vec<Reason> = analysis.unavailable.iter().map(|missing| missing.reason).collect();
@@ -279,7 +274,7 @@ mod tests {
     /// records, within three standard errors of this count.
     #[test]
     fn limits_enclose_the_truth_as_often_as_they_say() {
-        let samples = noise(400 * 1000);
+        let samples = nbs14(400 * 1000);
         for (stat, m) in
             [(Stat::Adev, 10), (Stat::Oadev, 10), (Stat::Oadev, 100), (Stat::Ohdev, 50), (Stat::Totdev, 100)]
         {
@@ -296,7 +291,7 @@ mod tests {
 
     #[test]
     fn gaps_widen_the_limits() {
-        let whole = noise(1000);
+        let whole = nbs14(1000);
         let mut gappy = whole.clone();
         gappy[300..600].fill(f64::NAN);
         let of = |rate: &[f64]| analyse(&Input::Rate(rate), 1.0, &Options::default()).unwrap();

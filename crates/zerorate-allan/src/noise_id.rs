@@ -275,17 +275,10 @@ fn r_boundary(m: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::Gap;
+    use crate::kernels::tests::white;
     use alloc::vec;
 
-    /// Sums of twelve uniform numbers: normal enough, and the same everywhere.
-    fn white(n: usize) -> Vec<f64> {
-        let mut state = 1_234_567_890u64;
-        let mut uniform = || {
-            state = 16_807 * state % 2_147_483_647;
-            state as f64 / 2_147_483_647.0
-        };
-        (0..n).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
-    }
+    const SEED: u64 = 1_234_567_890;
 
     fn integral(series: &[f64]) -> Vec<f64> {
         let mut sum = 0.0;
@@ -300,7 +293,7 @@ mod tests {
 
     #[test]
     fn pure_noises_are_identified() {
-        let white = white(20_000);
+        let white = white(SEED, 20_000);
         let walk = integral(&white);
         let run = integral(&walk);
         for stat in Stat::ALL {
@@ -317,7 +310,7 @@ mod tests {
     #[test]
     fn short_records_go_by_b1_and_r() {
         let right = |of: &dyn Fn(&[f64]) -> i32, truth: i32| {
-            let white = white(100 * 400);
+            let white = white(SEED, 100 * 400);
             white.chunks(400).filter(|part| of(part) == truth).count()
         };
         let at = [20];
@@ -329,7 +322,7 @@ mod tests {
 
     #[test]
     fn scale_offset_and_direction_do_not_matter() {
-        let white = white(5_000);
+        let white = white(SEED, 5_000);
         let mixed: Vec<f64> = white.iter().zip(integral(&white)).map(|(white, walk)| white + 0.02 * walk).collect();
         let lengths: Vec<u64> = (1..700).collect();
         let types = |rate: &[f64]| noise_types(&Input::Rate(rate), Stat::Oadev, &lengths);
@@ -342,7 +335,7 @@ mod tests {
 
     #[test]
     fn codes_are_a_rate_and_gaps_do_not_shift_it() {
-        let codes: Vec<i32> = white(6_000).iter().map(|value| (value * 1000.0) as i32).collect();
+        let codes: Vec<i32> = white(SEED, 6_000).iter().map(|value| (value * 1000.0) as i32).collect();
         let rate: Vec<f64> = codes.iter().map(|&code| f64::from(code)).collect();
         let codes_input = Input::Codes { codes: &codes, gaps: &[] };
         assert_eq!(
@@ -372,7 +365,7 @@ mod tests {
     /// degrees of freedom of phase noise.
     #[test]
     fn few_averages_do_not_make_degrees_of_freedom() {
-        let white = white(200 * 5_000);
+        let white = white(SEED, 200 * 5_000);
         let lengths = [32, 122];
         let at_41: Vec<NoiseType> =
             white.chunks(5_000).filter_map(|part| identify(&Input::Rate(part), Stat::Oadev, &lengths).pop()).collect();
@@ -383,7 +376,7 @@ mod tests {
     /// A long averaging time alone has no shorter one before it. It gets the answer for the longest identifiable time.
     #[test]
     fn a_lone_long_time_is_identified() {
-        let walk = integral(&white(1_000));
+        let walk = integral(&white(SEED, 1_000));
         assert_eq!(
             noise_types(&Input::Rate(&walk), Stat::Oadev, &[400]),
             noise_types(&Input::Rate(&walk), Stat::Oadev, &[125, 400])[1..]

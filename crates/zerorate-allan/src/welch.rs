@@ -87,15 +87,11 @@ fn averaged(power: &[f64], step_hz: f64) -> Vec<Density> {
 mod tests {
     use super::super::{FitOptions, Input, fit};
     use super::*;
+    use crate::kernels::tests::white;
 
     /// White noise of variance 1 at 100 Hz, density 0.01, and a sine of this rms at 12.5 Hz.
     fn record(sine: f64) -> Vec<f64> {
-        let mut state = 1u64;
-        let mut uniform = || {
-            state = 16_807 * state % 2_147_483_647;
-            state as f64 / 2_147_483_647.0 - 0.5
-        };
-        let noise = (0..40_000).map(|_| (0..12).map(|_| uniform()).sum::<f64>());
+        let noise = white(1, 40_000).into_iter();
         noise.enumerate().map(|(i, noise)| 5.0 + noise + sine * SINE * libm::sin(PI * i as f64 / 4.0)).collect()
     }
 

@@ -136,12 +136,7 @@ mod tests {
 
     /// White noise of N = 0.1 °/√s and nothing else.
     fn white() -> (Fit, Analysis) {
-        let mut state = 1u64;
-        let mut uniform = || {
-            state = 16_807 * state % 2_147_483_647;
-            state as f64 / 2_147_483_647.0 - 0.5
-        };
-        let rate: Vec<f64> = (0..20_000).map(|_| (0..12).map(|_| uniform()).sum()).collect();
+        let rate = crate::kernels::tests::white(1, 20_000);
         let input = Input::Rate(&rate);
         let fit = fit(&input, 100.0, &FitOptions::default()).unwrap();
         (fit, analyse(&input, 100.0, &Options::default()).unwrap())

@@ -10,7 +10,7 @@ mod gaps;
 mod lanes;
 mod sweep;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 pub(super) mod threads;
 
 #[cfg(feature = "std")]

@@ -78,7 +78,7 @@ fn nbs14_10_points() {
 #[test]
 fn nbs14_1000_points() {
     use Stat::*;
-    let rate = nbs14();
+    let rate = nbs14(1000);
     let published = [
         (Adev, [2.922319e-1, 9.965736e-2, 3.897804e-2]),
         (Oadev, [2.922319e-1, 9.159953e-2, 3.241343e-2]),
@@ -96,9 +96,20 @@ fn nbs14_1000_points() {
     }
 }
 
-fn nbs14() -> Vec<f64> {
+/// The uniform numbers of NIST SP 1065 section 12.4.
+fn uniform(seed: u64) -> impl Iterator<Item = f64> {
     let next = |n: &u64| Some(16807 * n % 2147483647);
-    core::iter::successors(Some(1234567890u64), next).take(1000).map(|n| n as f64 / 2147483647.0).collect()
+    core::iter::successors(Some(seed), next).map(|n| n as f64 / 2147483647.0)
+}
+
+pub(crate) fn nbs14(n: usize) -> Vec<f64> {
+    uniform(1_234_567_890).take(n).collect()
+}
+
+/// Sums of twelve uniform numbers: normal enough, of variance 1, and the same everywhere.
+pub(crate) fn white(seed: u64, n: usize) -> Vec<f64> {
+    let mut uniform = uniform(seed).skip(1).map(|value| value - 0.5);
+    (0..n).map(|_| uniform.by_ref().take(12).sum()).collect()
 }
 
 #[test]
@@ -145,7 +156,7 @@ fn each_missing_deviation_has_its_reason() {
 
 #[test]
 fn phase_and_time_deviation_know_the_rate() {
-    let rate: Vec<f64> = nbs14();
+    let rate: Vec<f64> = nbs14(1000);
     let x: Vec<f64> = phase_of(&rate).iter().map(|x| x / 50.0).collect();
     for stat in Stat::ALL {
         let of = |input: &Input<'_>| deviations(input, 50.0, stat, &[10])[0].unwrap().dev;
@@ -184,8 +195,8 @@ fn gaps_are_left_out() {
 /// Four of ten samples lost one by one: means over the rest scatter more, by up to 40 % of the deviation.
 #[test]
 fn losses_do_not_add_to_the_deviation() {
-    let whole: Vec<f64> =
-        nbs14().into_iter().cycle().zip(1u64..).take(60_000).map(|(x, i)| x + (i * i % 89) as f64 / 89.0).collect();
+    let whole = nbs14(1000).into_iter().cycle().zip(1u64..).map(|(x, i)| x + (i * i % 89) as f64 / 89.0);
+    let whole: Vec<f64> = whole.take(60_000).collect();
     let mut gappy = whole.clone();
     let mut state = 1u64;
     for value in &mut gappy {
@@ -203,7 +214,7 @@ fn losses_do_not_add_to_the_deviation() {
 
 #[test]
 fn gaps_path_agrees_with_the_whole_record() {
-    let rate = nbs14();
+    let rate = nbs14(1000);
     let x = phase_of(&rate);
     for stat in Stat::ALL {
         for m in [1, 2, 7, 100, 300] {
