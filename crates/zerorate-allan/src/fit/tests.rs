@@ -359,16 +359,7 @@ fn a_sine_is_not_taken_for_a_step() {
 }
 
 #[test]
-fn a_sine_and_a_resonance_are_left_out() {
-    let mut rate = HOUR.noise(360_000, 11);
-    let whole = of(&rate);
-    let sine = |i: usize| 0.02 * (2.0 * PI * 0.5 * i as f64 / RATE_HZ).sin();
-    rate.iter_mut().enumerate().for_each(|(i, rate)| *rate += sine(i));
-    let fit = of(&rate);
-    let [Term::Line(line), ..] = fit.terms[..] else { panic!("{:?}", fit.terms) };
-    assert!(near(line.frequency_hz, 0.5, 1e-3) && near(line.rms, 0.02 / 2f64.sqrt(), 0.02), "{line:?}");
-    assert!(near(fit.n.value, whole.n.value, 1e-3) && near(fit.b.value, whole.b.value, 0.05), "{fit:?}");
-    assert!(codes(&fit).contains(&"lines"));
+fn a_resonance_is_left_out() {
     // 20 Hz, half width 1 Hz, a fifth of the power: a resonance of the second order driven by white noise
     let (mut y1, mut y2, mut drive) = (0.0, 0.0, normal(22));
     let (radius, angle) = ((-2.0 * PI / RATE_HZ).exp(), 2.0 * PI * 20.0 / RATE_HZ);

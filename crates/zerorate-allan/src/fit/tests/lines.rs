@@ -34,6 +34,7 @@ fn the_power_of_a_sine_is_counted_once() {
             let [line] = found[..] else { panic!("{hz} Hz, {amplitude}: {found:?}") };
             assert!(near(line.rms * line.rms, amplitude * amplitude / 2.0, 0.05), "{hz} Hz, {amplitude}: {line:?}");
             assert!(near(line.frequency_hz, hz, 0.01), "{hz} Hz, {amplitude}: {line:?}");
+            assert!(codes(&fit).contains(&"lines"), "{hz} Hz, {amplitude}");
             let curve = analyse(&Input::Rate(&rate), rate_hz, &Options::default()).unwrap();
             let seen = |point: &&Point| (PI * hz * point.tau_s).sin().powi(2) > 0.1 && point.m < n as u64 / 64;
             for point in curve.points.iter().filter(seen) {
