@@ -189,7 +189,7 @@ fn no_mean_includes_a_faulty_reading() {
 }
 
 #[test]
-fn bit_errors_are_not_blamed_on_motion_nor_stutter_on_the_host() {
+fn bit_errors_are_not_blamed_on_motion() {
     let noisy_line = with_bit_errors(&Spec::from_seed(7), 1e-4);
     let refusal = measure(&short_record(noisy_line), Plan { max_lost: 0.2, ..SHORT });
     let blames_the_line = match &refusal {
@@ -197,8 +197,4 @@ fn bit_errors_are_not_blamed_on_motion_nor_stutter_on_the_host() {
         Err(refusal) => matches!(refusal, Refusal::BitErrors { .. }),
     };
     assert!(blames_the_line, "{refusal:?}");
-    let stuttering = Spec { fault: Fault::RdyStutter, ..Spec::from_seed(7) };
-    let refusal = measure(&short_record(stuttering), SHORT).unwrap_err();
-    assert!(matches!(refusal, Refusal::Stuttering { .. }), "{refusal}");
-    assert!(refusal.to_string().contains("data-ready wire"));
 }
