@@ -100,13 +100,9 @@ mod tests {
 
     /// A ramp of temperature with a rate that follows it, and one sample that cannot be noise.
     fn warming() -> (Vec<f64>, Vec<f64>) {
-        let mut state = 7_u64;
-        let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut uniform = crate::fit::tests::uniform(7);
         let temps: Vec<f64> = (0..60_000).map(|k| 25.0 + 1e-4 * f64::from(k)).collect();
-        let mut rates: Vec<f64> = temps.iter().map(|temp| 0.05 * temp + noise()).collect();
+        let mut rates: Vec<f64> = temps.iter().map(|temp| 0.05 * temp + (uniform() - 0.5)).collect();
         rates[30_000] += 500.0;
         (rates, temps)
     }

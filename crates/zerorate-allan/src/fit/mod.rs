@@ -36,7 +36,7 @@ mod spectrum;
 mod steadiness;
 mod steps;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod thinning;
 mod transform;
 

@@ -53,7 +53,7 @@ impl Truth {
 /// Noise of a one-hour record like an ADIS16130's: N = 0.56 °/√h, a floor of 6.25 °/h (0.664·B), K = 2e-4 °/s/√s.
 const HOUR: Truth = Truth { n: 0.56 / 60.0, b: 6.25 / 3600.0 / 0.664, k: 2e-4, q: 0.0, sigma: 0.0, tau_s: 1.0 };
 
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
+pub(crate) fn uniform(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
