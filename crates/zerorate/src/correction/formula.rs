@@ -223,6 +223,7 @@ impl core::error::Error for TableError {}
 
 #[cfg(test)]
 mod tests {
+    use super::super::integer::tests::words;
     use super::*;
 
     const TYPICAL: Correction = Correction::line(-0.2537, -0.04, 31.5123);
@@ -255,7 +256,7 @@ mod tests {
     #[test]
     fn a_line_follows_f50_bit_for_bit() {
         let single = TYPICAL.to_f32();
-        for (rate, temp) in codes() {
+        for (rate, temp) in words(100_000).map(|(rate, temp)| (rate >> 8, temp >> 8)) {
             let rate_dps = (f64::from(rate) - 8_388_608.0) / 23_488.0;
             let temp_c = (f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0;
             let expected = rate_dps + TYPICAL.pbc_dps + (temp_c - TYPICAL.t3_c) * TYPICAL.btc_dps_per_c;
@@ -289,15 +290,10 @@ mod tests {
         }
     }
 
-    /// Codes spread over the whole range by a multiplicative sequence.
-    fn codes() -> impl Iterator<Item = (u32, u32)> {
-        (0..100_000u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 8, i.wrapping_mul(2_246_822_519) >> 8))
-    }
-
     #[test]
     fn single_precision_stays_within_a_code() {
         let single = TYPICAL.to_f32();
-        for (rate, temp) in codes() {
+        for (rate, temp) in words(100_000).map(|(rate, temp)| (rate >> 8, temp >> 8)) {
             let rate_dps = (f64::from(rate) - 8_388_608.0) / 23_488.0;
             let temp_c = ((f64::from(temp) - 8_388_608.0) / 14_093.0 + 25.0).clamp(-40.0, 105.0);
             let error = f64::from(single.apply(rate_dps as f32, temp_c as f32)) - TYPICAL.apply(rate_dps, temp_c);
