@@ -3,7 +3,7 @@
 //! The drift of a warming sensor looks like a rate random walk. Detection and removal use means over at most
 //! [`BLOCKS`] equal parts of the record, which keep all slow changes.
 
-use crate::linear::dot;
+use crate::linear::{dot, take_out};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
@@ -213,10 +213,7 @@ impl Parts {
         for power in 0..=order {
             let mut next: Vec<f64> = self.temps.iter().map(|t| powered((t - mean_c) / span_c, power)).collect();
             // orthogonalising twice is enough
-            for known in basis.iter().chain(&basis) {
-                let share = dot(known, &next);
-                next.iter_mut().zip(known).for_each(|(next, known)| *next -= share * known);
-            }
+            basis.iter().chain(&basis).for_each(|known| take_out(&mut next, known));
             let length = sqrt(dot(&next, &next));
             if length < 1e-9 {
                 return Err(DetrendError::Constant);
@@ -286,10 +283,7 @@ fn walk(basis: &[Vec<f64>]) -> Vec<Vec<f64>> {
         for (row, share) in matrix.iter_mut().zip(known) {
             row.iter_mut().zip(&columns).for_each(|(value, column)| *value -= share * column);
         }
-        for row in &mut matrix {
-            let share = dot(row, known);
-            row.iter_mut().zip(known).for_each(|(value, known)| *value -= share * known);
-        }
+        matrix.iter_mut().for_each(|row| take_out(row, known));
     }
     matrix
 }

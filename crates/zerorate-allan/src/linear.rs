@@ -107,3 +107,9 @@ impl Cholesky {
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
+
+/// Removes the projection on the unit vector `unit` from `column`.
+pub fn take_out(column: &mut [f64], unit: &[f64]) {
+    let share = dot(column, unit);
+    column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);
+}

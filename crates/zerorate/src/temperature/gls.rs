@@ -3,7 +3,7 @@
 
 use alloc::vec::Vec;
 use zerorate_allan::linear::Cholesky;
-pub(crate) use zerorate_allan::linear::dot;
+pub(crate) use zerorate_allan::linear::{dot, take_out};
 
 /// Share of its diagonal element below which a pivot counts as rounding error.
 const LEAST_PIVOT: f64 = 1e-12;
@@ -34,10 +34,4 @@ impl Fit {
         let white = self.information.whiten(weights.iter().copied());
         dot(&white, &white)
     }
-}
-
-/// Removes the projection on the unit vector `unit` from `column`.
-pub(crate) fn take_out(column: &mut [f64], unit: &[f64]) {
-    let share = dot(column, unit);
-    column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);
 }
