@@ -29,9 +29,7 @@ pub(super) struct Curves<'a> {
 impl<'a> Curves<'a> {
     pub(super) fn of(rate: &'a [f64], rate_hz: f64) -> Self {
         let block = rate.len() / BLOCKS;
-        let lengths: Vec<u64> = core::iter::successors(Some(1u64), |m| Some(2 * m))
-            .take_while(|m| *m as usize <= block / LONGEST_IN_BLOCK)
-            .collect();
+        let lengths = octaves(2 * (block / LONGEST_IN_BLOCK));
         let blocks = rate.chunks_exact(block.max(1)).map(|block| curve(block, rate_hz, &lengths)).collect();
         Self { rate, rate_hz, block, lengths, blocks }
     }
