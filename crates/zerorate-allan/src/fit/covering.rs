@@ -26,27 +26,13 @@ pub enum Usage {
 }
 
 impl Usage {
-    const fn most_horizon_s(self) -> f64 {
+    /// The longest default horizon, s, the largest factor on N, and the share of the variance that is covered. With a
+    /// fixed N, K alone would have to cover the last percent at the shortest averages, and would be many times too
+    /// large for the longest.
+    const fn limits(self) -> (f64, f64, f64) {
         match self {
-            Self::Filter => 1000.0,
-            Self::Batch => 100.0,
-        }
-    }
-
-    /// The largest factor on N.
-    const fn most_growth(self) -> f64 {
-        match self {
-            Self::Filter => 2.0,
-            Self::Batch => 1.0,
-        }
-    }
-
-    /// The share of the variance that is covered. With a fixed N, K alone would have to cover the last percent at the
-    /// shortest averages, and would be many times too large for the longest.
-    const fn covered(self) -> f64 {
-        match self {
-            Self::Filter => 1.0,
-            Self::Batch => 0.9,
+            Self::Filter => (1000.0, 2.0, 1.0),
+            Self::Batch => (100.0, 1.0, 0.9),
         }
     }
 }
@@ -76,15 +62,16 @@ impl Fit {
     #[must_use]
     pub fn covering(&self, usage: Usage, horizon_s: Option<f64>) -> Option<Covering> {
         let (dt_s, half_s) = self.span_s;
-        let horizon_s = horizon_s.unwrap_or((2.0 * half_s * HORIZON).min(usage.most_horizon_s()));
+        let (most_horizon_s, most_growth, covered) = usage.limits();
+        let horizon_s = horizon_s.unwrap_or((2.0 * half_s * HORIZON).min(most_horizon_s));
         let of_record = self.curve.iter().map(|found| (found.m as f64 * dt_s, self.noise_variance(found)));
         let inside: Vec<(f64, f64)> = of_record.filter(|(tau_s, _)| (FROM_S..=horizon_s).contains(tau_s)).collect();
         let is_lifted = usage == Usage::Batch && self.k.identified;
         let least = if is_lifted { self.k.value * self.k.value } else { 0.0 };
-        let growth = usage.most_growth() * usage.most_growth() - 1.0;
+        let growth = most_growth * most_growth - 1.0;
         let of = |step: u32| {
             let n2 = self.n.value * self.n.value * (1.0 + growth * f64::from(step) / f64::from(STEPS));
-            let lacks = |&(tau_s, variance): &(f64, f64)| (usage.covered() * variance - n2 / tau_s) * 3.0 / tau_s;
+            let lacks = |&(tau_s, variance): &(f64, f64)| (covered * variance - n2 / tau_s) * 3.0 / tau_s;
             let k2 = inside.iter().map(lacks).fold(least, f64::max);
             let log = |&(tau_s, variance): &(f64, f64)| libm::log((n2 / tau_s + k2 * tau_s / 3.0) / variance);
             let excess = libm::exp(inside.iter().map(log).sum::<f64>() / inside.len() as f64);
