@@ -14,7 +14,7 @@ const LIMITS: f64 = 5e-4;
 const CONFIDENCE: f64 = 0.683;
 
 struct Table {
-    name: &'static str,
+    name: String,
     stat: Stat,
     rows: Vec<Row>,
 }
@@ -60,7 +60,7 @@ fn series(file: &Path) -> Vec<f64> {
     numbers(file).into_iter().map(|row| row[0]).collect()
 }
 
-fn table(folder: &Path, name: &'static str, stat: Stat) -> Table {
+fn table(folder: &Path, name: String, stat: Stat) -> Table {
     let row = |columns: Vec<f64>| Row {
         m: columns[0] as u64,
         tau_s: columns[1],
@@ -70,7 +70,7 @@ fn table(folder: &Path, name: &'static str, stat: Stat) -> Table {
         dev: columns[5],
         hi: columns[6],
     };
-    Table { name, stat, rows: numbers(&folder.join(name)).into_iter().map(row).collect() }
+    Table { rows: numbers(&folder.join(&name)).into_iter().map(row).collect(), name, stat }
 }
 
 /// Compares every row of every table with the record that the table was made of.
@@ -197,17 +197,9 @@ fn b1_type(decimated: &[f64], terms: f64) -> i32 {
 fn phasedat() {
     let Some(folder) = folder().map(|folder| folder.join("phasedat")) else { return };
     let phase = series(&folder.join("PHASE.DAT"));
-    let tables = [
-        table(&folder, "phase_dat_adev_octave.txt", Stat::Adev),
-        table(&folder, "phase_dat_oadev_octave.txt", Stat::Oadev),
-        table(&folder, "phase_dat_mdev_octave.txt", Stat::Mdev),
-        table(&folder, "phase_dat_tdev_octave.txt", Stat::Tdev),
-        table(&folder, "phase_dat_hdev_octave.txt", Stat::Hdev),
-        table(&folder, "phase_dat_ohdev_octave.txt", Stat::Ohdev),
-        table(&folder, "phase_dat_totdev_octave.txt", Stat::Totdev),
-        table(&folder, "phase_dat_oadev.txt", Stat::Oadev),
-        table(&folder, "phase_dat_mdev.txt", Stat::Mdev),
-    ];
+    let octaves = Stat::ALL.map(|stat| table(&folder, format!("phase_dat_{stat}_octave.txt"), stat));
+    let all = [Stat::Oadev, Stat::Mdev].map(|stat| table(&folder, format!("phase_dat_{stat}.txt"), stat));
+    let tables: Vec<Table> = octaves.into_iter().chain(all).collect();
     assert_eq!(compare(&Input::Phase(&phase), &tables), Tally { rows: 335, limits: 57, own_rule: 6 });
 }
 
@@ -215,15 +207,7 @@ fn phasedat() {
 fn tic() {
     let Some(folder) = folder().map(|folder| folder.join("tic")) else { return };
     let phase = series(&folder.join("tic_phase.txt"));
-    let tables = [
-        table(&folder, "tic_oadev.txt", Stat::Oadev),
-        table(&folder, "tic_mdev.txt", Stat::Mdev),
-        table(&folder, "tic_tdev.txt", Stat::Tdev),
-        table(&folder, "tic_hdev.txt", Stat::Hdev),
-        table(&folder, "tic_ohdev.txt", Stat::Ohdev),
-        table(&folder, "tic_totdev.txt", Stat::Totdev),
-        table(&folder, "tic_adev.txt", Stat::Adev),
-    ];
+    let tables = Stat::ALL.map(|stat| table(&folder, format!("tic_{stat}.txt"), stat));
     assert_eq!(compare(&Input::Phase(&phase), &tables), Tally { rows: 345, limits: 85, own_rule: 11 });
 }
 
@@ -231,13 +215,9 @@ fn tic() {
 fn pink() {
     let Some(folder) = folder().map(|folder| folder.join("pink")) else { return };
     let rate = series(&folder.join("pink_frequency.txt"));
-    let tables = [
-        table(&folder, "s32_oadev_octave.txt", Stat::Oadev),
-        table(&folder, "adev.txt", Stat::Adev),
-        table(&folder, "oadev.txt", Stat::Oadev),
-        table(&folder, "mdev.txt", Stat::Mdev),
-        table(&folder, "hdev.txt", Stat::Hdev),
-        table(&folder, "ohdev.txt", Stat::Ohdev),
-    ];
+    let octaves = table(&folder, "s32_oadev_octave.txt".into(), Stat::Oadev);
+    let all = [Stat::Adev, Stat::Oadev, Stat::Mdev, Stat::Hdev, Stat::Ohdev];
+    let all = all.map(|stat| table(&folder, format!("{stat}.txt"), stat));
+    let tables: Vec<Table> = [octaves].into_iter().chain(all).collect();
     assert_eq!(compare(&Input::Rate(&rate), &tables), Tally { rows: 1047, limits: 12, own_rule: 8 });
 }
