@@ -121,6 +121,8 @@ fn a_bus_error_names_the_register() {
     part.borrow_mut().fails_after = Some(7);
     let error = BusError::Transfer { register: Address::TempData, error: ErrorKind::Other };
     assert_eq!(gyro.read_temp(), Err(ReadError::Bus(error)));
+    let interrupted = gyro.diagnose().unwrap_err().to_string();
+    assert!(interrupted.contains("TEMPDATA (0Ah)") && interrupted.contains("reset and initialise"), "{interrupted}");
     assert_eq!(gyro.reset(), Err(BusError::Transfer { register: Address::Com, error: ErrorKind::Other }));
     let text = error.to_string();
     assert!(text.contains("TEMPDATA (0Ah)") && text.contains("Other") && text.contains("then reset"), "{text}");

@@ -7,8 +7,6 @@ mod bridge;
 mod codes;
 mod converter;
 mod diagnosis;
-#[cfg(feature = "async")]
-mod dropped;
 mod errors;
 mod features;
 mod in_range;

@@ -36,6 +36,15 @@ fn any_order_of_calls_faults_and_time() {
     println!("{} steps in {} runs, seed {seed}", steps.get(), round * u64::from(CASES));
 }
 
+/// Drops each call after each number of bytes. `read_all` has the most, 31.
+#[cfg(feature = "async")]
+#[test]
+fn a_dropped_call_never_shifts_what_is_read_next() {
+    for plan in (0..32).flat_map(step::dropped) {
+        run(&plan, &Cell::default()).unwrap_or_else(|failure| panic!("{failure:?} of {plan:?}"));
+    }
+}
+
 /// Number of runs from one seed, of up to 200 steps each.
 const CASES: u32 = 20;
 

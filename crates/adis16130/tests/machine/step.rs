@@ -67,6 +67,11 @@ pub enum ReadCall {
     Diagnose,
 }
 
+const READS: [ReadCall; 13] = {
+    use ReadCall::*;
+    [Rate, Temp, Both, RateInRange, InRange, RateStatus, TempStatus, AdcStatus, Revision, All, Raw, Verify, Diagnose]
+};
+
 #[derive(Copy, Clone, Debug)]
 pub enum Start {
     Restart,
@@ -128,6 +133,42 @@ pub fn plan() -> impl Strategy<Value = Plan> {
     (unit, config(), sampling(), clock, steps).prop_map(|(unit, config, sampling, (t_ns, seq), steps)| {
         let (form, seed, rotation_dps, clock_ppm, sclk_hz, bit_error_rate, rdy) = unit;
         Plan { form, seed, rotation_dps, clock_ppm, sclk_hz, bit_error_rate, rdy, config, sampling, t_ns, seq, steps }
+    })
+}
+
+/// Runs in which a call is dropped after this many bytes. More calls follow, before a restart and after it.
+#[cfg(feature = "async")]
+pub fn dropped(bytes: u8) -> impl Iterator<Item = Plan> {
+    let per_byte = Config::new();
+    let configs = [per_byte, per_byte.with_framing(Framing::Command), per_byte.with_width(Width::Bits16)];
+    configs.into_iter().flat_map(move |config| {
+        let starts = [Start::Restart, Start::Reset, Start::Init, Start::InitVerified, Start::InitChecksummed];
+        let write = Step::Write(WritableRegister::Mode, config.mode().bits());
+        let calls = READS.map(Step::Read).into_iter().chain(starts.map(Step::Start)).chain([Step::Samples(1), write]);
+        calls.map(move |call| Plan {
+            form: Form::Async,
+            seed: 5,
+            rotation_dps: 0.0,
+            clock_ppm: 0,
+            sclk_hz: 4.0e6,
+            bit_error_rate: 1e-4,
+            rdy: RdyOutput::Level,
+            config,
+            sampling: SamplerConfig::new(),
+            t_ns: 0,
+            seq: 0,
+            steps: vec![
+                Step::Start(Start::Restart),
+                Step::Samples(2),
+                Step::Ahead(bytes, Trouble::Cut),
+                call,
+                Step::Read(ReadCall::Both),
+                Step::Samples(2),
+                Step::Recover,
+                Step::Samples(2),
+                Step::Read(ReadCall::Both),
+            ],
+        })
     })
 }
 
@@ -214,23 +255,7 @@ fn fault() -> impl Strategy<Value = Fault> {
 }
 
 fn read() -> impl Strategy<Value = ReadCall> {
-    use ReadCall::*;
-    let all = [
-        Rate,
-        Temp,
-        Both,
-        RateInRange,
-        InRange,
-        RateStatus,
-        TempStatus,
-        AdcStatus,
-        Revision,
-        All,
-        Raw,
-        Verify,
-        Diagnose,
-    ];
-    prop::sample::select(all.to_vec())
+    prop::sample::select(READS.to_vec())
 }
 
 fn start() -> impl Strategy<Value = Start> {
