@@ -76,6 +76,12 @@ fn rate_codes_are_f42_and_f43() {
         (-0.000_170_30, 8_388_604, 32_768),
         (-10.0, 8_153_728, 31_850),
         (-250.0, 2_516_608, 9_830),
+        // ties, the nearest code that is none, and both ends
+        (128.0 / 23_488.0, 8_388_736, 32_769),
+        (-128.0 / 23_488.0, 8_388_480, 32_767),
+        (127.0 / 23_488.0, 8_388_735, 32_768),
+        (8_388_607.0 / 23_488.0, 0xFF_FFFF, 0xFFFF),
+        (-8_388_608.0 / 23_488.0, 0, 0),
     ];
     for (rotation_dps, code24, code16) in vectors {
         let mut host = Host::started(Spec { rotation_dps, ..quiet() });
