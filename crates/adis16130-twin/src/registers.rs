@@ -183,27 +183,3 @@ impl Checksum {
         self.0 = ((self.0 << 8) | u16::from(byte)) ^ feedback;
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn byte_step_is_f34_bit_by_bit() {
-        let mut by_byte = Checksum(0xFFFF);
-        let mut s = 0xFFFFu16;
-        for i in 0..10_000u32 {
-            let byte = (i.wrapping_mul(2_654_435_761) >> 21) as u8;
-            by_byte.take(byte);
-            for bit in (0..8).rev() {
-                let fb = s >> 15;
-                s <<= 1;
-                if fb == 1 {
-                    s ^= 0x2D;
-                }
-                s ^= u16::from(byte >> bit & 1);
-            }
-            assert_eq!(by_byte.0, s);
-        }
-    }
-}
