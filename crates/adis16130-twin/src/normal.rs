@@ -147,11 +147,4 @@ mod tests {
         assert!((f64::from(beyond2) / n - 0.022_750_13).abs() < 4.0 * libm::sqrt(0.0228 / n));
         assert!((f64::from(beyond4) / n - 6.334e-5).abs() < 4.0 * libm::sqrt(6.334e-5 / n));
     }
-
-    #[test]
-    fn streams_differ() {
-        let mut a = Uniform::new(1, Process::Unit);
-        let mut b = Uniform::new(1, Process::Flicker);
-        assert_ne!(a.sample(), b.sample());
-    }
 }
