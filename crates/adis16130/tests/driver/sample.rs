@@ -145,14 +145,6 @@ fn a_dead_sdo_makes_no_storm_of_frames() {
 }
 
 #[test]
-fn a_brown_out_is_a_lost_configuration() {
-    let mut bench = Bench::new(SamplerConfig::new());
-    bench.edge(1, 0x08).unwrap().unwrap();
-    bench.part.borrow_mut().reset();
-    assert!(matches!(bench.edge(2, 0x00), Err(SampleError::Fault(Fault::ConfigurationLost(_)))));
-}
-
-#[test]
 fn out_of_range_is_in_the_status_not_an_error() {
     for (read_status, status) in [(true, 0x09), (false, 0x09), (false, 0x0B)] {
         let mut bench = Bench::new(SamplerConfig::new().with_read_status(read_status));
