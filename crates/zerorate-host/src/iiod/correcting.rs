@@ -9,7 +9,7 @@ use zerorate_record::{Layout, Row};
 pub struct Correcting {
     layout: Layout,
     axes: Vec<(Axis, Health)>,
-    corrector: Corrector<Vec<Correction>>,
+    pub corrector: Corrector<Vec<Correction>>,
 }
 
 impl Correcting {
@@ -33,20 +33,5 @@ impl Correcting {
             corrected_dps[index] = self.corrector.correct(index, rate_dps);
         }
         Some(corrected_dps)
-    }
-
-    /// Sets the last known temperature, °C, so that a correction can begin in the middle of a recording.
-    pub fn begin_at(&mut self, temp_c: Option<f64>) {
-        self.corrector.read(temp_c);
-    }
-
-    /// The last temperature that was read, °C; `None` before the first.
-    pub fn temp_c(&self) -> Option<f64> {
-        self.corrector.temp_c()
-    }
-
-    /// The correction of an axis at the last temperature, °/s; `None` before the first temperature.
-    pub fn correction_dps(&self, axis: usize) -> Option<f64> {
-        self.corrector.correct(axis, Some(0.0))
     }
 }

@@ -38,14 +38,14 @@ impl Scanner {
     pub fn with_temp_of(mut self, other: &Self) -> Self {
         self.temp_code = other.temp_code;
         if let (Some(own), Some(others)) = (&mut self.correcting, &other.correcting) {
-            own.begin_at(others.temp_c());
+            own.corrector.read(others.corrector.temp_c());
         }
         self
     }
 
-    /// The correction of an axis at the last temperature, °/s.
+    /// The correction of an axis at the last temperature, °/s; `None` before the first temperature.
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
-        self.correcting.as_ref()?.correction_dps(axis)
+        self.correcting.as_ref()?.corrector.correct(axis, Some(0.0))
     }
 
     /// Adds a row, before which `missed` rows were missed. Each corrected rate is shifted by its value in `trims_dps`,
