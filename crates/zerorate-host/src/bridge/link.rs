@@ -22,10 +22,11 @@ impl embedded_hal::spi::Error for LinkError {
 
 pub struct Link {
     wire: Wire,
-    client: Client,
+    pub client: Client,
     received: VecDeque<u8>,
     since: Instant,
-    gone: Option<String>,
+    /// The reason why the connection ended; `None` while the connection is open.
+    pub gone: Option<String>,
 }
 
 impl Link {
@@ -61,21 +62,6 @@ impl Link {
                 return Ok(event);
             }
         }
-    }
-
-    /// Number of frames that arrived damaged since the last [`Self::forget_damage`].
-    pub fn damaged(&self) -> u64 {
-        self.client.damaged
-    }
-
-    /// Resets the count of damaged frames, since the first frame after opening a port is often incomplete.
-    pub fn forget_damage(&mut self) {
-        self.client.damaged = 0;
-    }
-
-    /// The reason why the connection ended; `None` while the connection is open.
-    pub fn why_gone(&self) -> Option<String> {
-        self.gone.clone()
     }
 
     /// Waits for bytes until the deadline. Returns false only if the deadline passed before this call.

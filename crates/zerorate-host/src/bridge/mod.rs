@@ -94,7 +94,7 @@ impl Connection for BridgePart {
     }
 
     fn damaged(&self) -> u64 {
-        self.link.lock().damaged()
+        self.link.lock().client.damaged
     }
 }
 
@@ -126,7 +126,8 @@ fn greet(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Res
         configured => configured?,
     }
     tell_divided(link, address, names)?;
-    link.lock().forget_damage();
+    // the first frame after opening a port is often incomplete
+    link.lock().client.damaged = 0;
     Ok(())
 }
 
@@ -198,7 +199,7 @@ impl SharedLink {
     /// Returns an error with that cause if the bridge is gone or silent, and any other error unchanged.
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
-        match self.lock().why_gone() {
+        match self.lock().gone.clone() {
             Some(why) => anyhow!(why).context(UserError::new(Cause::Gone, format!("{address} {GONE}"))),
             None if error
                 .chain()
