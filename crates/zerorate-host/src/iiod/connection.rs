@@ -41,7 +41,7 @@ pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io:
                 peer.send(&number(0))?;
             }
             Step::Fill(bytes) => match &mut buffer {
-                Some(buffer) => buffer.fill(&mut peer, bytes, session.patience())?,
+                Some(buffer) => buffer.fill(&mut peer, bytes, session.patience)?,
                 None => peer.send(&refusal(Errno::NOT_OPEN))?,
             },
             Step::Close => {

@@ -72,13 +72,13 @@ pub struct Packing {
     /// Each quantity of a sample, and its place in bytes.
     places: Vec<(Quantity, Range<usize>)>,
     /// Size of a sample in bytes.
-    size: usize,
+    pub size: usize,
 }
 
 impl Packing {
     /// The layout with the channels of `mask`. `None` if the mask is 0 or has a bit without a channel.
     pub fn new(table: &Table, mask: u32) -> Option<Self> {
-        let channels = table.channels();
+        let channels = &table.channels;
         if mask == 0 || u64::from(mask) >> channels.len() != 0 {
             return None;
         }
@@ -90,10 +90,6 @@ impl Packing {
             packing.places.push((channel.quantity, at..packing.size));
         }
         Some(packing)
-    }
-
-    pub fn size(&self) -> usize {
-        self.size
     }
 
     pub fn pack(&self, layout: &Layout, scan: &Scan, out: &mut Vec<u8>) {
@@ -135,9 +131,9 @@ mod tests {
     #[test]
     fn samples_are_aligned_as_the_library_expects() {
         let table = Table::new(&layout(), true);
-        let ids: Vec<_> = table.channels().iter().map(|channel| channel.id.as_str()).collect();
+        let ids: Vec<_> = table.channels.iter().map(|channel| channel.id.as_str()).collect();
         assert_eq!(ids, ["anglvel_z", "temp0", "anglvel_z_corrected", "count0", "timestamp"]);
-        let size = |mask| Packing::new(&table, mask).map(|packing| packing.size());
+        let size = |mask| Packing::new(&table, mask).map(|packing| packing.size);
         assert_eq!([0b1, 0b11, 0b10001, 0b10010, 0b11111, 0b01000].map(size), [4, 8, 16, 16, 32, 8].map(Some));
         assert_eq!([0, 0b10_0000, u32::MAX].map(size), [None; 3]);
     }

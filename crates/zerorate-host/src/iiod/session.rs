@@ -19,7 +19,8 @@ const PATIENCE: Duration = Duration::from_millis(2500);
 pub struct Session<'a> {
     device: &'a Device,
     buffer: Option<Open>,
-    patience: Option<Duration>,
+    /// Longest wait for samples; `None` if there is no limit.
+    pub patience: Option<Duration>,
     /// The axis whose correction the next value will set, or the reason to refuse the value.
     writing: Option<Result<usize, Errno>>,
 }
@@ -53,11 +54,6 @@ pub enum Step {
 impl<'a> Session<'a> {
     pub fn new(device: &'a Device) -> Self {
         Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
-    }
-
-    /// Longest wait for samples; `None` if there is no limit.
-    pub fn patience(&self) -> Option<Duration> {
-        self.patience
     }
 
     pub fn line(&mut self, line: &[u8]) -> Step {
@@ -170,7 +166,7 @@ impl<'a> Session<'a> {
     /// Reads whole samples from the buffer, as many as fit into `bytes`.
     fn fill(&self, device: &str, bytes: usize) -> Result<Step, Errno> {
         self.named(device)?;
-        let size = self.buffer.as_ref().ok_or(Errno::NOT_OPEN)?.packing.size();
+        let size = self.buffer.as_ref().ok_or(Errno::NOT_OPEN)?.packing.size;
         match bytes - bytes % size {
             0 => Ok(Step::Reply(number(0))),
             whole => Ok(Step::Fill(whole)),

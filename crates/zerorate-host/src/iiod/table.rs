@@ -4,9 +4,11 @@ use std::mem::size_of;
 use zerorate::{MAX_AXES, Scale};
 use zerorate_record::Layout;
 
-/// The channels, in the order of their bits in a mask and of their values in a sample.
 #[derive(Clone, Debug)]
-pub struct Table(Vec<Channel>);
+pub struct Table {
+    /// The channels, in the order of their bits in a mask and of their values in a sample.
+    pub channels: Vec<Channel>,
+}
 
 #[derive(Clone, Debug)]
 pub struct Channel {
@@ -57,20 +59,16 @@ impl Table {
         let corrected = |(axis, id): (usize, &String)| {
             Channel::wide(format!("{id}_corrected"), None, Quantity::Corrected(axis), "le:S64/64>>0", PLAIN)
         };
-        let mut all: Vec<Channel> = ids.iter().enumerate().map(rate).collect();
-        all.push(Channel::code("temp0".to_owned(), Quantity::Temp, layout.temp()));
-        all.extend(ids.iter().enumerate().filter(|_| is_corrected).map(corrected));
-        all.push(Channel::wide("count0".to_owned(), Some("samples_lost"), Quantity::Lost, "le:U64/64>>0", COUNT));
-        all.push(Channel::wide("timestamp".to_owned(), None, Quantity::Time, "le:S64/64>>0", &[]));
-        Self(all)
-    }
-
-    pub fn channels(&self) -> &[Channel] {
-        &self.0
+        let mut channels: Vec<Channel> = ids.iter().enumerate().map(rate).collect();
+        channels.push(Channel::code("temp0".to_owned(), Quantity::Temp, layout.temp()));
+        channels.extend(ids.iter().enumerate().filter(|_| is_corrected).map(corrected));
+        channels.push(Channel::wide("count0".to_owned(), Some("samples_lost"), Quantity::Lost, "le:U64/64>>0", COUNT));
+        channels.push(Channel::wide("timestamp".to_owned(), None, Quantity::Time, "le:S64/64>>0", &[]));
+        Self { channels }
     }
 
     pub fn channel(&self, name: &str) -> Option<&Channel> {
-        self.0.iter().find(|channel| channel.id == name || channel.name == Some(name))
+        self.channels.iter().find(|channel| channel.id == name || channel.name == Some(name))
     }
 }
 

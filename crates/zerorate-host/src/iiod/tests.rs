@@ -211,7 +211,7 @@ fn the_other_requests_are_answered() {
     ] {
         assert_eq!(reply(&mut session, line), expected, "{line}");
     }
-    assert_eq!(session.patience(), Some(std::time::Duration::from_millis(100)));
+    assert_eq!(session.patience, Some(std::time::Duration::from_millis(100)));
     assert!(value(&mut session, "PRINT").starts_with("<?xml"));
     assert_eq!(value(&mut session, "READ iio:device0 calibration"), "none");
 }

@@ -34,7 +34,7 @@ pub fn describe(device: &Device) -> String {
         xml += &format!("<context-attribute name=\"{key}\" value=\"{}\"/>", escaped(value));
     }
     xml += &format!("<device id=\"{ID}\" name=\"{}\">", escaped(&device.name));
-    for (index, channel) in device.table.channels().iter().enumerate() {
+    for (index, channel) in device.table.channels.iter().enumerate() {
         describe_channel(&mut xml, index, channel);
     }
     ATTRIBUTES.iter().for_each(|name| xml += &format!("<attribute name=\"{name}\"/>"));
