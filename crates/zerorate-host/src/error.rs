@@ -74,11 +74,17 @@ impl From<anyhow::Error> for DeviceError {
     }
 }
 
-impl From<InvalidDeviceData> for DeviceError {
-    fn from(error: InvalidDeviceData) -> Self {
-        anyhow::Error::new(error).into()
-    }
+macro_rules! with_cause {
+    ($($error:ty),*) => {$(
+        impl From<$error> for DeviceError {
+            fn from(error: $error) -> Self {
+                anyhow::Error::new(error).into()
+            }
+        }
+    )*};
 }
+
+with_cause!(InvalidDeviceData, InputError, CaptureError);
 
 impl From<LogError> for DeviceError {
     fn from(error: LogError) -> Self {
@@ -89,18 +95,6 @@ impl From<LogError> for DeviceError {
             LogError::Refused(code, _) => Cause::Refused(code),
         };
         Self { cause, told: error.into() }
-    }
-}
-
-impl From<InputError> for DeviceError {
-    fn from(error: InputError) -> Self {
-        anyhow::Error::new(error).into()
-    }
-}
-
-impl From<CaptureError> for DeviceError {
-    fn from(error: CaptureError) -> Self {
-        anyhow::Error::new(error).into()
     }
 }
 
