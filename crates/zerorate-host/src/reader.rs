@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread::{self, JoinHandle};
 
 /// Capacity of the queue in samples: 11.5 s at the full rate, 2.6 MB.
-const QUEUE: usize = 1 << 16;
+pub const QUEUE: usize = 1 << 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenFull {
@@ -34,16 +34,8 @@ impl Drop for Reader {
 
 impl Reader {
     /// Starts reading with `next`, after calling `prepare` in the same thread. The thread ends with the first error,
-    /// or when the reader is dropped.
+    /// or when the reader is dropped. `length` is the capacity of the queue in samples.
     pub fn start(
-        when_full: WhenFull,
-        prepare: impl FnOnce() + Send + 'static,
-        next: impl FnMut() -> Result<Sample> + Send + 'static,
-    ) -> Result<Self> {
-        Self::with_queue(QUEUE, when_full, prepare, next)
-    }
-
-    fn with_queue(
         length: usize,
         when_full: WhenFull,
         prepare: impl FnOnce() + Send + 'static,
@@ -143,7 +135,7 @@ mod tests {
             let lost = u32::from(seq == 7);
             Ok(Sample { t_ns: 0, seq, rate: RateCode::new(8_388_608, Width::Bits24), status: None, temp: None, lost })
         };
-        let reader = Reader::with_queue(4, WhenFull::Drop, || (), next).expect("a thread");
+        let reader = Reader::start(4, WhenFull::Drop, || (), next).expect("a thread");
         while reader.overflowed() < 6 {
             thread::yield_now();
         }

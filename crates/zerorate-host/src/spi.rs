@@ -8,7 +8,7 @@ use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::live::Live;
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split};
 use crate::pin::HalError;
-use crate::reader::{Reader, WhenFull};
+use crate::reader::{QUEUE, Reader, WhenFull};
 use crate::source::{DeviceInfo, Setup, Source};
 use crate::warning::SourceWarning;
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ};
@@ -132,7 +132,7 @@ impl Connection for SpiConnection {
     fn start(&self, mut live: Box<Live<SpiBus, GpioEdges>>) -> Result<Reader> {
         let (wired, notes) = (self.clone(), self.notes.clone());
         let next = move || live.next().map_err(|error| wired.explain(error));
-        Reader::start(WhenFull::Drop, move || become_realtime(&notes), next)
+        Reader::start(QUEUE, WhenFull::Drop, move || become_realtime(&notes), next)
     }
 
     fn explain(&self, error: anyhow::Error) -> anyhow::Error {

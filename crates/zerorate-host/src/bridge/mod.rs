@@ -10,7 +10,7 @@ use crate::edges::Edges;
 use crate::error::{Cause, UserError};
 use crate::live::Live;
 use crate::pin::HalError;
-use crate::reader::{Reader, WhenFull};
+use crate::reader::{QUEUE, Reader, WhenFull};
 use crate::source::{DeviceInfo, Setup};
 use crate::wire::Wire;
 pub use address::BridgeAddress;
@@ -86,7 +86,7 @@ impl Connection for BridgePart {
         let continuity = Continuity::new(address.part.config.width());
         let mut stream = Stream { link: link.clone(), live, continuity, progress: Progress::default() };
         let next = move || stream.next().map_err(|error| link.explain(error, &address));
-        Reader::start(WhenFull::Wait, || (), next)
+        Reader::start(QUEUE, WhenFull::Wait, || (), next)
     }
 
     fn explain(&self, error: anyhow::Error) -> anyhow::Error {
