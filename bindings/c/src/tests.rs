@@ -1,5 +1,8 @@
 //! Calls each exported function under Miri (`cargo xtask proofs miri`). Each object has its own memory block.
 
+#[path = "../twin/src/rig.rs"]
+mod rig;
+
 use crate::bus::{Bus, SelfTestPin};
 use crate::correction::*;
 use crate::corrector::*;
@@ -9,22 +12,10 @@ use crate::self_test::*;
 use crate::status::*;
 use crate::table::*;
 use crate::tracker::*;
-use adis16130_twin::{Spec, Twin, TwinDelay, TwinRdy, TwinSpi};
 use core::ffi::{CStr, c_void};
 use core::ptr::{null, null_mut};
-use embedded_hal::delay::DelayNs;
-use embedded_hal::digital::{InputPin, OutputPin, PinState};
-use embedded_hal::spi::SpiDevice;
+use rig::*;
 use std::boxed::Box;
-
-/// The twin with its bus and pins. The `context` of the bus points to it.
-struct Rig {
-    twin: Twin,
-    spi: TwinSpi,
-    rdy: TwinRdy,
-    delay: TwinDelay,
-    pin: adis16130_twin::SelfTestPin,
-}
 
 /// Allocates a separate memory block for an object, so that Miri detects writes outside it and uses after it is freed.
 fn memory<T>() -> Box<T> {
@@ -39,35 +30,15 @@ macro_rules! call {
     }};
 }
 
-fn rig(context: *mut c_void) -> &'static mut Rig {
-    // SAFETY: the context is a rig that outlives the call, and only one call is under way.
-    unsafe { &mut *context.cast() }
-}
-
-unsafe extern "C" fn transfer(context: *mut c_void, bytes: *mut u8, length: usize) -> i32 {
-    // SAFETY: by the contract of `Bus`.
-    let bytes = unsafe { core::slice::from_raw_parts_mut(bytes, length) };
-    rig(context).spi.transfer_in_place(bytes).map_or(-1, |()| 0)
-}
-
-unsafe extern "C" fn rdy(context: *mut c_void) -> i32 {
-    rig(context).rdy.is_high().map_or(-1, i32::from)
-}
-
-unsafe extern "C" fn delay_us(context: *mut c_void, us: u32) {
-    rig(context).delay.delay_us(us);
-}
-
-unsafe extern "C" fn set(context: *mut c_void, level: i32) -> i32 {
-    rig(context).pin.set_state(PinState::from(level != 0)).map_or(-1, |()| 0)
-}
-
 /// Makes a twin, returned as the context of the bus, and a gyroscope that is initialised on this twin.
 fn gyro() -> (*mut c_void, Box<Gyro>) {
-    let twin = Twin::new(Spec::parse_keys("seed=3").expect("keys"));
-    let (spi, rdy_pin, delay, pin) = (twin.spi(), twin.rdy(), twin.delay(), twin.self_test_pin());
-    let context = Box::into_raw(Box::new(Rig { twin, spi, rdy: rdy_pin, delay, pin })).cast();
-    let bus = Bus { context, transfer: Some(transfer), rdy: Some(rdy), delay_us: Some(delay_us) };
+    let context = call!(zerorate_twin_new(c"seed=3".as_ptr()));
+    let bus = Bus {
+        context,
+        transfer: Some(zerorate_twin_transfer),
+        rdy: Some(zerorate_twin_rdy),
+        delay_us: Some(zerorate_twin_delay_us),
+    };
     let (mut gyro, mut settings) = (memory::<Gyro>(), memory::<Settings>());
     assert_eq!(call!(zerorate_gyro_initialise(&mut *gyro)), ZERORATE_E_STATE);
     assert_eq!(call!(zerorate_settings_default(&mut *settings)), ZERORATE_OK);
@@ -75,11 +46,6 @@ fn gyro() -> (*mut c_void, Box<Gyro>) {
     assert_eq!(call!(zerorate_gyro_set_up(&mut *gyro, &bus, &*settings)), ZERORATE_OK);
     assert_eq!(call!(zerorate_gyro_initialise(&mut *gyro)), ZERORATE_OK);
     (context, gyro)
-}
-
-fn end(context: *mut c_void) {
-    // SAFETY: it came from `gyro`, and no gyroscope uses it any more.
-    drop(unsafe { Box::<Rig>::from_raw(context.cast()) });
 }
 
 fn correction() -> Correction {
@@ -94,24 +60,25 @@ fn a_gyroscope_is_read() {
     assert_eq!(call!(zerorate_gyro_read(&mut *gyro, &mut *codes)), ZERORATE_OK);
     assert_eq!(call!(zerorate_gyro_read(&mut *gyro, null_mut())), ZERORATE_E_NULL);
     assert!(zerorate_rate_dps(codes.rate_code).abs() < 10.0 && zerorate_temp_c(codes.temp_code) > 10.0);
-    let edge = rig(context).twin.next_falling_edge(100_000_000).expect("an edge");
-    assert_eq!(call!(zerorate_gyro_sample(&mut *gyro, edge.t_ns, edge.seq, &mut *sample)), ZERORATE_OK);
-    assert_eq!(call!(zerorate_gyro_silent(&mut *gyro, edge.t_ns + 1)), ZERORATE_OK);
+    let (mut t_ns, mut seq) = (0, 0);
+    assert_eq!(call!(zerorate_twin_next_edge(context, &mut t_ns, &mut seq)), 1);
+    assert_eq!(call!(zerorate_gyro_sample(&mut *gyro, t_ns, seq, &mut *sample)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_silent(&mut *gyro, t_ns + 1)), ZERORATE_OK);
     assert_eq!(call!(zerorate_gyro_diagnose(&mut *gyro)), ZERORATE_OK);
-    end(context);
+    call!(zerorate_twin_free(context));
 }
 
 #[test]
 fn the_self_test_is_measured() {
     let (context, mut gyro) = gyro();
-    let pin = SelfTestPin { context, set: Some(set) };
+    let pin = SelfTestPin { context, set: Some(zerorate_twin_self_test) };
     let (mut plan, mut result) = (memory::<SelfTestPlan>(), memory::<SelfTest>());
     assert_eq!(call!(zerorate_self_test_plan_default(&mut *plan)), ZERORATE_OK);
     (plan.settle_us, plan.samples) = (1000, 16);
     assert_eq!(call!(zerorate_gyro_self_test(&mut *gyro, &pin, &*plan, null_mut())), ZERORATE_E_NULL);
     assert_eq!(call!(zerorate_gyro_self_test(&mut *gyro, &pin, &*plan, &mut *result)), ZERORATE_OK);
     assert_eq!(result.n, 16);
-    end(context);
+    call!(zerorate_twin_free(context));
 }
 
 /// Calibrates a part that warms at rest. With `jump`, its rate jumps. Returns the status that ends the calibration.
