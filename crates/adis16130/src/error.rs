@@ -226,26 +226,6 @@ impl Display for NoReading {
     }
 }
 
-impl<E: Debug> Display for ReadError<E> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Self::Bus(error) => Display::fmt(error, f),
-            Self::Fault(fault) => Display::fmt(fault, f),
-            Self::OutOfRange(reading) => Display::fmt(reading, f),
-            Self::NoReading(reading) => Display::fmt(reading, f),
-        }
-    }
-}
-
-impl<E: Debug> Display for InitError<E> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Self::Bus(error) => Display::fmt(error, f),
-            Self::Verify(error) => Display::fmt(error, f),
-        }
-    }
-}
-
 impl<E> VerifyError<E> {
     pub(crate) fn judge(seen: Differences) -> core::result::Result<(), Self> {
         if seen.iter().next().is_none() {
@@ -278,16 +258,6 @@ impl<E: Debug> Display for VerifyError<E> {
     }
 }
 
-impl<E: Debug> Display for SampleError<E> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Self::Bus(error) => Display::fmt(error, f),
-            Self::Fault(fault) => Display::fmt(fault, f),
-            Self::OutOfRange(reading) => Display::fmt(reading, f),
-        }
-    }
-}
-
 impl<P: Debug> Display for WaitError<P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
@@ -317,19 +287,24 @@ impl<E: Debug, R: Debug, P: Debug> Display for SelfTestError<E, R, P> {
     }
 }
 
-impl<E: Debug, R: Debug, P: Debug> Display for Error<E, R, P> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Self::Bus(error) => Display::fmt(error, f),
-            Self::Init(error) => Display::fmt(error, f),
-            Self::Verify(error) => Display::fmt(error, f),
-            Self::Read(error) => Display::fmt(error, f),
-            Self::Sample(error) => Display::fmt(error, f),
-            Self::Wait(error) => Display::fmt(error, f),
-            Self::SelfTest(error) => Display::fmt(error, f),
-            Self::Fault(fault) => Display::fmt(fault, f),
+/// Implements `Display` by the text of the inner error.
+macro_rules! forward {
+    ($($error:ident<$($parameter:ident),*>: $($variant:ident),*;)*) => {$(
+        impl<$($parameter: Debug),*> Display for $error<$($parameter),*> {
+            fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+                match self {
+                    $(Self::$variant(error) => Display::fmt(error, f),)*
+                }
+            }
         }
-    }
+    )*};
+}
+
+forward! {
+    ReadError<E>: Bus, Fault, OutOfRange, NoReading;
+    InitError<E>: Bus, Verify;
+    SampleError<E>: Bus, Fault, OutOfRange;
+    Error<E, R, P>: Bus, Init, Verify, Read, Sample, Wait, SelfTest, Fault;
 }
 
 impl<E: Debug, R: Debug, P: Debug> core::error::Error for Error<E, R, P> {}
