@@ -27,7 +27,7 @@ type Choice = (&'static str, fn(&mut Spec));
 #[derive(Debug)]
 enum Kind {
     Seed,
-    Number { min: f64, max: f64, set: fn(&mut Spec, f64) },
+    Number { min: f64, max: f64, field: fn(&mut Spec) -> &mut f64 },
     Choice(&'static [Choice]),
 }
 
@@ -36,9 +36,9 @@ const fn number(
     (min, max): (f64, f64),
     default: &'static str,
     help: &'static str,
-    set: fn(&mut Spec, f64),
+    field: fn(&mut Spec) -> &mut f64,
 ) -> Key {
-    Key { name, default, help, kind: Kind::Number { min, max, set } }
+    Key { name, default, help, kind: Kind::Number { min, max, field } }
 }
 
 const fn choice(name: &'static str, choices: &'static [Choice], default: &'static str, help: &'static str) -> Key {
@@ -53,35 +53,29 @@ pub const KEYS: &[Key] = &[
         help: "draws the unit and everything random; the same seed gives the same bytes on every machine",
         kind: Kind::Seed,
     },
-    number("bias_dps", (-250.0, 250.0), "drawn: 0 ± 1", "initial bias at 25 °C, °/s", |s, v| s.bias_dps = v),
+    number("bias_dps", (-250.0, 250.0), "drawn: 0 ± 1", "initial bias at 25 °C, °/s", |s| &mut s.bias_dps),
     number(
         "tempco_dps_per_c",
         (-10.0, 10.0),
         "drawn: 0.04 ± 0.01",
         "temperature coefficient of the bias at 25 °C, °/s/°C (BTC is its negative)",
-        |s, v| s.tempco_dps_per_c = v,
+        |s| &mut s.tempco_dps_per_c,
     ),
     number(
         "curvature",
         (-1.0, 1.0),
         "drawn: 0 ± 0.0005",
         "quadratic coefficient of the bias over T − 25 °C, °/s/°C²",
-        |s, v| {
-            s.curvature_dps_per_c2 = v;
-        },
+        |s| &mut s.curvature_dps_per_c2,
     ),
-    number("hysteresis", (0.0, 10.0), "0.002", "half width of the bias loop over temperature, °/s", |s, v| {
-        s.hysteresis_dps = v;
+    number("hysteresis", (0.0, 10.0), "0.002", "half width of the bias loop over temperature, °/s", |s| {
+        &mut s.hysteresis_dps
     }),
-    number(
-        "lag_s",
-        (0.0, 1e5),
-        "0",
-        "time by which the sensing element's temperature lags the sensor's, s",
-        |s, v| s.lag_s = v,
-    ),
-    number("ambient_c", (-60.0, 150.0), "25", "ambient temperature (at the start of a ramp), °C", |s, v| {
-        s.ambient_c = v
+    number("lag_s", (0.0, 1e5), "0", "time by which the sensing element's temperature lags the sensor's, s", |s| {
+        &mut s.lag_s
+    }),
+    number("ambient_c", (-60.0, 150.0), "25", "ambient temperature (at the start of a ramp), °C", |s| {
+        &mut s.ambient_c
     }),
     choice(
         "profile",
@@ -93,17 +87,15 @@ pub const KEYS: &[Key] = &[
         "constant",
         "ambient over time: constant, ramp (+1 °C/min up to 85 °C) or oven (25, −40, +85, 25 °C in 175 min)",
     ),
-    number("warmup_c", (-50.0, 100.0), "drawn: 8 ± 1", "self-heating in balance, °C", |s, v| s.warmup_c = v),
+    number("warmup_c", (-50.0, 100.0), "drawn: 8 ± 1", "self-heating in balance, °C", |s| &mut s.warmup_c),
     number(
         "warmup_s",
         (0.1, 1e6),
         "600",
         "slow time constant of the self-heating, s (the fast one is 0.15 of it)",
-        |s, v| {
-            s.warmup_s = v;
-        },
+        |s| &mut s.warmup_s,
     ),
-    number("mclk_hz", (1e3, 1e7), "drawn: 6000000 ± 1 %", "master clock, Hz", |s, v| s.mclk_hz = v),
+    number("mclk_hz", (1e3, 1e7), "drawn: 6000000 ± 1 %", "master clock, Hz", |s| &mut s.mclk_hz),
     choice(
         "rdy",
         &[
@@ -120,8 +112,8 @@ pub const KEYS: &[Key] = &[
         "none",
         "capacitor across ROA1 and ROA2 (10nf: 50 Hz bandwidth)",
     ),
-    number("supply_step_mv", (-5000.0, 5000.0), "0", "supply step at fault_at_s (60 unless given), mV", |s, v| {
-        s.supply_step_mv = v;
+    number("supply_step_mv", (-5000.0, 5000.0), "0", "supply step at fault_at_s (60 unless given), mV", |s| {
+        &mut s.supply_step_mv
     }),
     choice(
         "noise",
@@ -129,11 +121,11 @@ pub const KEYS: &[Key] = &[
         "1",
         "0: deterministic bias and quantisation only",
     ),
-    number("flicker_hz", (1e-7, 10.0), "0.0001", "the flicker is flat below this frequency, Hz", |s, v| {
-        s.flicker_hz = v
+    number("flicker_hz", (1e-7, 10.0), "0.0001", "the flicker is flat below this frequency, Hz", |s| {
+        &mut s.flicker_hz
     }),
-    number("rotation_dps", (-1000.0, 1000.0), "0", "constant rotation, °/s (motion, not bias)", |s, v| {
-        s.rotation_dps = v;
+    number("rotation_dps", (-1000.0, 1000.0), "0", "constant rotation, °/s (motion, not bias)", |s| {
+        &mut s.rotation_dps
     }),
     choice(
         "motion",
@@ -145,16 +137,14 @@ pub const KEYS: &[Key] = &[
         "none",
         "motion of the platform (bump: 3 °/s for 0.2 s at fault_at_s, 60 unless given, and every 60 s after)",
     ),
-    number("sway_dps", (0.0, 1000.0), "0.5", "peak of the sway, °/s", |s, v| s.sway_dps = v),
-    number("sway_hz", (0.0, 50.0), "0.2", "frequency of the sway, Hz", |s, v| s.sway_hz = v),
+    number("sway_dps", (0.0, 1000.0), "0.5", "peak of the sway, °/s", |s| &mut s.sway_dps),
+    number("sway_hz", (0.0, 50.0), "0.2", "frequency of the sway, Hz", |s| &mut s.sway_hz),
     number(
         "bit_error_rate",
         (0.0, 0.5),
         "0; 1e-6 with fault=bit_errors",
         "probability that a bit flips on the wires",
-        |s, v| {
-            s.bit_error_rate = v;
-        },
+        |s| &mut s.bit_error_rate,
     ),
     choice(
         "fault",
@@ -172,8 +162,8 @@ pub const KEYS: &[Key] = &[
         "none",
         "what breaks at fault_at_s",
     ),
-    number("fault_at_s", (0.0, 1e7), "0; 60 for supply step and bump", "when it breaks, s from the start", |s, v| {
-        s.fault_at_s = Some(v);
+    number("fault_at_s", (0.0, 1e7), "0; 60 for supply step and bump", "when it breaks, s from the start", |s| {
+        s.fault_at_s.insert(0.0)
     }),
 ];
 
@@ -291,12 +281,12 @@ impl Key {
     fn apply(&self, spec: &mut Spec, value: &str) -> Result<(), SpecError> {
         match self.kind {
             Kind::Seed => {}
-            Kind::Number { min, max, set } => {
+            Kind::Number { min, max, field } => {
                 let number: f64 = value.parse().map_err(|_| self.bad(value))?;
                 if !(min..=max).contains(&number) {
                     return Err(self.bad(value));
                 }
-                set(spec, number);
+                *field(spec) = number;
             }
             Kind::Choice(choices) => {
                 let chosen = choices.iter().find(|(name, _)| *name == value);
