@@ -6,7 +6,6 @@ use core::cell::Cell;
 use core::convert::Infallible;
 use core::future::Future;
 use core::pin::Pin;
-use core::task::{Context, Poll, Waker};
 use std::boxed::Box;
 use std::format;
 use std::rc::Rc;
@@ -16,6 +15,7 @@ use std::vec::Vec;
 use adis16130::bridge::{Bus, Command, Continuity, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
 use adis16130::{Edge, RdyEdge};
 use adis16130_twin::{Fault, Spec, Twin, TwinSpi};
+use embassy_futures::poll_once;
 use embassy_time::MockDriver;
 use embedded_hal::digital::{ErrorType as PinErrorType, OutputPin};
 use embedded_hal_async::digital::Wait;
@@ -93,7 +93,7 @@ fn rubbish_costs_one_request() {
 fn edges_are_numbered_from_one() {
     let link = Link::new();
     let mut watch = core::pin::pin!(sampling::watch(Edges { falls: 3, rises: 9 }, &link));
-    assert!(poll(watch.as_mut()).is_pending());
+    assert!(poll_once(watch.as_mut()).is_pending());
     let edge = link.edge.try_take().unwrap();
     assert_eq!(edge.seq, 3);
     assert_eq!(edge.t_ns % 1_000, 0);
@@ -105,13 +105,13 @@ fn the_edge_that_a_host_chooses_is_heard() {
     let link: &Link = Box::leak(Box::default());
     let mut bus = PartBus::new(NoController, Level::default(), |_, hz| hz, Level::default(), link);
     let mut watch = core::pin::pin!(sampling::watch(Edges { falls: 0, rises: 5 }, link));
-    assert!(poll(watch.as_mut()).is_pending());
+    assert!(poll_once(watch.as_mut()).is_pending());
     assert!(link.edge.try_take().is_none());
     assert!(bus.set_rdy_edge(RdyEdge::Rising));
-    assert!(poll(watch.as_mut()).is_pending());
+    assert!(poll_once(watch.as_mut()).is_pending());
     assert_eq!(link.edge.try_take().map(|edge| edge.seq), Some(5));
     assert!(bus.set_rdy_edge(RdyEdge::Falling));
-    assert!(poll(watch.as_mut()).is_pending());
+    assert!(poll_once(watch.as_mut()).is_pending());
     assert!(link.edge.try_take().is_none());
 }
 
@@ -242,7 +242,7 @@ impl Bench {
     }
 
     fn poll(&mut self) {
-        assert!(poll(self.serve.as_mut()).is_pending());
+        assert!(poll_once(self.serve.as_mut()).is_pending());
     }
 
     /// Takes the queued bytes, and the bytes that were waiting for space in the queue.
@@ -272,10 +272,6 @@ impl Bench {
         let bytes = self.bytes();
         bytes.iter().filter_map(|byte| decoder.push(*byte).map(|message| each(message.unwrap()))).collect()
     }
-}
-
-fn poll<F: Future + ?Sized>(future: Pin<&mut F>) -> Poll<F::Output> {
-    future.poll(&mut Context::from_waker(Waker::noop()))
 }
 
 struct TwinBus {
