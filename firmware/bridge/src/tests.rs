@@ -12,7 +12,7 @@ use std::rc::Rc;
 use std::string::String;
 use std::vec::Vec;
 
-use adis16130::bridge::{Bus, Command, Continuity, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
+use adis16130::bridge::{Bus, Command, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
 use adis16130::{Edge, RdyEdge};
 use adis16130_twin::{Fault, Spec, Twin, TwinSpi};
 use embassy_futures::poll_once;
@@ -28,20 +28,6 @@ use crate::{Link, port, sampling};
 
 const START: Command<'static> = Command::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
 const END_OF_FRAME: &[u8] = &[0];
-
-#[test]
-fn a_host_hears_every_sample() {
-    let mut bench = Bench::new();
-    assert_eq!(bench.ask(START), ["Answer { tag: 7, answer: Started }"]);
-    let mut continuity = Continuity::default();
-    for number in 0..1_000 {
-        bench.edge();
-        let readings = bench.readings();
-        assert_eq!(readings.len(), 1, "sample {number}");
-        assert_eq!(continuity.sample(&readings[0]).lost, 0, "sample {number}");
-    }
-    assert_eq!(bench.ask(Command::Stop), ["Answer { tag: 7, answer: Stopped }"]);
-}
 
 #[test]
 fn samples_without_room_are_dropped_whole() {
