@@ -66,14 +66,6 @@ fn missed_edges_are_lost_samples() {
 }
 
 #[test]
-fn the_number_of_the_edge_wraps() {
-    let mut sampler = sampler(SamplerConfig::new().with_divider(2));
-    let first = u32::MAX - 7;
-    let taken = (0..64).filter(|&k| take(&mut sampler, at(f64::from(k) / 2.0, first.wrapping_add(k))) == Some(0));
-    assert_eq!(taken.count(), 32);
-}
-
-#[test]
 fn the_same_edge_twice_is_one_edge() {
     let mut sampler = sampler(SamplerConfig::new());
     assert_eq!(take(&mut sampler, at(0.0, 7)), Some(0));
