@@ -136,7 +136,7 @@ fn a_stop_ends_one_hub_and_no_other() {
 #[test]
 fn a_fault_reaches_everybody_who_must_know_behind_the_last_sample() {
     let hub = hub("twin:seed=6,fault=unplug,fault_at_s=2", &Stop::default());
-    let (one, other) = (hub.everything(), hub.everything());
+    let (one, other, watcher) = (hub.everything(), hub.everything(), hub.watch(4));
     hub.read(Pace::Free, Vec::new()).expect("a thread");
     let mut samples = 0;
     for everything in [one, other] {
@@ -151,6 +151,8 @@ fn a_fault_reaches_everybody_who_must_know_behind_the_last_sample() {
         assert_eq!(error.cause(), Cause::Gone, "{error:#}");
     }
     assert!((10_000..11_500).contains(&samples), "2 s of samples, not {samples}");
+    while !matches!(watcher.next_within(Duration::from_secs(5)), Poll::End) {}
+    assert_eq!(hub.failure().expect("a watcher asks the hub").cause(), Cause::Gone);
 }
 
 #[test]
@@ -193,16 +195,6 @@ fn the_speed_of_time_can_be_changed_while_it_passes() {
     while samples < 20_000 {
         samples += everything.next().expect("samples").expect("a batch").rows.len();
     }
-}
-
-#[test]
-fn a_watcher_learns_from_the_hub_why_samples_ended() {
-    let hub = hub("twin:seed=9,fault=unplug,fault_at_s=0.5", &Stop::default());
-    let (everything, watcher) = (hub.everything(), hub.watch(4));
-    hub.read(Pace::Free, Vec::new()).expect("a thread");
-    while let Ok(Some(_)) = everything.next() {}
-    while !matches!(watcher.next_within(Duration::from_secs(5)), Poll::End) {}
-    assert_eq!(hub.failure().expect("it was unplugged").cause(), Cause::Gone);
 }
 
 /// The written values are those of F-30, typed again from docs/facts.md.
