@@ -119,6 +119,14 @@ impl UserError {
     }
 }
 
+/// The message about a file that only root and this group may open.
+pub(crate) fn no_permission(file: impl fmt::Display, group: &str) -> String {
+    format!(
+        "no permission to open {file}: sudo usermod -aG {group} \"$USER\", then log in again (ls -l {file} shows the \
+         group)"
+    )
+}
+
 fn cause(error: &anyhow::Error) -> Cause {
     if let Some(told) = error.downcast_ref::<UserError>() {
         return told.cause;

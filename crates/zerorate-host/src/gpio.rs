@@ -1,7 +1,7 @@
 //! Lines of the Linux GPIO character device: RDY as an input of edges, and outputs to the self-test pins.
 
 use crate::edges::Edges;
-use crate::error::{Cause, UserError};
+use crate::error::{Cause, UserError, no_permission};
 use crate::pin::HalError;
 use adis16130::{Edge, RdyEdge};
 use anyhow::{Context, Result};
@@ -124,13 +124,7 @@ fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error 
             Cause::Busy,
             format!("line {line} of {file} is busy: gpioinfo shows who uses it; RDY needs a line of its own"),
         ),
-        Some(Errno::ACCESS | Errno::PERM) => (
-            Cause::Permission,
-            format!(
-                "no permission to open {file}: sudo usermod -aG gpio \"$USER\", then log in again (ls -l {file} shows \
-                 the group)"
-            ),
-        ),
+        Some(Errno::ACCESS | Errno::PERM) => (Cause::Permission, no_permission(file, "gpio")),
         Some(Errno::INVAL) => {
             (Cause::Missing, format!("{file} has no line {line} that can raise interrupts: gpioinfo lists its lines"))
         }

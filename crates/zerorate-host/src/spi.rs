@@ -3,7 +3,7 @@
 use crate::Stop;
 use crate::address::Address;
 use crate::connected::{ConnectedPart, Connection};
-use crate::error::{Cause, UserError};
+use crate::error::{Cause, UserError, no_permission};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::live::Live;
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split};
@@ -284,12 +284,7 @@ fn why_no_spi(path: &Path, error: io::Error, names: SettingNames) -> anyhow::Err
                  adapter in, and look with ls /dev/spidev*"
             ),
         },
-        io::ErrorKind::PermissionDenied => {
-            format!(
-                "no permission to open {file}: sudo usermod -aG spi \"$USER\", then log in again (ls -l {file} shows \
-                 the group)"
-            )
-        }
+        io::ErrorKind::PermissionDenied => no_permission(file, "spi"),
         io::ErrorKind::ResourceBusy => format!("{file} is busy: another driver or program holds it (fuser {file})"),
         _ => format!("cannot open {file}"),
     };

@@ -1,5 +1,6 @@
 //! The byte stream to a bridge: a serial port (USB CDC or UART) or a TCP connection.
 
+use crate::error::no_permission;
 use anyhow::{Context, Result};
 use serial2::SerialPort;
 use std::collections::VecDeque;
@@ -109,10 +110,7 @@ fn claim(serial: &SerialPort) -> io::Result<()> {
 
 fn why_no_port(path: &str, error: io::Error) -> anyhow::Error {
     let remedy = match error.kind() {
-        ErrorKind::PermissionDenied if cfg!(unix) => format!(
-            "no permission to open {path}: sudo usermod -aG dialout \"$USER\", then log in again (ls -l {path} shows \
-             the group)"
-        ),
+        ErrorKind::PermissionDenied if cfg!(unix) => no_permission(path, "dialout"),
         ErrorKind::NotFound => {
             format!("no {path}: plug the bridge in, and look with ls /dev/ttyACM* /dev/ttyUSB*")
         }
