@@ -31,26 +31,20 @@ fn rows() -> [(Address, usize, usize); 13] {
 }
 
 #[test]
-fn every_register_has_the_address_and_size_of_the_facts() {
-    for ((address, bytes, ..), (register, narrow, wide)) in TABLE.into_iter().zip(rows()) {
+fn every_register_has_the_address_the_size_and_the_access_of_the_facts() {
+    for ((address, bytes, _, readable, writable), (register, narrow, wide)) in TABLE.into_iter().zip(rows()) {
         let expected = if bytes == 0 { (address, 2, 3) } else { (address, bytes, bytes) };
         assert_eq!((register as u8, narrow, wide), expected);
-    }
-    assert_eq!(Address::Com as u8, 0x00);
-}
-
-#[test]
-fn every_register_states_the_access_of_the_facts() {
-    for ((_, bytes, _, readable, writable), (register, ..)) in TABLE.into_iter().zip(rows()) {
+        assert_eq!(register.size().bytes(Width::Bits16), narrow, "{register}");
         let expected = match (readable, writable) {
             (true, true) => Access::ReadWrite,
             (true, false) => Access::ReadOnly,
             _ => Access::WriteOnly,
         };
         assert_eq!(register.access(), expected, "{register}");
-        assert_eq!(register.size().bytes(Width::Bits16), if bytes == 0 { 2 } else { bytes }, "{register}");
         assert!(register.description().ends_with('.'), "{register}");
     }
+    assert_eq!(Address::Com as u8, 0x00);
 }
 
 #[test]
