@@ -1,4 +1,4 @@
-//! Tests RDY by its blocking and async traits, the async SPI port, and the delay.
+//! Tests RDY by its blocking and async traits, and the delay.
 
 use crate::bus::{Host, quiet};
 use adis16130_twin::{RdyOutput, RdyTimeout, Spec};
@@ -8,7 +8,6 @@ use core::task::{Context, Poll, Waker};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::InputPin;
 use embedded_hal_async::digital::Wait;
-use embedded_hal_async::spi::SpiDevice;
 
 /// Returns the output of a future of the twin, which is ready at once.
 fn run<F: Future>(future: F) -> F::Output {
@@ -58,15 +57,6 @@ fn a_wait_without_end_gives_up_after_a_second() {
     let mut rdy = host.twin.rdy();
     assert_eq!(run(rdy.wait_for_falling_edge()), Err(RdyTimeout));
     assert_eq!(host.twin.now_ns(), 1_000_000_000);
-}
-
-#[test]
-fn async_spi_is_the_same_port() {
-    let host = Host::started(quiet());
-    let mut spi = host.twin.spi();
-    let mut data = [0, 0];
-    run(SpiDevice::transfer(&mut spi, &mut data, &[0x78, 0])).unwrap();
-    assert_eq!(data[1], 0x22);
 }
 
 #[test]
