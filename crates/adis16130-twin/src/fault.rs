@@ -29,7 +29,7 @@ pub enum Fault {
 }
 
 pub(crate) struct WireFaults {
-    active: Fault,
+    pub(crate) active: Fault,
     random: Uniform,
     bit_error_rate: f64,
     bits_to_error: u64,
@@ -55,10 +55,6 @@ impl WireFaults {
             self.bit_error_rate = DEFAULT_BIT_ERROR_RATE;
             self.bits_to_error = self.draw_gap();
         }
-    }
-
-    pub(crate) fn active(&self) -> Fault {
-        self.active
     }
 
     /// Returns the byte that arrives at the host when the part sends `byte`.

@@ -40,7 +40,7 @@ impl Uniform {
 
 /// Standard normal numbers by the ziggurat of Doornik (2005), 256 layers.
 pub(crate) struct Normal {
-    random: Uniform,
+    pub(crate) random: Uniform,
     layers: Rc<Layers>,
 }
 
@@ -60,10 +60,6 @@ impl Normal {
         let u = ((bits as i64) >> 11) as f64 * (1.0 / (1u64 << 52) as f64);
         let x = u * self.layers.x[layer];
         if x.abs() < self.layers.x[layer + 1] { x } else { self.outside(layer, x) }
-    }
-
-    pub(crate) fn uniform(&mut self) -> f64 {
-        self.random.sample()
     }
 
     /// Finishes a draw that falls outside the inner rectangle of its layer, as one draw in 67 does.

@@ -258,7 +258,7 @@ impl Part {
     }
 
     pub(crate) fn replug(&mut self) {
-        if self.faults.active() == Fault::Unplug {
+        if self.faults.active == Fault::Unplug {
             self.set_fault(Fault::None);
         }
     }
@@ -279,7 +279,7 @@ impl Part {
 
     /// If the supply has come or gone, resets the registers and switches the self-heating.
     fn note_supply(&mut self) {
-        let supplied = self.switched_on && self.faults.active() != Fault::Unplug;
+        let supplied = self.switched_on && self.faults.active != Fault::Unplug;
         if supplied != self.supplied {
             self.supplied = supplied;
             self.chip.reset();
@@ -289,7 +289,7 @@ impl Part {
 
     /// Updates the state after a change of a register, a fault or the supply. Counts an edge if RDY has fallen.
     fn changed(&mut self, rdy_was_high: bool) {
-        let wires_good = matches!(self.faults.active(), Fault::None | Fault::Frozen | Fault::Brownout);
+        let wires_good = matches!(self.faults.active, Fault::None | Fault::Frozen | Fault::Brownout);
         self.plain = wires_good && self.supplied;
         self.gyro.set_period_ps(self.chip.adc.period_ps());
         self.next_event_ps = self.fault_at_ps.min(self.chip.adc.next_update_ps);

@@ -150,7 +150,7 @@ impl Spec {
         let curvature = unit.sample();
         let warmup = unit.sample();
         let sensitivity = unit.sample();
-        let mclk = 2.0 * unit.uniform() - 1.0;
+        let mclk = 2.0 * unit.random.sample() - 1.0;
         Self {
             seed,
             bias_dps: facts::BIAS_SD_DPS * bias,
