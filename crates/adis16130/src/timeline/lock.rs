@@ -7,7 +7,7 @@ use crate::quotient::quotient;
 /// Sums over regular gaps between neighbouring edges: their number, nominal length, and excess over that length.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gaps {
-    count: u32,
+    pub(super) count: u32,
     nominal: i64,
     excess: i64,
     /// Whether the previous gap was not regular.
@@ -29,10 +29,6 @@ impl Gaps {
             self.nominal += nominal;
             self.excess += gap - nominal;
         }
-    }
-
-    pub(super) const fn count(&self) -> u32 {
-        self.count
     }
 
     /// The difference of the period from the nominal one.

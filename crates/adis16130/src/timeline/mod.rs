@@ -246,7 +246,7 @@ impl Timeline {
     /// Takes the mean of the gaps as the period, after 16, 32, 64 and 128 of them.
     fn acquire(&mut self, elapsed: i64) -> i64 {
         self.gaps.push(&self.grid, (self.period, self.temp), elapsed);
-        if self.gaps.count() < 8 << self.gear {
+        if self.gaps.count < 8 << self.gear {
             return self.period;
         }
         self.gear += 1;
