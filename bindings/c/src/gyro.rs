@@ -8,8 +8,8 @@ use crate::status::{
 };
 use adis16130::blocking::Adis16130;
 use adis16130::{
-    ChannelStatus, Config, Edge, Framing, MCLK_HZ, RateCode, RdyEdge, Sample as DriverSample, Sampler, SamplerConfig,
-    TempCode, WaitBound, Width,
+    ChannelStatus, Config, Edge, Framing, MCLK_HZ, RateCode, RdyEdge, ReadError, Sample as DriverSample, Sampler,
+    SamplerConfig, TempCode, WaitBound, Width,
 };
 
 /// A gyroscope. The caller owns the memory, and the contents are private. Set it up with zerorate_gyro_set_up. It
@@ -248,8 +248,9 @@ pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_sample(gyro: *mut Gyro, t_ns: u64, seq: u32, sample: *mut Sample) -> Status {
     let edge = Edge { t_ns, seq };
-    let read =
-        |State { driver, sampler, .. }: &mut State| driver.sample(sampler, edge).map_err(|error| error.status());
+    let read = |State { driver, sampler, .. }: &mut State| {
+        driver.sample(sampler, edge).map_err(|error| ReadError::from(error).status())
+    };
     // SAFETY: by the contract.
     match unsafe { boundary::state(gyro) }.and_then(read) {
         // SAFETY: by the contract.

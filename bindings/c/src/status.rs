@@ -1,6 +1,6 @@
 //! The status numbers that the functions return, and their texts.
 
-use adis16130::{BusError, Fault, InitError, ReadError, SampleError, SelfTestError, VerifyError, WaitError};
+use adis16130::{BusError, Fault, InitError, ReadError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
 use zerorate::{Refusal, TableError};
 
@@ -163,16 +163,6 @@ impl<E> StatusNumber for ReadError<E> {
             Self::Fault(fault) => fault.status(),
             Self::OutOfRange(_) => ZERORATE_E_OUT_OF_RANGE,
             Self::NoReading(_) => ZERORATE_E_NO_READING,
-        }
-    }
-}
-
-impl<E> StatusNumber for SampleError<E> {
-    fn status(&self) -> Status {
-        match self {
-            Self::Bus(error) => error.status(),
-            Self::Fault(fault) => fault.status(),
-            Self::OutOfRange(_) => ZERORATE_E_OUT_OF_RANGE,
         }
     }
 }
