@@ -180,24 +180,3 @@ impl TemperatureBias {
         (self.tempco + self.curvature * d) * d
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hysteresis_loop_has_the_stated_half_width() {
-        for tempco in [0.04, -0.02] {
-            let spec = Spec { tempco_dps_per_c: tempco, ..Spec::typical() };
-            let mut bias = TemperatureBias::new(&spec, 25.0);
-            let mut sweep = |range: core::ops::Range<i32>, sign: i32| {
-                range.map(|i| bias.step(25.0 + f64::from(sign * i) * 0.01)).last().unwrap().0
-            };
-            sweep(0..1000, 1);
-            let warming = sweep(0..501, 1); // down to 25 °C at once, then up to 30 °C
-            sweep(501..1000, 1);
-            let cooling = sweep(-1000..-499, -1); // down to 30 °C
-            assert!(((cooling - warming) / 2.0 - 0.002 * tempco.signum()).abs() < 1e-12);
-        }
-    }
-}

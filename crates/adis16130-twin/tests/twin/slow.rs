@@ -89,13 +89,15 @@ fn rotation_is_not_part_of_the_true_bias() {
 
 #[test]
 fn hysteresis_shifts_the_bias_by_twice_its_half_width() {
-    let twin = Twin::new(Spec { noise: false, ..Spec::typical() });
-    let warm = at(&twin, 3000);
-    assert!((warm.branch_dps + 0.002).abs() < 1e-9, "warming: the bias is behind");
-    twin.power_off();
-    let cool = at(&twin, 6000);
-    assert!((cool.branch_dps - 0.002).abs() < 1e-9, "cooling: the bias is behind");
-    assert!((cool.bias_dps(28.0) - warm.bias_dps(28.0) - 0.004).abs() < 1e-9);
+    for (tempco_dps_per_c, half_width) in [(0.04, 0.002), (-0.02, -0.002)] {
+        let twin = Twin::new(Spec { noise: false, tempco_dps_per_c, ..Spec::typical() });
+        let warm = at(&twin, 3000);
+        assert!((warm.branch_dps + half_width).abs() < 1e-9, "warming: the bias is behind");
+        twin.power_off();
+        let cool = at(&twin, 6000);
+        assert!((cool.branch_dps - half_width).abs() < 1e-9, "cooling: the bias is behind");
+        assert!((cool.bias_dps(28.0) - warm.bias_dps(28.0) - 2.0 * half_width).abs() < 1e-9);
+    }
 }
 
 #[test]
