@@ -100,21 +100,3 @@ impl Setup {
         WHITE_DPS_PER_RT_HZ * images.sum::<f64>().sqrt()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_twin_has_the_noise_of_the_facts_and_the_resonance_where_it_folds_to() {
-        let way = Setup { name: "", roa: Roa::TenNanofarad, divider: 1, samples: 1 << 15, bandwidth_hz: Some(50.0) };
-        let Spectrum { points, model, tones, .. } = way.spectrum().unwrap();
-        let quiet = points.iter().zip(&model).filter(|((hz, _), _)| (30.0..1000.0).contains(hz));
-        let ratios: Vec<f64> = quiet.map(|((_, seen), (_, expected))| seen / expected).collect();
-        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-        assert!((mean - 1.0).abs() < 0.03, "{mean}");
-        let highest = points.iter().filter(|point| point.0 > 1000.0).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-        assert!((highest.0 / tones[1].frequency_hz - 1.0).abs() < 0.03, "{highest:?} {tones:?}");
-        assert!((tones[1].frequency_hz - 2777.8).abs() < 60.0, "{tones:?}");
-    }
-}
