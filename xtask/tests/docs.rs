@@ -1,9 +1,12 @@
 //! The documents and the code agree: links lead to existing targets, cited facts, pages and tests exist, and examples
 //! are tested code. Files and lines stay short.
 
+mod tree;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use tree::{files_below, root};
 
 #[test]
 fn every_relative_link_leads_to_a_file_and_a_heading() {
@@ -124,30 +127,11 @@ fn the_readme_shows_no_rust_that_is_untested() {
     assert_eq!(code_blocks(&readme).count(), 0, "Rust of README.md belongs on {FIRMWARE_PAGE}, which is compared");
 }
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
-}
-
-/// Folders of generated files and of third-party files.
-const FOREIGN: [&str; 2] = ["target", "node_modules"];
-
-/// All files with one of these extensions, except in hidden and foreign folders.
+/// All files of the project with one of these extensions.
 fn files(extensions: &[&str]) -> Vec<(PathBuf, String)> {
-    let mut found = Vec::new();
-    let mut directories = vec![root()];
-    while let Some(directory) = directories.pop() {
-        for entry in fs::read_dir(directory).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.file_name().unwrap().to_string_lossy();
-            if path.is_dir() && !name.starts_with('.') && !FOREIGN.contains(&name.as_ref()) {
-                directories.push(path);
-            } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
-                let text = fs::read_to_string(&path).unwrap();
-                found.push((path, text));
-            }
-        }
-    }
-    found
+    let mut paths = files_below(&root());
+    paths.retain(|path| path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)));
+    paths.into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
 
 /// The targets of links `[text](target)`, except external ones.

@@ -1,8 +1,10 @@
 //! The distribution fits together: versions agree, and the files of `packaging/` name existing files.
 
+mod tree;
+
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
+use tree::{files_below, root};
 
 #[test]
 fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
@@ -32,7 +34,7 @@ fn reading_a_log_compiles_no_driver() {
 #[test]
 fn every_file_of_packaging_goes_somewhere() {
     let code: String = ["deb", "c_library", "mod"].map(|name| read(&format!("lab/src/dist/{name}.rs"))).concat();
-    for path in files("packaging") {
+    for path in files_below(&root().join("packaging")) {
         let name = path.file_name().unwrap().to_str().unwrap();
         let folder = path.parent().unwrap().file_name().unwrap().to_str().unwrap();
         let used =
@@ -50,7 +52,8 @@ fn packages_agree_with_the_program() {
     assert!(told, "the program names those capabilities where it lacks them");
     let rules = read("packaging/udev/60-zerorate.rules");
     assert!(rules.contains("ATTRS{idVendor}==\"1209\", ATTRS{idProduct}==\"0001\""));
-    let bridge: String = files("firmware/bridge/src").iter().map(|path| fs::read_to_string(path).unwrap()).collect();
+    let bridge = files_below(&root().join("firmware/bridge/src"));
+    let bridge: String = bridge.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
     assert!(bridge.contains("0x1209, 0x0001"), "the bridge has the USB ID that the rules know it by");
     assert!(read("packaging/c/zerorate.pc").contains("-lzerorate_c"));
     assert!(read("packaging/c/zerorate-config.cmake").contains("libzerorate_c.a"));
@@ -84,26 +87,10 @@ fn locked(lock: &str, name: &str) -> Vec<String> {
     lines.windows(2).filter(|pair| pair[0] == named).map(|pair| pair[1].to_owned()).collect()
 }
 
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
-}
-
 fn read(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap()
 }
 
 fn minor() -> &'static str {
     env!("CARGO_PKG_VERSION").rsplit_once('.').unwrap().0
-}
-
-fn files(folder: &str) -> Vec<PathBuf> {
-    let (mut found, mut open) = (Vec::new(), vec![root().join(folder)]);
-    while let Some(path) = open.pop() {
-        if path.is_dir() {
-            open.extend(fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
-        } else {
-            found.push(path);
-        }
-    }
-    found
 }

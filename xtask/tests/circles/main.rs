@@ -6,6 +6,8 @@
 
 mod graph;
 mod rust;
+#[path = "../tree/mod.rs"]
+mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -13,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use graph::Graph;
 use rust::{Token, leaves, tokens, without_tests};
+use tree::{files_below, root};
 
 #[test]
 fn no_module_reaches_itself_through_another() {
@@ -81,20 +84,8 @@ fn uses(sources: &[Source]) -> Graph {
 
 /// Every folder of the project with a manifest and sources.
 fn packages() -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut open = vec![root()];
-    while let Some(folder) = open.pop() {
-        if folder.join("Cargo.toml").is_file() && folder.join("src").is_dir() {
-            found.push(folder.clone());
-        }
-        let folders = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
-        open.extend(folders.filter(|path| {
-            let name = path.file_name().unwrap().to_string_lossy();
-            !name.starts_with('.') && !matches!(&*name, "target" | "node_modules" | "src")
-        }));
-    }
-    found.sort();
-    found
+    let manifests = files_below(&root()).into_iter().filter(|path| path.ends_with("Cargo.toml"));
+    manifests.map(|path| path.parent().unwrap().to_owned()).filter(|folder| folder.join("src").is_dir()).collect()
 }
 
 /// The folders in which the crates of a package begin: `src`, and the folders of programs in `src/bin`.
@@ -106,22 +97,12 @@ fn roots(package: &Path) -> Vec<PathBuf> {
 }
 
 fn sources(folder: &Path) -> Vec<Source> {
-    let mut found = Vec::new();
-    let mut open = vec![folder.to_owned()];
-    while let Some(path) = open.pop() {
-        if path.is_dir() {
-            open.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            let name = path.strip_prefix(folder).unwrap().display().to_string().replace('\\', "/");
-            found.push(Source { path: name, text: fs::read_to_string(&path).unwrap() });
-        }
-    }
-    found.sort_by(|a, b| a.path.cmp(&b.path));
-    found
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+    let files = files_below(folder).into_iter().filter(|path| path.extension().is_some_and(|e| e == "rs"));
+    let source = |path: PathBuf| Source {
+        path: path.strip_prefix(folder).unwrap().display().to_string().replace('\\', "/"),
+        text: fs::read_to_string(&path).unwrap(),
+    };
+    files.map(source).collect()
 }
 
 fn circles_of(files: &[(&str, &str)]) -> Vec<String> {
