@@ -18,6 +18,7 @@ mod dist;
 mod endurance;
 mod firmware;
 mod iiod;
+mod killed;
 mod methods;
 mod proofs;
 mod residuals;

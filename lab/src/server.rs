@@ -1,16 +1,17 @@
 //! Runs `zerorate serve` as a process, for other tasks.
 
+use crate::killed::Killed;
 use crate::venv::done;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::thread;
 
 /// A running server. Dropping this value ends the server.
 pub struct Server {
-    child: Child,
+    child: Killed,
     pub page: String,
     /// The address for libiio clients, as a URI of libiio.
     pub iio_uri: String,
@@ -25,44 +26,35 @@ impl Server {
     /// Starts the server by this command, with libiio served at the address `iio`.
     pub fn start_with(command: &mut Command, iio: &str, arguments: &[&str]) -> Result<Self> {
         command.args(["serve", "--listen", "127.0.0.1:0", "--iio", iio]).args(arguments);
-        let child = command.stderr(Stdio::piped()).spawn().context("cannot start the program")?;
-        let mut server = Self { child, page: String::new(), iio_uri: String::new() };
-        let mut lines = BufReader::new(server.child.stderr.take().context("no stderr")?).lines().map_while(Result::ok);
+        let mut child = Killed(command.stderr(Stdio::piped()).spawn().context("cannot start the program")?);
+        let mut lines = BufReader::new(child.0.stderr.take().context("no stderr")?).lines().map_while(Result::ok);
         let mut behind = |text: &str| lines.find_map(|line| Some(line.split_once(text)?.1.to_owned()));
-        server.page = behind("open http://").context("the program serves no page")?.trim_end_matches('/').to_owned();
-        server.iio_uri = format!("ip:{}", behind("-u ip:").context("the program serves no libiio")?.trim());
+        let page = behind("open http://").context("the program serves no page")?.trim_end_matches('/').to_owned();
+        let iio_uri = format!("ip:{}", behind("-u ip:").context("the program serves no libiio")?.trim());
         thread::spawn(move || lines.for_each(|line| eprintln!("{line}")));
-        Ok(server)
+        Ok(Self { child, page, iio_uri })
     }
 
     /// Processor time used so far, s.
     pub fn cpu_s(&self) -> Result<f64> {
         /// Clock ticks per second in Linux's statistics (`getconf CLK_TCK`).
         const TICKS_PER_S: f64 = 100.0;
-        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id()))?;
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.id()))?;
         let (_, behind_name) = stat.rsplit_once(')').context("/proc/PID/stat")?;
         let ticks = behind_name.split_whitespace().skip(11).take(2).map(str::parse::<f64>);
         Ok(ticks.sum::<Result<f64, _>>()? / TICKS_PER_S)
     }
 
     pub fn id(&self) -> u32 {
-        self.child.id()
+        self.child.0.id()
     }
 
     /// Ends the server as Ctrl-C does.
     pub fn end(mut self) -> Result<()> {
-        done(Command::new("kill").args(["-INT", &self.child.id().to_string()]))?;
-        let status = self.child.wait()?;
+        done(Command::new("kill").args(["-INT", &self.id().to_string()]))?;
+        let status = self.child.0.wait()?;
         ensure!(status.success(), "the server ended with {status}");
         Ok(())
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        // the server has already ended, unless something failed
-        let _ = self.child.kill();
-        let _ = self.child.wait();
     }
 }
 

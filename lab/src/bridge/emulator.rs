@@ -1,10 +1,11 @@
 //! Runs the bridge's firmware in QEMU.
 
+use crate::killed::Killed;
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Time limit for the emulator to listen.
@@ -20,9 +21,10 @@ pub enum Line {
 
 /// A running emulator, which ends when this value is dropped.
 pub struct Emulator {
-    qemu: Child,
-    device: String,
-    port: u16,
+    qemu: Killed,
+    pub device: String,
+    /// The TCP port on which QEMU serves the UART of a [`Line::Socket`].
+    pub port: u16,
 }
 
 impl Emulator {
@@ -45,7 +47,7 @@ impl Emulator {
             .spawn()
             .context("starting qemu-system-arm")?;
         let output = qemu.stdout.take().context("no output of the emulator")?;
-        let mut emulator = Self { qemu, device: format!("tcp:127.0.0.1:{port}"), port };
+        let mut emulator = Self { qemu: Killed(qemu), device: format!("tcp:127.0.0.1:{port}"), port };
         match line {
             Line::Socket => emulator.wait()?,
             Line::Serial => emulator.device = format!("bridge:{}", terminal(BufReader::new(output))?),
@@ -53,19 +55,10 @@ impl Emulator {
         Ok(emulator)
     }
 
-    pub fn device(&self) -> String {
-        self.device.clone()
-    }
-
-    /// The TCP port on which QEMU serves the UART of a [`Line::Socket`].
-    pub fn port(&self) -> u16 {
-        self.port
-    }
-
     fn wait(&mut self) -> Result<()> {
         let started = Instant::now();
         while TcpStream::connect(("127.0.0.1", self.port)).is_err() {
-            if let Some(status) = self.qemu.try_wait()? {
+            if let Some(status) = self.qemu.0.try_wait()? {
                 bail!("qemu-system-arm ended with {status}");
             }
             if started.elapsed() > START {
@@ -83,11 +76,4 @@ fn terminal(mut output: impl BufRead) -> Result<String> {
     output.read_line(&mut line)?;
     let path = line.split(' ').find(|word| word.starts_with("/dev/"));
     Ok(path.with_context(|| format!("qemu-system-arm said: {line}"))?.to_owned())
-}
-
-impl Drop for Emulator {
-    fn drop(&mut self) {
-        let _ = self.qemu.kill();
-        let _ = self.qemu.wait();
-    }
 }

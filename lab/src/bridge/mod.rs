@@ -73,8 +73,8 @@ impl Bench {
     fn findings(&self) -> Result<Findings> {
         let bytes_alike = script::compare(&self.emulator(Line::Socket)?, self.seed, SAMPLES)?;
         let probe = self.probe()?;
-        let capture_tcp = self.capture(&self.emulator(Line::Socket)?.device(), "tcp")?;
-        let capture_serial = self.capture(&self.emulator(Line::Serial)?.device(), "serial")?;
+        let capture_tcp = self.capture(&self.emulator(Line::Socket)?.device, "tcp")?;
+        let capture_serial = self.capture(&self.emulator(Line::Serial)?.device, "serial")?;
         let (calibration, calibration_in_process) = self.calibrate()?;
         Ok(Findings {
             seed: self.seed,
@@ -101,7 +101,7 @@ impl Bench {
 
     fn probe(&self) -> Result<Value> {
         let emulator = self.emulator(Line::Socket)?;
-        let found = self.json(&["probe", "--device", &emulator.device(), "--duration", "1s", "--json"])?;
+        let found = self.json(&["probe", "--device", &emulator.device, "--duration", "1s", "--json"])?;
         ensure!(found["lost_samples"] == 0 && found["fastest_clean_sclk_hz"] == 10_000_000, "probe found {found}");
         Ok(found)
     }
@@ -121,7 +121,7 @@ impl Bench {
         let calibrate = |device: &str| {
             self.json(&[&["calibrate", "--no-save", "--json", "--device", device], PLAN.as_slice()].concat())
         };
-        let (there, here) = (calibrate(&emulator.device())?, calibrate(&format!("twin:seed={}", self.seed))?);
+        let (there, here) = (calibrate(&emulator.device)?, calibrate(&format!("twin:seed={}", self.seed))?);
         let number = |of: &Value, key: &str| of[key].as_f64().with_context(|| format!("no {key} in {of}"));
         let shift_c = number(&there, "t3_c")? - number(&here, "t3_c")?;
         let here_dps = number(&here, "pbc_dps")? + shift_c * number(&here, "btc_dps_per_c")?;

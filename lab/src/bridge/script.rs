@@ -22,7 +22,7 @@ pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     let request = encode(&Request { tag: 1, command: start }, &mut room)?;
     let bytes = samples as usize * LEAST_BYTES;
 
-    let mut stream = TcpStream::connect(("127.0.0.1", emulator.port()))?;
+    let mut stream = TcpStream::connect(("127.0.0.1", emulator.port))?;
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.write_all(request)?;
     let mut theirs = vec![0; bytes];

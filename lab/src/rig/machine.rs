@@ -2,12 +2,13 @@
 
 use super::kernel::Kernel;
 use super::preferred;
+use crate::killed::Killed;
 use crate::venv::done;
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -17,7 +18,7 @@ const SSDT: &str = include_str!("part.dsl");
 const MARK: &str = "RIG ";
 
 pub struct Machine {
-    qemu: Child,
+    qemu: Killed,
     console: Receiver<String>,
     seen: Vec<String>,
     started: Instant,
@@ -62,7 +63,7 @@ impl Machine {
                 }
             }
         });
-        Ok(Self { qemu, console, seen: Vec::new(), started: Instant::now(), archive })
+        Ok(Self { qemu: Killed(qemu), console, seen: Vec::new(), started: Instant::now(), archive })
     }
 
     /// Waits until the script prints `text`, for `limit` at most.
@@ -95,7 +96,7 @@ impl Machine {
 
     /// Waits for the machine to end, and unpacks the guest's files to `folder`.
     pub fn files(mut self, folder: &Path) -> Result<()> {
-        self.qemu.wait()?;
+        self.qemu.0.wait()?;
         fs::create_dir_all(folder)?;
         done(Command::new("tar").arg("-xf").arg(&self.archive).arg("-C").arg(folder))
     }
@@ -103,13 +104,5 @@ impl Machine {
     fn last_lines(&self) -> String {
         let from = self.seen.len().saturating_sub(30);
         self.seen[from..].join("\n")
-    }
-}
-
-impl Drop for Machine {
-    fn drop(&mut self) {
-        // QEMU has already ended, unless something failed
-        let _ = self.qemu.kill();
-        let _ = self.qemu.wait();
     }
 }

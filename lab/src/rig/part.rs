@@ -1,15 +1,16 @@
 //! The twin as USB hardware, and its record of the bus.
 
 use super::preferred;
+use crate::killed::Killed;
 use crate::twin_usb::Summary;
 use anyhow::{Context, Result, ensure};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 /// A plugged-in part: a running `cargo xtask twin-usb`.
 pub struct UsbTwin {
-    process: Child,
+    process: Killed,
     summary: PathBuf,
     wire: PathBuf,
 }
@@ -39,25 +40,17 @@ impl UsbTwin {
         let mut command = preferred(&std::env::current_exe()?);
         command.arg("twin-usb").arg(socket).arg("--wire").arg(&wire).args(arguments);
         command.stdout(File::create(&summary)?).stderr(Stdio::null());
-        let process = command.spawn().context("starting the part")?;
+        let process = Killed(command.spawn().context("starting the part")?);
         Ok(Self { process, summary, wire })
     }
 
     pub fn unplug(mut self) -> Result<Record> {
-        let _ = Command::new("sh").arg("-c").arg(format!("kill -TERM {}", self.process.id())).status();
-        let status = self.process.wait()?;
+        let _ = Command::new("sh").arg("-c").arg(format!("kill -TERM {}", self.process.0.id())).status();
+        let status = self.process.0.wait()?;
         ensure!(status.success(), "the part ended with {status}");
         let summary = serde_json::from_str(&fs::read_to_string(&self.summary)?)?;
         let wire = fs::read_to_string(&self.wire)?;
         Ok(Record { summary, rates: reads(&wire, "48"), temps: reads(&wire, "4a") })
-    }
-}
-
-impl Drop for UsbTwin {
-    fn drop(&mut self) {
-        // the part has already ended, unless something failed
-        let _ = self.process.kill();
-        let _ = self.process.wait();
     }
 }
 

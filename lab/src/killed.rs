@@ -1,0 +1,13 @@
+//! A process that does not outlive the task that started it.
+
+use std::process::Child;
+
+/// A process that is killed on drop. It has already ended by then, unless something failed.
+pub struct Killed(pub Child);
+
+impl Drop for Killed {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
