@@ -121,44 +121,26 @@ fn default_unit(seed: u64) -> anyhow::Result<Option<DefaultUnit>> {
 /// to the last 150 s of the duration of F-51.
 fn warm_up(rig: &mut Rig, correction: &Correction) -> anyhow::Result<(f64, f64)> {
     let start_ns = rig.initialise()?;
-    let (mut first, mut last) = (Mean::default(), Mean::default());
+    let (mut first, mut last) = (Vec::new(), Vec::new());
     loop {
         let sample = rig.read()?;
         match (sample.t_ns - start_ns) / 1_000_000_000 {
-            0..10 => first.push(&sample, correction)?,
-            3020..3170 => last.push(&sample, correction)?,
+            0..10 => first.push(rates_dps(&sample, correction)?),
+            3020..3170 => last.push(rates_dps(&sample, correction)?),
             3170.. => break,
             _ => {}
         }
     }
-    ensure!(first.count > 0 && last.count > 0, "no samples in the second warm-up");
-    Ok((last.raw_dps() - first.raw_dps(), last.corrected_dps() - first.corrected_dps()))
+    ensure!(!first.is_empty() && !last.is_empty(), "no samples in the second warm-up");
+    let mean = |rates: &[[f64; 2]], which: usize| rates.iter().map(|r| r[which]).sum::<f64>() / rates.len() as f64;
+    let change = |which: usize| mean(&last, which) - mean(&first, which);
+    Ok((change(0), change(1)))
 }
 
-/// Sums of the raw and of the corrected rate, °/s, and the number of samples in them.
-#[derive(Default)]
-struct Mean {
-    raw: f64,
-    corrected: f64,
-    count: u64,
-}
-
-impl Mean {
-    fn push(&mut self, sample: &Sample, correction: &Correction) -> anyhow::Result<()> {
-        let (axis, reading) = (Axis::ADIS16130, Reading::from(sample));
-        let temp = reading.temp.context("a sample without temperature")?;
-        let rate_dps = axis.rate.value(reading.rate.into());
-        self.raw += rate_dps;
-        self.corrected += correction.apply(rate_dps, axis.temp.value(temp.into()));
-        self.count += 1;
-        Ok(())
-    }
-
-    fn raw_dps(&self) -> f64 {
-        self.raw / self.count as f64
-    }
-
-    fn corrected_dps(&self) -> f64 {
-        self.corrected / self.count as f64
-    }
+/// The rate of a sample, raw and corrected.
+fn rates_dps(sample: &Sample, correction: &Correction) -> anyhow::Result<[f64; 2]> {
+    let (axis, reading) = (Axis::ADIS16130, Reading::from(sample));
+    let temp = reading.temp.context("a sample without temperature")?;
+    let rate_dps = axis.rate.value(reading.rate.into());
+    Ok([rate_dps, correction.apply(rate_dps, axis.temp.value(temp.into()))])
 }
