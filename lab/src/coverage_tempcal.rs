@@ -1,5 +1,6 @@
 //! `cargo xtask coverage-tempcal`: fits the bias over temperature to simulated logs, and compares it with the truth.
 
+use crate::methods::least_squares::polynomial;
 use crate::residuals::rms;
 use crate::seeds::{self, for_each_seed};
 use anyhow::{Context, anyhow};
@@ -9,7 +10,6 @@ use rand_distr::StandardNormal;
 use std::ops::RangeInclusive;
 use std::time::Instant;
 use zerorate::temperature::curve::{AxisRecord, LagLikelihood, LogCurve, LogMeans, MeansBuilder};
-use zerorate_allan::linear::Cholesky;
 
 /// Command line of `cargo xtask coverage-tempcal`.
 #[derive(clap::Args)]
@@ -243,7 +243,8 @@ fn errors(kind: &Kind, seed: u64) -> anyhow::Result<Vec<AxisErrors>> {
         let truth = |temp_c: f64| kind.bias_dps(&log.terms_dps[axis], temp_c);
         let points = points(&log.temps_c, &log.rates_dps[axis]);
         let error = |order: usize| {
-            let terms = polynomial(&points, order)?;
+            let terms = polynomial(&points, order, |temp_c| (temp_c - 25.0) / 20.0)?;
+            let terms: Vec<f64> = terms.iter().enumerate().map(|(k, term)| term / 20_f64.powi(k as i32)).collect();
             let at = |temp_c: f64| terms.iter().rev().fold(0.0, |sum, term| sum * (temp_c - 25.0) + term);
             Some(without_mean(temps_c(&log).map(|temp_c| at(temp_c) - truth(temp_c))))
         };
@@ -276,17 +277,6 @@ fn points(temps_c: &[f64], rates_dps: &[f64]) -> Vec<(f64, f64)> {
         .zip(rates_dps.chunks_exact(per))
         .map(|(temps, rates)| (mean(temps), mean(rates)))
         .collect()
-}
-
-/// The coefficients of the least-squares polynomial of this order, in powers of T − 25 °C.
-fn polynomial(points: &[(f64, f64)], order: usize) -> Option<Vec<f64>> {
-    let powers = |temp_c: f64| -> Vec<f64> { (0..=order).map(|k| ((temp_c - 25.0) / 20.0).powi(k as i32)).collect() };
-    let all: Vec<(Vec<f64>, f64)> = points.iter().map(|(temp_c, rate)| (powers(*temp_c), *rate)).collect();
-    let product = |i: usize, j: usize| all.iter().map(|(powers, _)| powers[i] * powers[j]).sum::<f64>();
-    let rows = (0..=order).map(|i| (0..=i).map(|j| product(i, j)).collect()).collect();
-    let right = (0..=order).map(|i| all.iter().map(|(powers, rate)| powers[i] * rate).sum::<f64>());
-    let terms = Cholesky::new(rows, 0.0)?.solve(right);
-    Some(terms.iter().enumerate().map(|(k, term)| term / 20_f64.powi(k as i32)).collect())
 }
 
 fn without_mean(errors: impl Iterator<Item = f64> + Clone) -> f64 {

@@ -1,17 +1,11 @@
-//! The cubic polynomial that PX4 and ArduPilot fit.
+//! The polynomials that PX4 and ArduPilot fit.
 
 use zerorate::Correction;
 use zerorate_allan::linear::Cholesky;
 
 /// The correction by an unweighted cubic fit to temperatures and rates, about a reference temperature.
 pub fn cubic(points: &[(f64, f64)], reference_c: f64) -> Option<Correction> {
-    let powers = |temp_c: f64| [0, 1, 2, 3].map(|k| (temp_c - reference_c).powi(k));
-    let sum = |of: &dyn Fn(&[f64; 4], f64) -> f64| {
-        points.iter().map(|(temp_c, rate_dps)| of(&powers(*temp_c), *rate_dps)).sum::<f64>()
-    };
-    let rows = (0..4).map(|i| (0..=i).map(|j| sum(&|powers, _| powers[i] * powers[j])).collect()).collect();
-    let right = (0..4).map(|i| sum(&|powers, rate_dps| powers[i] * rate_dps));
-    let bias = Cholesky::new(rows, 0.0)?.solve(right);
+    let bias = polynomial(points, 3, |temp_c| temp_c - reference_c)?;
     Some(Correction {
         pbc_dps: -bias[0],
         btc_dps_per_c: -bias[1],
@@ -19,6 +13,16 @@ pub fn cubic(points: &[(f64, f64)], reference_c: f64) -> Option<Correction> {
         btc2_dps_per_c2: -bias[2],
         btc3_dps_per_c3: -bias[3],
     })
+}
+
+/// The coefficients of the least-squares polynomial of this order, in powers of `x` of the temperature.
+pub fn polynomial(points: &[(f64, f64)], order: usize, x: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
+    let powers = |temp_c: f64| -> Vec<f64> { (0..=order).map(|k| x(temp_c).powi(k as i32)).collect() };
+    let all: Vec<(Vec<f64>, f64)> = points.iter().map(|(temp_c, rate)| (powers(*temp_c), *rate)).collect();
+    let product = |i: usize, j: usize| all.iter().map(|(powers, _)| powers[i] * powers[j]).sum::<f64>();
+    let rows = (0..=order).map(|i| (0..=i).map(|j| product(i, j)).collect()).collect();
+    let right = (0..=order).map(|i| all.iter().map(|(powers, rate)| powers[i] * rate).sum::<f64>());
+    Some(Cholesky::new(rows, 0.0)?.solve(right))
 }
 
 #[cfg(test)]

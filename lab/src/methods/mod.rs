@@ -8,7 +8,7 @@ mod campaign;
 mod chamber;
 mod comparison;
 mod gls;
-mod least_squares;
+pub mod least_squares;
 mod page;
 mod picture;
 mod px4;
