@@ -5,7 +5,7 @@
 #[path = "../../crates/zerorate/tests/track/world.rs"]
 mod world;
 
-use crate::residuals::{DPH_PER_DPS, rms};
+use crate::residuals::{DPH_PER_DPS, median, rms};
 use crate::seeds::{self, for_each_seed};
 use adis16130_twin::Spec;
 use std::ops::RangeInclusive;
@@ -93,7 +93,7 @@ impl Tracking {
     fn row(&self, share: &str) -> String {
         let Self { static_dph, tracked_dph, ratios, inside, inside_at_end, learned, .. } = self;
         let least = ratios.first().copied().unwrap_or(f64::NAN);
-        let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
+        let median = median(ratios.clone());
         let turns = self.turns_learned.map_or("none".to_owned(), |share| format!("{share:.1} %"));
         format!(
             "| {share} | {static_dph:.1} | {tracked_dph:.1} | {:.2} | {least:.3} | {median:.2} | {} of {} | \

@@ -1,5 +1,6 @@
 //! Measures memory and file descriptors of a process over time.
 
+use crate::residuals::median;
 use crate::server::{descriptors, memory_mb};
 use anyhow::{Result, ensure};
 
@@ -29,12 +30,7 @@ impl Gauge {
     /// Medians of the second and of the last quarter, MB. The first quarter is ignored, because buffers fill then.
     fn quarters_mb(&self) -> [f64; 2] {
         let quarter = self.resident_mb.len() / 4;
-        let median = |readings: &[f64]| {
-            let mut sorted = readings.to_vec();
-            sorted.sort_by(f64::total_cmp);
-            sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
-        };
-        [median(&self.resident_mb[quarter..2 * quarter]), median(&self.resident_mb[3 * quarter..])]
+        [quarter..2 * quarter, 3 * quarter..self.resident_mb.len()].map(|part| median(self.resident_mb[part].to_vec()))
     }
 
     pub fn memory(&self) -> String {

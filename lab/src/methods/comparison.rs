@@ -1,7 +1,7 @@
 //! Compares the results of a method with the truth, for one recording and for many.
 
 use super::unit::{Recording, TEMPS};
-use crate::residuals::{DPH_PER_DPS, rms};
+use crate::residuals::{DPH_PER_DPS, median, rms};
 use std::time::Instant;
 use zerorate::temperature::{self, BiasCurve, TERMS};
 use zerorate::{Correction, Uncertainty};
@@ -130,12 +130,6 @@ fn orders(all: &[&Comparison]) -> Option<[f64; TERMS]> {
     all.iter().any(|judged| judged.order.is_some()).then(|| {
         std::array::from_fn(|order| percent(all.iter().filter(|judged| judged.order == Some(order)).count(), all))
     })
-}
-
-/// The median, the upper one of an even number of values; 0 for an empty list.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 fn percent<T>(count: usize, all: &[T]) -> f64 {
