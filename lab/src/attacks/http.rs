@@ -26,7 +26,7 @@ pub fn run(program: &Path) -> Result<Tally> {
     let mut tally = Tally::default();
     thread::scope(|scope| {
         let threads: Vec<_> = (0..TOGETHER).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().for_each(|thread| tally.extend(thread.join().expect("no thread panics")));
+        threads.into_iter().for_each(|thread| tally.0.extend(thread.join().expect("no thread panics")));
     });
     let after = answers(&exchange(&server.page, cases::SMUGGLED)?)?;
     ensure!(matches!(&after[..], [(200, _)]), "the server does not answer any more: {after:?}");

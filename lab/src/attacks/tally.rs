@@ -9,16 +9,13 @@ pub enum Outcome {
     Wrong(String),
 }
 
+/// The cases, each with its outcome.
 #[derive(Debug, Default)]
-pub struct Tally(Vec<(String, Outcome)>);
+pub struct Tally(pub Vec<(String, Outcome)>);
 
 impl Tally {
     pub fn note(&mut self, case: impl Into<String>, outcome: Outcome) {
         self.0.push((case.into(), outcome));
-    }
-
-    pub fn len(&self) -> usize {
-        self.0.len()
     }
 
     pub fn wrong(&self) -> usize {
@@ -42,14 +39,8 @@ impl Tally {
         let refused = self.count(|outcome| matches!(outcome, Outcome::Refused(_)));
         println!(
             "{part:10} {:4} cases: {right} right, {refused} refused with a reason, {} wrong",
-            self.len(),
+            self.0.len(),
             self.wrong()
         );
-    }
-}
-
-impl Extend<(String, Outcome)> for Tally {
-    fn extend<T: IntoIterator<Item = (String, Outcome)>>(&mut self, cases: T) {
-        self.0.extend(cases);
     }
 }

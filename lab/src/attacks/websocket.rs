@@ -51,10 +51,10 @@ pub fn run(program: &Path) -> Result<Option<Tally>> {
     });
     let mut tally = Tally::default();
     for output in parts {
-        tally.extend(found(&output?)?.into_iter().map(|found| (found.case.clone(), judge(&found))));
+        tally.0.extend(found(&output?)?.into_iter().map(|found| (found.case.clone(), judge(&found))));
     }
     server.end()?;
-    ensure!(tally.len() >= LEAST, "{} cases of {LEAST}", tally.len());
+    ensure!(tally.0.len() >= LEAST, "{} cases of {LEAST}", tally.0.len());
     Ok(Some(tally))
 }
 
