@@ -82,7 +82,7 @@ impl Class {
 
 /// All classes, in the order of docs/reference/reliability.md.
 fn classes() -> Vec<Class> {
-    let devices = [faults::CLASSES, capture::CLASSES, world::CLASSES, chamber::CLASSES];
+    let devices = [faults::CLASSES, capture::CLASSES, &world::classes(), chamber::CLASSES];
     let computers = [process::CLASSES, power::CLASSES, files::CLASSES, logs::CLASSES];
     [devices.concat(), computers.concat()].concat()
 }

@@ -31,17 +31,9 @@ const SWAYS: [Class; 2] = [
 ];
 const SWAY: &str = "sway of 0.01 to 0.2 °/s, 0.0001 to 0.001 Hz, of a whole recording";
 
-pub const CLASSES: &[Class] = &classes();
-
-const fn classes() -> [Class; FAULTS.len() + SWAYS.len()] {
-    let mut classes = [SWAYS[0]; FAULTS.len() + SWAYS.len()];
-    let mut index = 0;
-    while index < FAULTS.len() {
-        classes[index] = Class { name: NAMES[index], what: FAULTS[index].name, quick: 1, run: calibrate };
-        index += 1;
-    }
-    classes[index + 1] = SWAYS[1];
-    classes
+pub fn classes() -> Vec<Class> {
+    let of_faults = NAMES.into_iter().zip(FAULTS).map(|(name, fault)| Class::new(name, fault.name, 1, calibrate));
+    of_faults.chain(SWAYS).collect()
 }
 
 /// Noise of a mean over n seconds, expressed as a step of the supply, mV (0.0002 °/s/mV, F-01): white noise of
