@@ -10,8 +10,7 @@ use crate::tools::available;
 use crate::venv::done;
 use crate::{targets, web};
 use anyhow::{Result, ensure};
-use object::read::elf::{FileHeader, ProgramHeader};
-use object::{Endianness, elf};
+use object::Object;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -99,14 +98,5 @@ fn copy_all(from: &Path, to: &Path) -> Result<()> {
 
 /// True if an ELF file needs no loader for shared libraries.
 fn is_static(program: &Path) -> Result<bool> {
-    fn interpreted<H: FileHeader<Endian = Endianness>>(data: &[u8]) -> Result<bool> {
-        let header = H::parse(data)?;
-        let endian = header.endian()?;
-        Ok(header.program_headers(endian, data)?.iter().any(|segment| segment.p_type(endian) == elf::PT_INTERP))
-    }
-    let data = fs::read(program)?;
-    Ok(!match data.get(4) {
-        Some(&elf::ELFCLASS32) => interpreted::<elf::FileHeader32<Endianness>>(&data)?,
-        _ => interpreted::<elf::FileHeader64<Endianness>>(&data)?,
-    })
+    Ok(object::File::parse(&*fs::read(program)?)?.section_by_name(".interp").is_none())
 }
