@@ -7,14 +7,14 @@
 //! at each start from half a second of rate; here the level comes from the polynomial. ArduPilot's low-pass on the
 //! temperature is omitted too, because it makes no difference with this noise.
 
+use super::comparison::MethodResult;
 use super::least_squares::cubic;
 use super::unit::Recording;
-use zerorate::Correction;
 
 const RISE_C: f64 = 0.5;
 const REFERENCE_C: f64 = 35.0;
 
-pub fn fit(recording: &Recording) -> Option<Correction> {
+pub fn fit(recording: &Recording) -> Option<MethodResult> {
     let mut last_c = recording.means.first()?.temp_c;
     let (mut sum_dps, mut count) = (0.0, 0.0);
     let mut points = Vec::new();
@@ -26,5 +26,5 @@ pub fn fit(recording: &Recording) -> Option<Correction> {
             (last_c, sum_dps, count) = (mean.temp_c, 0.0, 0.0);
         }
     }
-    cubic(&points, REFERENCE_C)
+    Some(cubic(&points, REFERENCE_C)?.into())
 }

@@ -42,16 +42,8 @@ impl RecordingKind {
 pub const METHODS: [Method; 7] = [
     Method { name: RAW, recording: RecordingKind::Hour, fit: |recording| Some(raw(recording).into()) },
     Method { name: AN1042, recording: RecordingKind::Hour, fit: |recording| Some(an1042::fit(recording).into()) },
-    Method {
-        name: "PX4-style",
-        recording: RecordingKind::Hour,
-        fit: |recording| px4::fit(recording).map(MethodResult::from),
-    },
-    Method {
-        name: "ArduPilot-style",
-        recording: RecordingKind::Hour,
-        fit: |recording| ardupilot::fit(recording).map(MethodResult::from),
-    },
+    Method { name: "PX4-style", recording: RecordingKind::Hour, fit: px4::fit },
+    Method { name: "ArduPilot-style", recording: RecordingKind::Hour, fit: ardupilot::fit },
     Method { name: WARMUP, recording: RecordingKind::Hour, fit: gls::fit },
     Method { name: CYCLE, recording: RecordingKind::Cycle, fit: gls::fit },
     Method { name: CHAMBER, recording: RecordingKind::Chamber, fit: chamber::fit },

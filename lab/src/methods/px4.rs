@@ -2,14 +2,14 @@
 //! over 31 samples and averaged over 2000 intervals of temperature. An unweighted cubic about the middle of the span
 //! is fitted to the means. The log has ten samples per second (PX4's logging profile "thermal calibration").
 
+use super::comparison::MethodResult;
 use super::least_squares::cubic;
 use super::unit::Recording;
-use zerorate::Correction;
 
 const MEDIAN: usize = 31;
 const INTERVALS: usize = 2000;
 
-pub fn fit(recording: &Recording) -> Option<Correction> {
+pub fn fit(recording: &Recording) -> Option<MethodResult> {
     let temps: Vec<f64> = recording.means.iter().map(|mean| mean.temp_c).collect();
     let rates: Vec<f64> = recording.means.iter().map(|mean| mean.rate_dps).collect();
     let (low_c, high_c) =
@@ -25,7 +25,7 @@ pub fn fit(recording: &Recording) -> Option<Correction> {
     let mean = |(temp_sum, rate_sum, count): &(f64, f64, u32)| {
         (*count > 0).then(|| (temp_sum / f64::from(*count), rate_sum / f64::from(*count)))
     };
-    cubic(&sums.iter().filter_map(mean).collect::<Vec<_>>(), 0.5 * (low_c + high_c))
+    Some(cubic(&sums.iter().filter_map(mean).collect::<Vec<_>>(), 0.5 * (low_c + high_c))?.into())
 }
 
 /// The running median, with zeros beyond both ends like SciPy's `medfilt`.
