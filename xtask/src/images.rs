@@ -12,11 +12,6 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 pub const QEMU: Tool = Tool { program: "qemu-system-arm", package: "qemu-system-arm" };
 const PROJECT: &str = "firmware/qemu";
 
-/// Builds an image in the release profile and returns its path.
-pub fn image_of(name: &str) -> Result<PathBuf> {
-    build("release", name)
-}
-
 /// Builds an image and returns its path. The images `driver`, `empty` and `tracker` are built without the twin.
 pub fn build(profile: &str, name: &str) -> Result<PathBuf> {
     let target_dir = std::path::absolute("target/firmware")?;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use xtask::app;
 use xtask::arguments::Arguments;
-use xtask::images::{QEMU, image_of};
+use xtask::images::{self, QEMU};
 use xtask::tools::{self, Tool};
 use xtask::venv::done;
 use xtask::wheel;
@@ -138,7 +138,7 @@ fn bridge(wheel: &Wheel) -> Result<()> {
         return Ok(());
     }
     wheel::install_into(&wheel.python, &wheel.path)?;
-    let image = fs::canonicalize(image_of("bridge")?)?;
+    let image = images::build("release", "bridge")?;
     let mut pytest = Command::new(&wheel.python);
     pytest.args(["-m", "pytest", "-q", "-m", "bridge"]).env("ZERORATE_BRIDGE", image);
     done(pytest.current_dir(PACKAGE))

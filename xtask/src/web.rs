@@ -3,7 +3,7 @@
 //! All WebAssembly modules are builds of one crate with different features. Their dependencies are compiled once.
 
 use crate::arguments::Arguments;
-use crate::images::{QEMU, image_of};
+use crate::images::{self, QEMU};
 use crate::tools::{self, Tool};
 use crate::venv::{done, printed};
 use crate::{app, lab, targets};
@@ -201,7 +201,7 @@ fn browse(script: &str, purpose: &str) -> Result<()> {
     let mut command = npm(&["run", "--silent", script]);
     command.env("ZERORATE_PROGRAM", std::path::absolute(app::program()?)?);
     if tools::available(&[QEMU], "the page at a bridge")? {
-        command.env("ZERORATE_BRIDGE", std::path::absolute(image_of("bridge")?)?);
+        command.env("ZERORATE_BRIDGE", images::build("release", "bridge")?);
     }
     done(&mut command)
 }

@@ -8,7 +8,6 @@ mod firmware;
 mod script;
 
 use crate::app::ProgramArgs;
-use crate::firmware::{QEMU, image_of};
 use crate::targets;
 use crate::tools::available;
 use anyhow::{Context, Result, ensure};
@@ -18,6 +17,7 @@ use serde_json::Value;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
+use xtask::images::{self, QEMU};
 
 /// Number of samples of each capture, and number of samples that controller and host must send as the same bytes.
 const SAMPLES: u32 = 5_000;
@@ -45,7 +45,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     }
     targets::add_missing(["thumbv7em-none-eabihf"].into_iter())?;
     let program = args.program()?;
-    let bench = Bench { program, image: image_of("bridge")?, seed: args.seed };
+    let bench = Bench { program, image: images::build("release", "bridge")?, seed: args.seed };
     std::fs::create_dir_all(WORK)?;
     let started = Instant::now();
     let mut findings = bench.findings()?;

@@ -24,7 +24,7 @@ use scenario::Reading;
 use serde::Serialize;
 use std::process::Command;
 use tracking::TrackerState;
-pub use xtask::images::{QEMU, image_of};
+pub use xtask::images::QEMU;
 use xtask::images::{TARGET, build};
 
 /// Command line of `cargo xtask firmware`.
