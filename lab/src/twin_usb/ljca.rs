@@ -58,7 +58,8 @@ pub struct Ljca {
     /// The interrupt state of each GPIO line. A pending interrupt is reported once the line is unmasked.
     lines: [Line; PINS as usize],
     spi_mode: u8,
-    events: u32,
+    /// Number of events for the host since the adapter was last reset.
+    pub events: u32,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -120,11 +121,6 @@ impl Ljca {
         line.unmasked = false;
         self.events += 1;
         Some(message(GPIO, GPIO_EVENT, 0, &[1, RDY_PIN, 0]))
-    }
-
-    /// Number of events for the host since the adapter was last reset.
-    pub fn events(&self) -> u32 {
-        self.events
     }
 
     /// True if an edge of RDY would cause an event now.

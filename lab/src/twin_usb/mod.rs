@@ -82,7 +82,7 @@ fn serve(args: &TwinUsbArgs, spec: Spec) -> Result<Summary> {
     while !unplugged() && plug.turn()? {}
     // the host may have closed the connection already
     let _ = plug.stream.write_all(&plug.connection.disconnect_packet());
-    plug.part.finish(plug.ljca.events())
+    plug.part.finish(plug.ljca.events)
 }
 
 /// Time limit for the host to listen.
