@@ -8,6 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread;
+use std::time::{Duration, Instant};
 
 /// A running server. Dropping this value ends the server.
 pub struct Server {
@@ -47,6 +48,21 @@ impl Server {
 
     pub fn id(&self) -> u32 {
         self.child.0.id()
+    }
+
+    /// Waits until the server has closed all but this number of files and connections. Returns their number then.
+    pub fn settled(&self, most: usize) -> Result<usize> {
+        /// Longest wait. It exceeds any timeout of the server.
+        const PATIENCE: Duration = Duration::from_secs(120);
+        let begun = Instant::now();
+        loop {
+            let left = descriptors(self.id())?;
+            if left <= most {
+                return Ok(left);
+            }
+            ensure!(begun.elapsed() < PATIENCE, "{left} descriptors are open, in place of {most} at most");
+            thread::sleep(Duration::from_millis(200));
+        }
     }
 
     /// Ends the server as Ctrl-C does.

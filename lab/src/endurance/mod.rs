@@ -11,10 +11,10 @@ use crate::app;
 use crate::bench_serve::page;
 use crate::bench_serve::samples::CaptureSummary;
 use crate::server::{Server, descriptors};
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use gauge::Gauge;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Command line of `cargo xtask endurance`.
 #[derive(clap::Args)]
@@ -59,7 +59,7 @@ fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
     let mut gauge = Gauge::default();
     let visits = load::run(&server, hours, &mut gauge)?;
     let wall = begun.elapsed();
-    let left = settled(&server, idle)?;
+    let left = server.settled(idle + OWN)?;
     server.end()?;
     let recorded = CaptureSummary::of(program, &capture)?;
     let CaptureSummary { rows, lost, span_s, .. } = recorded;
@@ -86,17 +86,3 @@ fn kept_mb(hours: f64) -> f64 {
 /// Number of descriptors that the server may open for itself while it serves. Hundreds of visitors come and go, so a
 /// leak per visitor would exceed this number.
 const OWN: usize = 8;
-
-fn settled(server: &Server, before: usize) -> Result<usize> {
-    /// Longest wait. It exceeds any timeout of the server.
-    const PATIENCE: Duration = Duration::from_secs(120);
-    let begun = Instant::now();
-    loop {
-        let left = descriptors(server.id())?;
-        if left <= before + OWN {
-            return Ok(left);
-        }
-        ensure!(begun.elapsed() < PATIENCE, "{left} descriptors are open, and {before} were before the visitors came");
-        std::thread::sleep(Duration::from_millis(200));
-    }
-}
