@@ -19,69 +19,57 @@ OPCODES = {
 }  # fmt: skip
 
 
+# The fields of each record. B, H, I and Q are integers, s is a text, m a map of texts and n one of numbers. d, b and a
+# are bytes: the rest of the record, or behind their length of 32 or of 64 bits.
+LAYOUTS = {
+    "Header": "s:profile s:library",
+    "Footer": "Q:summary_start Q:summary_offset_start I:summary_crc",
+    "Schema": "H:id s:name s:encoding b:data",
+    "Channel": "H:id H:schema_id s:topic s:message_encoding m:metadata",
+    "Message": "H:channel_id I:sequence Q:log_time Q:publish_time d:data",
+    "ChunkIndex": "Q:message_start_time Q:message_end_time Q:chunk_start_offset Q:chunk_length "
+                  "n:message_index_offsets Q:message_index_length s:compression Q:compressed_size Q:uncompressed_size",
+    "Attachment": "Q:log_time Q:create_time s:name s:media_type a:data",
+    "AttachmentIndex": "Q:offset Q:length Q:log_time Q:create_time Q:data_size s:name s:media_type",
+    "Statistics": "Q:message_count H:schema_count I:channel_count I:attachment_count I:metadata_count I:chunk_count "
+                  "Q:message_start_time Q:message_end_time n:channel_message_counts",
+    "Metadata": "s:name m:metadata",
+    "MetadataIndex": "Q:offset Q:length s:name",
+    "SummaryOffset": "B:group_opcode Q:group_start Q:group_length",
+    "DataEnd": "I:data_section_crc",
+}  # fmt: skip
+
+
+def sized(data, form="<I"):
+    return struct.pack(form, len(data)) + data
+
+
 def text(value):
-    return struct.pack("<I", len(value.encode())) + value.encode()
-
-
-def blob(values):
-    return bytes(int(value) for value in values)
+    return sized(value.encode())
 
 
 def pairs(items):
-    joined = b"".join(items)
-    return struct.pack("<I", len(joined)) + joined
+    return sized(b"".join(items))
 
 
-def strings(values):
-    return pairs(text(key) + text(value) for key, value in sorted(values.items()))
+def field(code, value):
+    if code == "s":
+        return text(value)
+    if code == "m":
+        return pairs(text(key) + text(value) for key, value in sorted(value.items()))
+    if code == "n":
+        return pairs(struct.pack("<HQ", int(key), int(value)) for key, value in value.items())
+    if code in "dba":
+        data = bytes(int(byte) for byte in value)
+        return data if code == "d" else sized(data, "<I" if code == "b" else "<Q")
+    return struct.pack("<" + code, int(value))
 
 
-def numbers(values, form):
-    return pairs(struct.pack(form, int(key), int(value)) for key, value in values.items())
-
-
-def content(kind, f):
+def content(kind, fields):
     """The bytes of a record without its opcode and length."""
-    n = {key: int(value) for key, value in f.items() if isinstance(value, str) and value.lstrip("-").isdigit()}
-
-    def pack(form, *names):
-        return struct.pack("<" + form, *(n[name] for name in names))
-
-    if kind == "Header":
-        return text(f["profile"]) + text(f["library"])
-    if kind == "Footer":
-        return pack("QQI", "summary_start", "summary_offset_start", "summary_crc")
-    if kind == "Schema":
-        data = blob(f["data"])
-        return pack("H", "id") + text(f["name"]) + text(f["encoding"]) + struct.pack("<I", len(data)) + data
-    if kind == "Channel":
-        ids = pack("HH", "id", "schema_id")
-        return ids + text(f["topic"]) + text(f["message_encoding"]) + strings(f["metadata"])
-    if kind == "Message":
-        return pack("HIQQ", "channel_id", "sequence", "log_time", "publish_time") + blob(f["data"])
-    if kind == "ChunkIndex":
-        times = pack("QQQQ", "message_start_time", "message_end_time", "chunk_start_offset", "chunk_length")
-        offsets = numbers(f["message_index_offsets"], "<HQ") + pack("Q", "message_index_length")
-        return times + offsets + text(f["compression"]) + pack("QQ", "compressed_size", "uncompressed_size")
-    if kind == "Attachment":
-        data = blob(f["data"])
-        head = pack("QQ", "log_time", "create_time") + text(f["name"]) + text(f["media_type"])
-        body = head + struct.pack("<Q", len(data)) + data
-        return body + struct.pack("<I", zlib.crc32(body))
-    if kind == "AttachmentIndex":
-        head = pack("QQQQQ", "offset", "length", "log_time", "create_time", "data_size")
-        return head + text(f["name"]) + text(f["media_type"])
-    if kind == "Statistics":
-        counts = pack("QHIIIIQQ", "message_count", "schema_count", "channel_count", "attachment_count",
-                      "metadata_count", "chunk_count", "message_start_time", "message_end_time")  # fmt: skip
-        return counts + numbers(f["channel_message_counts"], "<HQ")
-    if kind == "Metadata":
-        return text(f["name"]) + strings(f["metadata"])
-    if kind == "MetadataIndex":
-        return pack("QQ", "offset", "length") + text(f["name"])
-    if kind == "SummaryOffset":
-        return pack("BQQ", "group_opcode", "group_start", "group_length")
-    return pack("I", "data_section_crc")
+    layout = (entry.split(":") for entry in LAYOUTS[kind].split())
+    body = b"".join(field(code, fields[name]) for code, name in layout)
+    return body + struct.pack("<I", zlib.crc32(body)) if kind == "Attachment" else body
 
 
 def framed(kind, body, padding=b""):
@@ -101,7 +89,7 @@ def chunked(records, features, padding):
             times.append(time)
         body += framed(kind, content(kind, fields))
     head = struct.pack("<QQQI", min(times, default=0), max(times, default=0), len(body), zlib.crc32(body))
-    chunk = framed("Chunk", head + text("") + struct.pack("<Q", len(body)) + body)
+    chunk = framed("Chunk", head + text("") + sized(body, "<Q"))
     for channel, entries in offsets.items() if "mx" in features else ():
         index = struct.pack("<H", channel) + pairs(struct.pack("<QQ", *entry) for entry in entries)
         chunk += framed("MessageIndex", index, padding)
