@@ -43,33 +43,18 @@ impl Graph {
 
     /// The shortest path with at least one use from a module to another, or back to itself.
     fn way<'a>(&'a self, from: &'a str, to: &str) -> Option<Vec<&'a str>> {
-        let mut before: BTreeMap<&str, &str> = BTreeMap::new();
-        let mut open = VecDeque::from([from]);
-        while let Some(module) = open.pop_front() {
-            for used in self.uses.get(module).into_iter().flat_map(BTreeMap::keys) {
-                if before.contains_key(used.as_str()) {
-                    continue;
-                }
-                before.insert(used, module);
+        let (mut seen, mut open) = (BTreeSet::new(), VecDeque::from([vec![from]]));
+        while let Some(way) = open.pop_front() {
+            for used in self.uses.get(way[way.len() - 1]).into_iter().flat_map(BTreeMap::keys) {
+                let longer = [&way[..], &[used.as_str()]].concat();
                 if used == to {
-                    return Some(back(&before, from, used));
+                    return Some(longer);
                 }
-                open.push_back(used);
+                if seen.insert(used) {
+                    open.push_back(longer);
+                }
             }
         }
         None
     }
-}
-
-/// The path from `from` to `to`. `before` has the predecessor of each module.
-fn back<'a>(before: &BTreeMap<&'a str, &'a str>, from: &str, to: &'a str) -> Vec<&'a str> {
-    let mut way = vec![to];
-    let mut module = before[to];
-    while module != from {
-        way.push(module);
-        module = before[module];
-    }
-    way.push(module);
-    way.reverse();
-    way
 }
