@@ -39,13 +39,13 @@ pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
         return FAULTS.iter().try_for_each(|fault| report_fault(args, fault));
     }
     if !args.default_units {
-        let units = for_each_seed(&args.seeds, args.threads, linear_unit)?;
+        let units = for_each_seed(args.seeds.clone(), args.threads, linear_unit)?;
         println!("{} linear units (curvature=0,hysteresis=0, --assume-linear), seeds {:?}:", units.len(), args.seeds);
         report_intervals("PBC", "°/s", units.iter().map(|unit| unit.pbc));
         report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.btc));
     }
     if !args.linear_units {
-        let all = for_each_seed(&args.seeds, args.threads, default_unit)?;
+        let all = for_each_seed(args.seeds.clone(), args.threads, default_unit)?;
         let units: Vec<DefaultUnit> = all.iter().flatten().copied().collect();
         println!("{} default units, {} refused, seeds {:?}:", units.len(), all.len() - units.len(), args.seeds);
         report_intervals("PBC", "°/s", units.iter().map(|unit| unit.judged.pbc));
@@ -70,7 +70,8 @@ struct DefaultUnit {
 
 /// Prints a row of the table in `docs/reference/accuracy.md`.
 fn report_fault(args: &CoverageArgs, fault: &Fault) -> anyhow::Result<()> {
-    let ended = for_each_seed(&args.seeds, args.threads, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
+    let ended =
+        for_each_seed(args.seeds.clone(), args.threads, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
     let count = |is: fn(&trial::TrialEnd) -> bool| ended.iter().filter(|ended| is(ended)).count();
     let refused = count(|ended| matches!(ended, trial::TrialEnd::Refused));
     let (silent, wrong) = (count(trial::TrialEnd::is_silent), count(trial::TrialEnd::is_wrong_and_silent));

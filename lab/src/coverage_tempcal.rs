@@ -128,7 +128,7 @@ pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for kind in KINDS.iter().filter(|kind| kind.name.contains(&args.only)) {
-        let logs = for_each_seed(&args.seeds, args.threads, |seed| errors(kind, seed))?;
+        let logs = for_each_seed(args.seeds.clone(), args.threads, |seed| errors(kind, seed))?;
         let axes: Vec<&AxisErrors> = logs.iter().flatten().collect();
         let of = |error: fn(&AxisErrors) -> f64| rms(axes.iter().map(|axis| error(axis)));
         let [cubic, quintic, curve] = [of(|axis| axis.cubic), of(|axis| axis.quintic), of(|axis| axis.curve)];

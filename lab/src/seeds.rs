@@ -2,7 +2,7 @@
 
 use anyhow::{Context, anyhow};
 use std::ops::RangeInclusive;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Mutex;
 
 /// Parses `FIRST..LAST`, which includes both ends.
 pub fn parse(text: &str) -> Result<RangeInclusive<u64>, String> {
@@ -14,14 +14,14 @@ pub fn parse(text: &str) -> Result<RangeInclusive<u64>, String> {
 
 /// Runs `unit` for every seed on several threads. The results are in the order of the seeds.
 pub fn for_each_seed<T: Send>(
-    seeds: &RangeInclusive<u64>,
+    seeds: impl Iterator<Item = u64> + Send,
     threads: usize,
     unit: impl Fn(u64) -> anyhow::Result<T> + Sync,
 ) -> anyhow::Result<Vec<T>> {
-    let next = AtomicU64::new(*seeds.start());
+    let waiting = Mutex::new(seeds);
     let worker = || {
-        let all = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)));
-        let mine = all.take_while(|seed| seeds.contains(seed));
+        let next = || waiting.lock().expect("no seed panics").next();
+        let mine = std::iter::from_fn(next);
         mine.map(|seed| Ok((seed, unit(seed).with_context(|| format!("seed {seed}"))?)))
             .collect::<anyhow::Result<Vec<_>>>()
     };

@@ -59,7 +59,8 @@ pub struct Tracking {
 
 /// Simulates a day for each unit, with `slow_turns` slow rotations per 21 other motions.
 pub fn days(seeds: &RangeInclusive<u64>, threads: usize, slow_turns: f64) -> anyhow::Result<Tracking> {
-    let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
+    let days =
+        for_each_seed(seeds.clone(), threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
     Ok(Tracking::of(&days))
 }
 

@@ -113,7 +113,7 @@ impl Units<'_> {
 
     /// Runs `one` for all units. Returns a summary for each entry of its results.
     fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Comparison>> + Sync) -> anyhow::Result<Vec<Summary>> {
-        let units = for_each_seed(self.seeds, self.threads, one)?;
+        let units = for_each_seed(self.seeds.clone(), self.threads, one)?;
         let columns = units.first().map_or(0, Vec::len);
         let column = |index: usize| units.iter().map(|unit| &unit[index]).collect::<Vec<_>>();
         Ok((0..columns).map(|index| Summary::of(&column(index))).collect())

@@ -14,14 +14,13 @@ mod verdict;
 mod world;
 
 use crate::app;
+use crate::seeds::for_each_seed;
 use anyhow::{Context, Result, bail, ensure};
 use bench::Bench;
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use verdict::{Count, Verdict};
 
@@ -141,27 +140,17 @@ impl FinishedClasses {
 fn try_class(args: &TrustArgs, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
     let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
-    let (next, count) = (AtomicU64::new(0), Mutex::new(Count::default()));
-    let worker = || -> Result<()> {
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= runs || ends.is_some_and(|ends| Instant::now() >= ends) {
-                return Ok(());
-            }
-            let seed = args.seed + index;
-            let verdict = (class.run)(bench, class.name, seed).with_context(|| format!("seed {seed}"))?;
-            if let Verdict::Silent(why) = &verdict {
-                println!(
-                    "WRONG AND SILENT: {why}\n    cargo xtask trust --only {} --seed {seed} --runs 1",
-                    class.name
-                );
-            }
-            count.lock().map_or_else(|poisoned| poisoned.into_inner().add(&verdict), |mut count| count.add(&verdict));
+    let verdicts = for_each_seed(args.seed..args.seed + runs, args.threads, |seed| {
+        if ends.is_some_and(|ends| Instant::now() >= ends) {
+            return Ok(None);
         }
-    };
-    std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..args.threads.max(1)).map(|_| scope.spawn(worker)).collect();
-        workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|_| bail!("a worker panicked")))
+        let verdict = (class.run)(bench, class.name, seed)?;
+        if let Verdict::Silent(why) = &verdict {
+            println!("WRONG AND SILENT: {why}\n    cargo xtask trust --only {} --seed {seed} --runs 1", class.name);
+        }
+        Ok(Some(verdict))
     })?;
-    Ok(count.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner))
+    let mut count = Count::default();
+    verdicts.iter().flatten().for_each(|verdict| count.add(verdict));
+    Ok(count)
 }
