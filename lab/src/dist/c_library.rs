@@ -1,6 +1,6 @@
 //! Archives of the C library: header, static library, and files for CMake and pkg-config.
 
-use super::{Folder, TARGET_DIR, VERSION, fill, papers, put, repository, without_paths};
+use super::{Folder, VERSION, build, fill, papers, put, repository};
 use crate::targets;
 use crate::tools::{Tool, available};
 use crate::venv::{done, printed};
@@ -60,10 +60,10 @@ fn name(kind: &Kind) -> String {
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(KINDS.iter().map(|kind| kind.target))?;
     for kind in &KINDS {
-        let library = build(kind)?;
+        let built = build("bindings/c/Cargo.toml", kind.target, ["--package", "zerorate-c"])?;
         let parent = folder.empty("c")?;
         let to = parent.join(name(kind));
-        put(&to.join("lib/libzerorate_c.a"), &fs::read(library)?)?;
+        put(&to.join("lib/libzerorate_c.a"), &fs::read(built.join("libzerorate_c.a"))?)?;
         for file in ["zerorate-config.cmake", "zerorate-config-version.cmake"] {
             fill(&format!("c/{file}"), &to.join("lib/cmake/zerorate").join(file), &[("VERSION", VERSION)])?;
         }
@@ -79,14 +79,6 @@ pub fn make(folder: &Folder) -> Result<()> {
         folder.pack(&parent, &name(kind))?;
     }
     Ok(())
-}
-
-fn build(kind: &Kind) -> Result<PathBuf> {
-    let mut cargo = Command::new("cargo");
-    cargo.args(["build", "--quiet", "--locked", "--release", "--manifest-path", "bindings/c/Cargo.toml"]);
-    cargo.args(["--package", "zerorate-c", "--target", kind.target, "--target-dir", TARGET_DIR]);
-    done(cargo.env("RUSTFLAGS", without_paths()?))?;
-    Ok(Path::new(TARGET_DIR).join(kind.target).join("release/libzerorate_c.a"))
 }
 
 /// Builds a small project with each archive, by CMake and by pkg-config, and runs it if possible.

@@ -1,14 +1,11 @@
 //! The bridge firmware for all boards: ELF for a debug probe, UF2 for a boot loader.
 
 use super::uf2::{self, Loader};
-use super::{Folder, TARGET_DIR, VERSION, without_paths};
+use super::{Folder, VERSION, build};
 use crate::firmware::image::Image;
 use crate::targets;
-use crate::venv::done;
 use anyhow::{Context, Result, ensure};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
 
 struct Board {
     name: &'static str,
@@ -59,7 +56,8 @@ fn name(board: &Board, form: &Form) -> String {
 pub fn make(folder: &Folder) -> Result<()> {
     targets::add_missing(BOARDS.iter().map(|board| board.target))?;
     for board in &BOARDS {
-        let image = fs::read(build(board)?)?;
+        let built = build("firmware/bridge/Cargo.toml", board.target, ["--features", board.features])?;
+        let image = fs::read(built.join(board.bin))?;
         for form in board.forms {
             let bytes = match form {
                 Form::Elf => image.clone(),
@@ -69,15 +67,6 @@ pub fn make(folder: &Folder) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn build(board: &Board) -> Result<PathBuf> {
-    let mut cargo = Command::new("cargo");
-    cargo.args(["build", "--quiet", "--locked", "--release", "--manifest-path", "firmware/bridge/Cargo.toml"]);
-    cargo.args(["--target", board.target, "--features", board.features]);
-    cargo.args(["--target-dir", TARGET_DIR]);
-    done(cargo.env("RUSTFLAGS", without_paths()?))?;
-    Ok(Path::new(TARGET_DIR).join(board.target).join("release").join(board.bin))
 }
 
 /// Checks the format of the files. The firmware is not run on a board.

@@ -140,6 +140,15 @@ fn python() -> Result<PathBuf> {
     Ok(std::path::absolute(venv::python("dist", Path::new("packaging/requirements.txt"))?)?)
 }
 
+/// Builds a package of a workspace of its own for a target. Returns the folder of the results.
+fn build(manifest: &str, target: &str, options: [&str; 2]) -> Result<PathBuf> {
+    let mut cargo = Command::new("cargo");
+    cargo.args(["build", "--quiet", "--locked", "--release", "--manifest-path", manifest]).args(options);
+    cargo.args(["--target", target, "--target-dir", TARGET_DIR]);
+    done(cargo.env("RUSTFLAGS", without_paths()?))?;
+    Ok(Path::new(TARGET_DIR).join(target).join("release"))
+}
+
 /// Compiler flags that remove this computer's paths from the output.
 fn without_paths() -> Result<String> {
     let home = std::env::var("CARGO_HOME").or_else(|_| std::env::var("HOME").map(|home| format!("{home}/.cargo")))?;
