@@ -53,12 +53,7 @@ impl Root {
         Ok(())
     }
 
-    /// A command that runs in the bare Debian, in its own process namespace and without network.
-    pub fn command(&self, program: &str) -> Command {
-        self.command_in("/", program)
-    }
-
-    /// Like [`Root::command`], but in `folder` of the bare Debian.
+    /// A command that runs in `folder` of the bare Debian, in its own process namespace and without network.
     pub fn command_in(&self, folder: &str, program: &str) -> Command {
         let mut command = Command::new("unshare");
         command.args(["--mount", "--pid", "--net", "--fork", "--kill-child"]);
@@ -69,7 +64,7 @@ impl Root {
     }
 
     pub fn script(&self, script: &str) -> Result<()> {
-        let status = self.command("/bin/sh").args(["-euc", script]).status()?;
+        let status = self.command_in("/", "/bin/sh").args(["-euc", script]).status()?;
         ensure!(status.success(), "in a bare Debian, `{script}` ended with {status}");
         Ok(())
     }
