@@ -2,8 +2,6 @@
 
 use crate::tools::{Tool, available};
 use anyhow::Result;
-use std::path::Path;
-use std::process::Command;
 
 /// A kind of computer that runs Linux.
 pub struct Machine {
@@ -47,14 +45,5 @@ impl Machine {
     pub fn runs_here(&self) -> Result<bool> {
         let Some(program) = self.emulator else { return Ok(true) };
         available(&[Tool { program, package: "qemu-user-static" }], &format!("running programs for {}", self.name))
-    }
-
-    /// A command that runs `program`, which was built for this machine. To limit its memory, `zerorate` starts itself
-    /// again. It cannot do that under an emulator, and then runs without the limit.
-    pub fn command(&self, program: &Path) -> Command {
-        let Some(emulator) = self.emulator else { return Command::new(program) };
-        let mut command = Command::new(emulator);
-        command.arg(program);
-        command
     }
 }

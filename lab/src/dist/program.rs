@@ -67,21 +67,22 @@ pub fn check(folder: &Folder) -> Result<()> {
 /// Runs the trial with a machine's program. Returns its output and files, or `None` if the program cannot run here.
 fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Observations>> {
     let program = folder.of(name(machine));
-    if machine.emulator.is_none() {
+    let Some(emulator) = machine.emulator else {
         let Some(root) = Root::unpack(folder)? else { return Ok(None) };
         root.copy(&program, "usr/bin/zerorate")?;
         let here = root.path("trial");
         copy_all(inputs, &here)?;
         return trial::run(|| root.command_in("trial", "/usr/bin/zerorate"), &here).map(Some);
-    }
+    };
     if !machine.runs_here()? {
         return Ok(None);
     }
     let here = folder.empty(&format!("trial-{}", machine.name))?;
     copy_all(inputs, &here)?;
     let command = || {
-        let mut command = machine.command(&program);
-        command.current_dir(&here);
+        // to limit its memory, zerorate starts itself again; under an emulator it cannot, and runs without the limit
+        let mut command = Command::new(emulator);
+        command.arg(&program).current_dir(&here);
         command
     };
     trial::run(command, &here).map(Some)
