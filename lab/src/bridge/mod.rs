@@ -47,9 +47,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     let program = args.program()?;
     let bench = Bench { program, image: images::build("release", "bridge")?, seed: args.seed };
     std::fs::create_dir_all(WORK)?;
-    let started = Instant::now();
-    let mut findings = bench.findings()?;
-    findings.duration_s = started.elapsed().as_secs_f64();
+    let findings = bench.findings()?;
     if args.json {
         println!("{}", serde_json::to_string_pretty(&findings)?);
     }
@@ -71,6 +69,7 @@ struct Bench {
 
 impl Bench {
     fn findings(&self) -> Result<Findings> {
+        let started = Instant::now();
         let bytes_alike = script::compare(&self.emulator(Line::Socket)?, self.seed, SAMPLES)?;
         let probe = self.probe()?;
         let capture_tcp = self.capture(&self.emulator(Line::Socket)?.device, "tcp")?;
@@ -78,7 +77,7 @@ impl Bench {
         let (calibration, calibration_in_process) = self.calibrate()?;
         Ok(Findings {
             seed: self.seed,
-            duration_s: 0.0,
+            duration_s: started.elapsed().as_secs_f64(),
             bytes_alike,
             probe,
             capture_tcp,

@@ -56,24 +56,21 @@ struct Outcome {
 
 pub fn run(args: &FirmwareArgs) -> Result<()> {
     targets::add_missing([TARGET].into_iter())?;
-    let mut figures = alone()?;
-    let emulated = available(&[QEMU], "the run in the emulator")?;
     let mut outcome = Outcome {
         seed: args.seed,
         readings_agreed: None,
         means_agreed: None,
         panic_symbols_in_driver: 0,
-        figures: Vec::new(),
+        figures: alone()?,
         versions: Versions { rustc: rustc_version()?, qemu: "none".to_owned() },
     };
-    if emulated {
+    if available(&[QEMU], "the run in the emulator")? {
         let report = Report::parse(&emulator::run(&build("release", "agreement")?, &[args.seed.to_string()])?)?;
         outcome.versions.qemu = emulator::version()?;
         outcome.readings_agreed = Some(compare(args.seed, &report.readings)?);
         outcome.means_agreed = Some(compare_tracked(args.seed, &report.tracked)?);
-        figures.splice(0..0, counted(&report)?);
+        outcome.figures.splice(0..0, counted(&report)?);
     }
-    outcome.figures = figures;
     show(args, &outcome)?;
     judge(args, &outcome)
 }
