@@ -44,7 +44,7 @@ fn token_length(rest: &str) -> usize {
         return until("\n");
     }
     if rest.starts_with("/*") {
-        return comment_length(rest);
+        return until("*/");
     }
     if let Some(hashes) = rest.strip_prefix('r').map(|rest| &rest[..rest.len() - rest.trim_start_matches('#').len()])
         && rest[1 + hashes.len()..].starts_with('"')
@@ -81,25 +81,6 @@ fn quoted_length(rest: &str, quote: char) -> usize {
         escaped = c == '\\' && !escaped;
     }
     rest.len()
-}
-
-/// Length in bytes of a block comment, which may contain further block comments.
-fn comment_length(rest: &str) -> usize {
-    let mut depth = 0;
-    let mut at = 0;
-    while at < rest.len() {
-        let step = match &rest.as_bytes()[at..] {
-            [b'/', b'*', ..] => (depth + 1, 2),
-            [b'*', b'/', ..] => (depth - 1, 2),
-            _ => (depth, 1),
-        };
-        depth = step.0;
-        at += step.1;
-        if depth == 0 {
-            break;
-        }
-    }
-    at
 }
 
 /// The tokens without items behind `#[cfg(test)]` or `#[cfg(all(test, …))]`.
