@@ -36,7 +36,7 @@ pub struct Line {
 }
 
 pub fn run(args: &BenchPeersArgs) -> Result<()> {
-    let python = venv::python("peers", Path::new("lab/tools/peers/requirements.txt"))?;
+    let python = venv::python("peers", "lab/tools/peers/requirements.txt")?;
     let peers = peers()?;
     let peers = || Command::new(&peers);
     let allantools = || {

@@ -3,10 +3,9 @@
 
 use crate::app;
 use crate::tools::{Tool, available, module_available};
-use crate::venv::done;
+use crate::venv::{self, done};
 use anyhow::Result;
 use std::process::Command;
-use xtask::wheel;
 
 const CLIENTS: Tool = Tool { program: "iio_info", package: "libiio-utils" };
 /// What the Python environment with pyadi-iio needs.
@@ -23,7 +22,7 @@ pub fn run() -> Result<()> {
     }
     let mut tests = Command::new("cargo");
     tests.arg("test").args(app::WHOLE.split(' ')).args(TESTS.split(' ')).env("ZERORATE_IIO_CLIENTS", "required");
-    match wheel::environment_with("adi", REQUIREMENTS) {
+    match venv::python("adi", REQUIREMENTS) {
         Ok(python) => drop(tests.env("ZERORATE_ADI_PYTHON", python)),
         Err(why) => println!("SKIPPED: pyadi-iio: {why:#}"),
     }

@@ -8,7 +8,7 @@ use xtask::app;
 use xtask::arguments::Arguments;
 use xtask::images::{self, QEMU};
 use xtask::tools::{self, Tool};
-use xtask::venv::done;
+use xtask::venv::{self, done};
 use xtask::wheel;
 
 type Part = fn(&Wheel) -> Result<()>;
@@ -127,7 +127,7 @@ fn certificate(wheel: &Wheel) -> Result<()> {
     if !tools::available(&[PANGO], "the tests of certificates")? {
         return Ok(());
     }
-    let python = wheel::environment_with("certificate", &format!("{CERTIFICATE}/requirements-test.txt"))?;
+    let python = venv::python("certificate", &format!("{CERTIFICATE}/requirements-test.txt"))?;
     wheel::install_into(&python, &wheel.path)?;
     wheel::install_into(&python, Path::new(CERTIFICATE))?;
     pytest(&python, CERTIFICATE, &["--durations=5"])
@@ -147,7 +147,7 @@ fn bridge(wheel: &Wheel) -> Result<()> {
 /// Prepares the Python environment for `stores`, `notebook`, `allantools` and the benchmark of the fleet: the packages
 /// of requirements-night.txt, and the wheel.
 fn night(wheel: &Wheel) -> Result<PathBuf> {
-    let python = wheel::environment_with("wheel-night", &format!("{PACKAGE}/requirements-night.txt"))?;
+    let python = venv::python("wheel-night", &format!("{PACKAGE}/requirements-night.txt"))?;
     wheel::install_into(&python, &wheel.path)?;
     Ok(python)
 }

@@ -1,18 +1,18 @@
 //! Python environments with stated packages below `target/`, and functions that run a command.
 
 use anyhow::{Context, Result, ensure};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
-/// The interpreter of the environment `target/venv-NAME` with everything in `requirements`. The environment is made or
-/// updated if necessary.
-pub fn python(name: &str, requirements: &Path) -> Result<PathBuf> {
-    let folder = PathBuf::from(format!("target/venv-{name}"));
+/// The absolute path of the interpreter of the environment `target/venv-NAME` with everything in `requirements`. The
+/// environment is made or updated if necessary.
+pub fn python(name: &str, requirements: &str) -> Result<PathBuf> {
+    let folder = std::path::absolute(format!("target/venv-{name}"))?;
     let python = folder.join("bin/python");
     if !python.exists() {
         done(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
     }
-    done(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--requirement"]).arg(requirements))?;
+    done(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--requirement", requirements]))?;
     Ok(python)
 }
 

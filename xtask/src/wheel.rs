@@ -15,17 +15,11 @@ pub fn environment() -> Result<Result<PathBuf, &'static str>> {
     if !has_venv.is_ok_and(|status| status.success()) {
         return Ok(Err("python3 with venv is missing (apt install python3-venv)"));
     }
-    match environment_with("wheel", REQUIREMENTS) {
+    match venv::python("wheel", REQUIREMENTS) {
         Ok(python) => Ok(Ok(python)),
         Err(_) if !reaches_registry() => Ok(Err("pip reaches no package registry")),
         Err(error) => Err(error),
     }
-}
-
-/// The absolute path of the interpreter of `target/venv-NAME`, with the packages in `requirements`.
-pub fn environment_with(name: &str, requirements: &str) -> Result<PathBuf> {
-    let python = venv::python(name, Path::new(requirements))?;
-    Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))
 }
 
 fn reaches_registry() -> bool {

@@ -28,7 +28,7 @@ pub enum Reading {
 
 /// A Python environment with PyArrow. If it cannot be made, prints that and returns `None`.
 pub fn python() -> Option<PathBuf> {
-    let python = venv::python("attacks", Path::new(REQUIREMENTS));
+    let python = venv::python("attacks", REQUIREMENTS);
     python.inspect_err(|why| println!("SKIPPED: readers of the projects, in Python: {why:#}")).ok()
 }
 

@@ -137,7 +137,7 @@ impl Folder {
 }
 
 fn python() -> Result<PathBuf> {
-    Ok(std::path::absolute(venv::python("dist", Path::new("packaging/requirements.txt"))?)?)
+    venv::python("dist", "packaging/requirements.txt")
 }
 
 /// Builds a package of a workspace of its own for a target. Returns the folder of the results.
