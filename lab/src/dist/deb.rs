@@ -4,7 +4,7 @@
 //! be compiled first. Its advantage is finding the libraries that a program needs, and `zerorate` needs none.
 
 use super::machine::{MACHINES, Machine};
-use super::root::Root;
+use super::root::{BARE, Root};
 use super::{Folder, VERSION, fill, papers, program, put, repository};
 use crate::tools::{Tool, available};
 use crate::venv::{done, printed};
@@ -104,7 +104,7 @@ fn documents(folder: &Folder, to: &Path) -> Result<()> {
 /// Installs each package in a bare Debian, uses it as an ordinary user, and removes it. Programs for other machines
 /// run under emulators. This machine's program is also run with the rights of the systemd unit.
 pub fn check(folder: &Folder) -> Result<()> {
-    let Some(root) = Root::unpack(folder)? else { return Ok(()) };
+    let Some(root) = Root::with(folder, BARE)? else { return Ok(()) };
     for machine in &MACHINES {
         root.copy(&folder.of(name(machine)), &name(machine))?;
         if machine.emulator.is_some() {

@@ -3,7 +3,7 @@
 //! The file contains Debian's glibc. With musl the program was 10 to 40 % slower (docs/reference/build.md).
 
 use super::machine::{MACHINES, Machine};
-use super::root::Root;
+use super::root::{BARE, Root};
 use super::trial::{self, Observations};
 use super::{Folder, TARGET_DIR, VERSION, without_paths};
 use crate::tools::available;
@@ -68,7 +68,7 @@ pub fn check(folder: &Folder) -> Result<()> {
 fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Observations>> {
     let program = folder.of(name(machine));
     let Some(emulator) = machine.emulator else {
-        let Some(root) = Root::unpack(folder)? else { return Ok(None) };
+        let Some(root) = Root::with(folder, BARE)? else { return Ok(None) };
         root.copy(&program, "usr/bin/zerorate")?;
         let here = root.path("trial");
         copy_all(inputs, &here)?;

@@ -10,17 +10,13 @@ use std::process::Command;
 
 const TOOLS: [Tool; 1] = [Tool { program: "mmdebstrap", package: "mmdebstrap" }];
 /// A package that is installed beside the base packages, because the package of `zerorate` depends on it.
-const BARE: &str = "adduser";
+pub const BARE: &str = "adduser";
 
 pub struct Root(PathBuf);
 
 impl Root {
-    /// A fresh bare Debian. If this process is not root, or mmdebstrap is missing, prints that and returns `None`.
-    pub fn unpack(folder: &Folder) -> Result<Option<Self>> {
-        Self::with(folder, BARE)
-    }
-
-    /// A bare Debian with these packages, separated by commas. The first call makes it and keeps it as an archive.
+    /// A fresh bare Debian with these packages, separated by commas. The first call keeps it as an archive. If this
+    /// process is not root, or mmdebstrap is missing, prints that and returns `None`.
     pub fn with(folder: &Folder, packages: &str) -> Result<Option<Self>> {
         if !is_root() {
             eprintln!("SKIPPED: a bare Debian to try things in: this needs root");
