@@ -8,8 +8,8 @@ use std::process::Command;
 
 /// Options of a short calibration, which suffices for a twin with `warmup_s=20`.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
-/// Files of other projects: a bag with zstd-compressed chunks. `lay_out` adds an SQLite file that is not a bag.
-const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-logs/fixtures/imu_zstd.mcap")];
+/// A bag of another project with zstd-compressed chunks. `lay_out` adds an SQLite file that is not a bag.
+const BAG: &str = "crates/zerorate-logs/fixtures/imu_zstd.mcap";
 
 /// The command lines, the exit code that each must have, and the files that it writes.
 fn steps() -> Vec<(String, i32, &'static [&'static str])> {
@@ -35,9 +35,7 @@ fn steps() -> Vec<(String, i32, &'static [&'static str])> {
 pub type Observations = Vec<(String, Vec<u8>)>;
 
 pub fn lay_out(here: &Path) -> Result<()> {
-    for (name, from) in FOREIGN {
-        fs::copy(from, here.join(name)).with_context(|| from.to_owned())?;
-    }
+    fs::copy(BAG, here.join("bag.mcap")).context(BAG)?;
     let make = "import sqlite3; sqlite3.connect('none.db3').execute('create table notes (text)')";
     crate::venv::done(Command::new("python3").current_dir(here).args(["-c", make]))
 }
