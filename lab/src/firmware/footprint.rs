@@ -4,7 +4,6 @@ use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 
 pub const PAGE: &str = "docs/reference/footprint.md";
 
@@ -62,11 +61,7 @@ fn committed(what: &str, page: &str) -> Option<u64> {
     row.get(2)?.parse().ok()
 }
 
-/// The page as committed; empty if there is none yet.
 pub fn read() -> Result<String> {
-    if !Path::new(PAGE).exists() {
-        return Ok(String::new());
-    }
     fs::read_to_string(PAGE).context(PAGE)
 }
 
