@@ -31,18 +31,16 @@ const POST: &[u8] = b"POST /token HTTP/1.1\r\nHost: localhost\r\n";
 pub fn all() -> Vec<Case> {
     let mut all = transfer_encodings();
     all.extend(special_bytes());
-    all.extend(CONTENT_LENGTHS.iter().map(|(name, line, expected)| {
-        case(&format!("length: {name}"), *expected, &[POST, line, b"\r\n\r\nhello", SMUGGLED])
-    }));
+    for (name, line, expected) in CONTENT_LENGTHS {
+        all.push(case(&format!("length: {name}"), expected, &[POST, line, b"\r\n\r\nhello", SMUGGLED]));
+    }
     let chunked = b"Transfer-Encoding: chunked\r\n\r\n";
-    all.extend(
-        CHUNKS.iter().map(|(name, body, expected)| {
-            case(&format!("chunk: {name}"), *expected, &[POST, chunked, body, SMUGGLED])
-        }),
-    );
-    all.extend(
-        HEADS.iter().map(|(name, head, expected)| case(&format!("head: {name}"), *expected, &[head, SMUGGLED])),
-    );
+    for (name, body, expected) in CHUNKS {
+        all.push(case(&format!("chunk: {name}"), expected, &[POST, chunked, body, SMUGGLED]));
+    }
+    for (name, head, expected) in HEADS {
+        all.push(case(&format!("head: {name}"), expected, &[head, SMUGGLED]));
+    }
     let long = [b"GET /home.json HTTP/1.1\r\nHost: localhost\r\nX: ", "x".repeat(1 << 17).as_bytes()].concat();
     all.push(case("head: 128 KiB", Refused, &[&long, b"\r\n\r\n", SMUGGLED]));
     let many = [b"GET /home.json HTTP/1.1\r\nHost: localhost\r\n", "X: y\r\n".repeat(500).as_bytes()].concat();
