@@ -122,12 +122,8 @@ fn on_controller(seed: u64, expected: &str) -> Result<()> {
     gcc.args(m4f).args(["-Os", "-ffunction-sections", "-fdata-sections", "--specs=rdimon.specs"]);
     gcc.args(["tests/agree.c", "tests/startup.c"].map(|source| Path::new(PROJECT).join(source)));
     gcc.arg(build("zerorate-c", Some(M4F))?).arg(build("zerorate-c-twin", Some(M4F))?);
-    gcc.arg("-T").arg(Path::new(PROJECT).join("tests/image.ld")).args([
-        "-Wl,--gc-sections",
-        "-Wl,--no-warnings",
-        "-o",
-    ]);
-    done(gcc.arg(&image))?;
+    gcc.arg("-T").arg(Path::new(PROJECT).join("tests/image.ld"));
+    done(gcc.args(["-Wl,--gc-sections", "-Wl,--no-warnings", "-o"]).arg(&image))?;
     same(expected, &emulate(&image, &[seed.to_string()])?, "on the controller")
 }
 

@@ -131,14 +131,7 @@ impl Product {
         let mut linked = BTreeSet::new();
         for build in self.builds {
             let mut tree = Command::new("cargo");
-            tree.args([
-                "tree",
-                "--quiet",
-                "--locked",
-                "--edges=normal,no-proc-macro",
-                "--prefix=none",
-                "--format={p}",
-            ]);
+            tree.args("tree --quiet --locked --edges=normal,no-proc-macro --prefix=none --format={p}".split(' '));
             tree.args(["--manifest-path", self.manifest, "--package", self.package, "--target", build.target]);
             if !build.features.is_empty() {
                 tree.args(["--features", build.features]);

@@ -32,11 +32,8 @@ pub fn make(folder: &Folder) -> Result<()> {
         maturin.args(["--target", target, "--target-dir", TARGET_DIR, "--out"]).arg(&folder.dist);
         done(maturin.env("SOURCE_DATE_EPOCH", &folder.epoch))?;
         let wheel = folder.of(name(machine));
-        println!(
-            "{}: {:.1} MB",
-            name(machine),
-            wheel.metadata().context("maturin named it otherwise")?.len() as f64 / 1e6
-        );
+        let bytes = wheel.metadata().context("maturin named it otherwise")?.len();
+        println!("{}: {:.1} MB", name(machine), bytes as f64 / 1e6);
     }
     Ok(())
 }
