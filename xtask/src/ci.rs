@@ -4,7 +4,7 @@
 //! the program, the lab, the wheel and the book of the later steps use that build. Random samples, checks that depend
 //! on the date, and tests with a Linux kernel belong to `cargo xtask night`. Each step must pass on a busy machine.
 
-use crate::steps::{self, AtFailure, Pace, Step};
+use crate::steps::{self, AtFailure, Step};
 use crate::{check, test};
 use anyhow::Result;
 use xtask::arguments::Arguments;
@@ -21,43 +21,34 @@ const REST: [Step; 13] = [
         .about("Reading and checking a log costs at most half of its deviations, in instructions")
         .installing("valgrind"),
     // the longest steps first, so that none runs alone at the end
-    Step::new("web", "xtask web --check")
+    Step::beside("web", "xtask web --check")
         .about("The page of the program, tested in Chromium: served bench and reader of logs")
-        .at(Pace::Beside)
         .installing("chromium"),
-    Step::new("python", "xtask python")
+    Step::beside("python", "xtask python")
         .about("The wheel, its tests and type checkers")
-        .at(Pace::Beside)
         .installing("what requirements-test.txt names, below target/"),
-    Step::new("bridge", "xtask bridge")
+    Step::beside("bridge", "xtask bridge")
         .about("The program at a bridge in an emulator, over good and bad cables")
-        .at(Pace::Beside)
         .installing("qemu-system-arm"),
-    Step::new(
+    Step::beside(
         "test-bridge",
         "test --manifest-path firmware/Cargo.toml -p firmware-bridge --locked --target-dir target/firmware",
     )
-    .about("The bridge on this computer, with the twin as the sensor")
-    .at(Pace::Beside),
-    Step::new("serve", "xtask bench-serve --check")
+    .about("The bridge on this computer, with the twin as the sensor"),
+    Step::beside("serve", "xtask bench-serve --check")
         .about("20 pages and 4 libiio clients watch a minute of the twin, and the recording loses nothing")
-        .at(Pace::Beside)
         .installing("libiio-utils"),
-    Step::new("firmware", "xtask firmware")
+    Step::beside("firmware", "xtask firmware")
         .about("Results, instructions and bytes on a Cortex-M4F; a rise of more than 5 % fails")
-        .at(Pace::Beside)
         .installing("qemu-system-arm"),
-    Step::new("book", "xtask book --check")
+    Step::beside("book", "xtask book --check")
         .about("The book renders, its links lead somewhere, its commands run, three pages open in Chromium")
-        .at(Pace::Beside)
         .installing("chromium"),
-    Step::new("iiod", "xtask iiod")
+    Step::beside("iiod", "xtask iiod")
         .about("The libiio server, read by libiio's own clients and by pyadi-iio")
-        .at(Pace::Beside)
         .installing("libiio-utils python3-libiio, what lab/iiod-requirements.txt names, below target/"),
-    Step::new("c", "xtask c")
+    Step::beside("c", "xtask c")
         .about("The C library, and C against Rust on the host and on an emulated Cortex-M4F")
-        .at(Pace::Beside)
         .installing("build-essential gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"),
 ];
 

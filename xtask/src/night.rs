@@ -1,6 +1,6 @@
 //! `cargo xtask night`: campaigns with fresh seeds, and steps that need not run before each change.
 
-use crate::steps::{self, AtFailure, Pace, Step};
+use crate::steps::{self, AtFailure, Step};
 use anyhow::{Context, Result};
 use std::hash::{BuildHasher, RandomState};
 use xtask::arguments::Arguments;
@@ -33,43 +33,33 @@ const STEPS: [Step; 18] = [
         "test --manifest-path firmware/Cargo.toml -p firmware-examples --locked --target-dir target/firmware",
     )
     .about("The examples on this computer, with the twin as the sensor"),
-    Step::new("web-live", "xtask web --site target/site --live")
+    Step::beside("web-live", "xtask web --site target/site --live")
         .about("The static site with the page's second home, a twin and a bridge in the browser, in Chromium")
-        .at(Pace::Beside)
         .installing("nodejs npm clang chromium qemu-system-arm, what web/package-lock.json names in web/node_modules"),
-    Step::new("trust", "xtask trust --quick --seed {seed}")
-        .about("No result is wrong and silent where sensor, cable, disk, files or program break")
-        .at(Pace::Beside),
-    Step::new("python-more", "xtask python stores notebook allantools certificate bridge")
+    Step::beside("trust", "xtask trust --quick --seed {seed}")
+        .about("No result is wrong and silent where sensor, cable, disk, files or program break"),
+    Step::beside("python-more", "xtask python stores notebook allantools certificate bridge")
         .about("The fleet on Dask and S3, the notebook, allantools' own tests, certificates, an emulated bridge")
-        .at(Pace::Beside)
         .installing("what requirements-night.txt names, below target/; pango1.0-tools qemu-system-arm"),
-    Step::new("proofs", "xtask proofs --check --seed {seed}")
+    Step::beside("proofs", "xtask proofs --check --seed {seed}")
         .about("The C interface in Miri, and called at random under AddressSanitizer, where nightly Rust is installed")
-        .at(Pace::Beside)
         .installing("clang libclang-rt-dev"),
-    Step::new("mutants", "xtask mutants --share 120 --seed {seed} adis16130")
+    Step::beside("mutants", "xtask mutants --share 120 --seed {seed} adis16130")
         .about("The tests of the driver fail where one of nine lines is made wrong")
-        .at(Pace::Beside)
         .installing("cargo-mutants, below target/tools"),
-    Step::new("coverage", "xtask code-coverage --at-least 96 adis16130")
+    Step::beside("coverage", "xtask code-coverage --at-least 96 adis16130")
         .about("The tests of the driver reach its lines")
-        .at(Pace::Beside)
         .installing("cargo-llvm-cov, below target/tools"),
-    Step::new("methods", "xtask methods --quick --seed {seed}")
-        .about("Every way to calibrate, on a few units against their truth")
-        .at(Pace::Beside),
-    Step::new("endurance", "xtask endurance --check --seed {seed}")
+    Step::beside("methods", "xtask methods --quick --seed {seed}")
+        .about("Every way to calibrate, on a few units against their truth"),
+    Step::beside("endurance", "xtask endurance --check --seed {seed}")
         .about("Memory and descriptors stay while visitors come and go; the clock is set, a disk fills and is freed")
-        .at(Pace::Beside)
         .installing("libiio-utils faketime"),
-    Step::new("attacks", "xtask attacks http websocket libiio")
+    Step::beside("attacks", "xtask attacks http websocket libiio")
         .about("Smuggled requests, Autobahn's cases and libiio's test programs, turned on the server")
-        .at(Pace::Beside)
         .installing("libiio-utils, Autobahn's test suite below target/ where Python 2.7 is"),
-    Step::new("deny", "xtask deny")
+    Step::beside("deny", "xtask deny")
         .about("Advisories, licences and sources of every lock file, by cargo-deny")
-        .at(Pace::Beside)
         .installing("cargo-deny, below target/tools"),
     Step::new("rig", "xtask rig")
         .about("A stock Linux kernel reads the twin as hardware; it keeps the time, so it runs alone")

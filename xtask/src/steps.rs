@@ -17,7 +17,8 @@ pub struct Step {
     pub name: &'static str,
     env: Option<(&'static str, &'static str)>,
     args: &'static str,
-    pace: Pace,
+    /// True if the step runs at the same time as adjacent steps of this kind.
+    is_beside: bool,
     /// Describes what the step checks, in one line.
     about: &'static str,
     /// Programs that the step installs if they are missing, besides Rust targets.
@@ -26,23 +27,15 @@ pub struct Step {
     seed: u64,
 }
 
-/// How a step uses the machine.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Pace {
-    /// Uses all cores, or depends on real time: no other step runs at the same time.
-    Alone,
-    /// Waits, or uses one core: runs at the same time as adjacent steps of this kind.
-    Beside,
-}
-
 impl Step {
+    /// A step that uses all cores, or depends on real time.
     pub const fn new(name: &'static str, args: &'static str) -> Self {
-        Self { name, env: None, args, pace: Pace::Alone, about: "", installs: "", seed: 0 }
+        Self { name, env: None, args, is_beside: false, about: "", installs: "", seed: 0 }
     }
 
-    pub const fn at(mut self, pace: Pace) -> Self {
-        self.pace = pace;
-        self
+    /// A step that waits, or uses one core.
+    pub const fn beside(name: &'static str, args: &'static str) -> Self {
+        Self { is_beside: true, ..Self::new(name, args) }
     }
 
     pub const fn about(mut self, what: &'static str) -> Self {
@@ -138,7 +131,7 @@ pub fn run(chosen: &[Step], at_failure: AtFailure) -> Result<()> {
     targets::add_missing(chosen.iter().flat_map(Step::targets))?;
     let start = Instant::now();
     let (mut times, mut failed) = (Vec::new(), Vec::new());
-    for group in chosen.chunk_by(|a, b| a.pace == Pace::Beside && b.pace == Pace::Beside) {
+    for group in chosen.chunk_by(|a, b| a.is_beside && b.is_beside) {
         println!("\n=== {} of {}: {}", times.len() + 1, chosen.len(), names(group));
         for step in group.iter().filter(|step| !step.installs.is_empty()) {
             println!("{} installs, where it is missing: {}", step.name, step.installs);
