@@ -107,23 +107,17 @@ const UNREPORTED: f64 = 3.0;
 impl Findings {
     pub fn new(seed: u64, seen: &RigData, duration: Duration) -> Result<Self> {
         let files = Files(&seen.files);
-        let kernel_driver = KernelDriver::new(&files, &seen.iio)?;
-        let hid = Hid::new(&files)?;
-        let slow = SLOW_CAPTURES.map(|name| Stream::new(&files, name, &seen.spi));
-        let slow = slow.into_iter().collect::<Result<Vec<_>>>()?;
-        let fast = Stream::new(&files, "fast", &seen.fast)?;
-        let unplugged = Stream::new(&files, "cut", &seen.cut)?;
-        let calibration = Calibration::new(&files, seen)?;
+        let slow = SLOW_CAPTURES.into_iter().map(|name| Stream::new(&files, name, &seen.spi));
         let mut findings = Self {
             kernel_release: files.text("kernel")?,
             seed,
             duration_s: duration.as_secs_f64(),
-            kernel_driver,
-            hid,
-            slow,
-            fast,
-            calibration,
-            unplugged,
+            kernel_driver: KernelDriver::new(&files, &seen.iio)?,
+            hid: Hid::new(&files)?,
+            slow: slow.collect::<Result<_>>()?,
+            fast: Stream::new(&files, "fast", &seen.fast)?,
+            calibration: Calibration::new(&files, seen)?,
+            unplugged: Stream::new(&files, "cut", &seen.cut)?,
             checks: vec![],
         };
         findings.check(&files, seen)?;
