@@ -85,20 +85,15 @@ fn after(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     }
     let (name, device) = (format!("{}-{seed}", class.replace(' ', "-")), format!("twin:seed={seed}"));
     let Some(disk) = Disk::new(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
-    let (what, form) = class.rsplit_once(' ').unwrap_or(("", class));
+    let form = class.rsplit(' ').next().unwrap_or(class);
     let result = disk.file(&format!("result.{}", if form == "calibrate" { "toml" } else { form }));
-    let log = disk.file("log.arrows");
-    match (what, form) {
-        (_, "calibrate") => {
-            bench.must(&[&["calibrate", "--device", &device, "-o", &result, "--log", &log], &SHORT[..]].concat())?;
-        }
-        (_, "h") => {
-            bench.must(&["export", &bench.file("unit.toml"), "--format", "c", "-o", &result])?;
-        }
-        _ => {
-            bench.must(&["capture", "--device", &device, "--samples", "9000", "-o", &result])?;
-        }
-    }
+    let (log, unit) = (disk.file("log.arrows"), bench.file("unit.toml"));
+    let args = match form {
+        "calibrate" => [&["calibrate", "--device", &device, "-o", &result, "--log", &log], &SHORT[..]].concat(),
+        "h" => vec!["export", &unit, "--format", "c", "-o", &result],
+        _ => vec!["capture", "--device", &device, "--samples", "9000", "-o", &result],
+    };
+    bench.must(&args)?;
     let Some(found) = disk.after_a_power_cut(&name)? else {
         return Ok(Verdict::Silent("the file system cannot be mounted any more".to_owned()));
     };
