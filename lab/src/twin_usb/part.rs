@@ -106,13 +106,14 @@ impl WallPart {
             wire.finish()?;
         }
         let (lost, truth) = (self.twin.lost_unread(), self.twin.truth());
+        let losses = |of: ChannelLosses| Losses { overwritten: of.overwritten, dropped: of.lost_new };
         Ok(Summary {
             seed: self.seed,
             mclk_hz: self.mclk_hz,
             duration_s: truth.t_ns as f64 * 1e-9,
             seen: self.seen,
-            lost_rate: lost.rate.into(),
-            lost_temp: lost.temp.into(),
+            lost_rate: losses(lost.rate),
+            lost_temp: losses(lost.temp),
             truth: Truth {
                 sensor_c: truth.sensor_c,
                 pbc_dps: truth.pbc_dps(truth.sensor_c),
@@ -152,14 +153,7 @@ impl Board for WallPart {
 
     fn rdy_high(&mut self) -> bool {
         self.catch_up();
-        let Ok(high) = self.rdy.is_high() else { return true };
-        high
-    }
-}
-
-impl From<ChannelLosses> for Losses {
-    fn from(losses: ChannelLosses) -> Self {
-        Self { overwritten: losses.overwritten, dropped: losses.lost_new }
+        self.rdy.is_high().unwrap_or(true)
     }
 }
 
