@@ -14,52 +14,40 @@ pub struct Product {
     pub name: &'static str,
     manifest: &'static str,
     package: &'static str,
-    builds: &'static [Build],
+    /// The targets, each with the features of its build.
+    builds: &'static [(&'static str, &'static str)],
 }
-
-struct Build {
-    target: &'static str,
-    features: &'static str,
-}
-
-const fn plain(target: &'static str) -> Build {
-    Build { target, features: "" }
-}
-
-const fn full(target: &'static str) -> Build {
-    Build { target, features: "full" }
-}
-
-const LINUX: [Build; 3] = [full(MACHINES[0].target), full(MACHINES[1].target), full(MACHINES[2].target)];
 
 pub const PRODUCTS: [Product; 5] = [
-    Product { name: "zerorate", manifest: "Cargo.toml", package: "zerorate-cli", builds: &LINUX },
+    Product {
+        name: "zerorate",
+        manifest: "Cargo.toml",
+        package: "zerorate-cli",
+        builds: &[(MACHINES[0].target, "full"), (MACHINES[1].target, "full"), (MACHINES[2].target, "full")],
+    },
     Product {
         name: "zerorate-python",
         manifest: "Cargo.toml",
         package: "zerorate-python",
-        builds: &[plain("x86_64-unknown-linux-gnu"), plain("aarch64-unknown-linux-gnu")],
+        builds: &[("x86_64-unknown-linux-gnu", ""), ("aarch64-unknown-linux-gnu", "")],
     },
     Product {
         name: "zerorate-c",
         manifest: "bindings/c/Cargo.toml",
         package: "zerorate-c",
-        builds: &[plain("thumbv7em-none-eabihf")],
+        builds: &[("thumbv7em-none-eabihf", "")],
     },
     Product {
         name: "zerorate-bridge",
         manifest: "firmware/Cargo.toml",
         package: "firmware-bridge",
-        builds: &[
-            Build { target: "thumbv7em-none-eabihf", features: "stm32f4" },
-            Build { target: "thumbv6m-none-eabi", features: "rp2040" },
-        ],
+        builds: &[("thumbv7em-none-eabihf", "stm32f4"), ("thumbv6m-none-eabi", "rp2040")],
     },
     Product {
         name: "zerorate-page",
         manifest: "Cargo.toml",
         package: "zerorate-web",
-        builds: &[Build { target: "wasm32-unknown-unknown", features: "wasm-log" }],
+        builds: &[("wasm32-unknown-unknown", "wasm-log")],
     },
 ];
 
@@ -129,12 +117,12 @@ impl Product {
     /// Name and version of each linked crate. Macros and build dependencies are not included.
     fn linked(&self) -> Result<BTreeSet<String>> {
         let mut linked = BTreeSet::new();
-        for build in self.builds {
+        for (target, features) in self.builds {
             let mut tree = Command::new("cargo");
             tree.args("tree --quiet --locked --edges=normal,no-proc-macro --prefix=none --format={p}".split(' '));
-            tree.args(["--manifest-path", self.manifest, "--package", self.package, "--target", build.target]);
-            if !build.features.is_empty() {
-                tree.args(["--features", build.features]);
+            tree.args(["--manifest-path", self.manifest, "--package", self.package, "--target", target]);
+            if !features.is_empty() {
+                tree.args(["--features", features]);
             }
             for line in printed(&mut tree)?.lines() {
                 let (name, rest) = line.split_once(" v").with_context(|| format!("cargo tree printed `{line}`"))?;
