@@ -90,9 +90,8 @@ fn connect(address: &str) -> Result<TcpStream> {
     let mut answer = Vec::new();
     // read byte by byte, because frames follow directly
     while !answer.ends_with(b"\r\n\r\n") {
-        let mut byte = [0];
-        stream.read_exact(&mut byte)?;
-        answer.extend(byte);
+        let [byte] = bytes(&mut stream)?;
+        answer.push(byte);
     }
     let answer = String::from_utf8_lossy(&answer);
     ensure!(answer.contains(" 101 "), "no WebSocket: {answer}");
@@ -101,25 +100,22 @@ fn connect(address: &str) -> Result<TcpStream> {
 
 /// Reads a message of the server, which is not masked (RFC 6455, 5.2). Returns its first byte and its content.
 fn message(stream: &mut impl BufRead) -> Result<(u8, Vec<u8>)> {
-    let mut head = [0; 2];
-    stream.read_exact(&mut head)?;
-    let length = match head[1] {
-        126 => {
-            let mut length = [0; 2];
-            stream.read_exact(&mut length)?;
-            u16::from_be_bytes(length).into()
-        }
-        127 => {
-            let mut length = [0; 8];
-            stream.read_exact(&mut length)?;
-            u64::from_be_bytes(length)
-        }
+    let [first, length] = bytes(stream)?;
+    let length: u64 = match length {
+        126 => u16::from_be_bytes(bytes(stream)?).into(),
+        127 => u64::from_be_bytes(bytes(stream)?),
         short => short.into(),
     };
     let mut message = Vec::new();
     stream.take(length).read_to_end(&mut message)?;
     ensure!(message.len() as u64 == length, "the server hung up");
-    Ok((head[0], message))
+    Ok((first, message))
+}
+
+fn bytes<const N: usize>(stream: &mut impl Read) -> Result<[u8; N]> {
+    let mut bytes = [0; N];
+    stream.read_exact(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Parses the header of a frame. Checks that the payload has the length that the header's strips state.
