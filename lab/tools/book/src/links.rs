@@ -61,11 +61,8 @@ fn leads(
 /// The values of an HTML attribute in a page.
 fn values<'a>(text: &'a str, attribute: &str) -> impl Iterator<Item = &'a str> {
     let opening = format!(" {attribute}=\"");
-    text.match_indices(&opening)
-        .map(|(at, found)| at + found.len())
-        .collect::<Vec<_>>()
-        .into_iter()
-        .filter_map(|at| text[at..].split('"').next())
+    let behind: Vec<&str> = text.split(&opening).skip(1).collect();
+    behind.into_iter().filter_map(|rest| rest.split('"').next())
 }
 
 /// True if a URL leads to another site.
