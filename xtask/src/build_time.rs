@@ -36,11 +36,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let program = folder.join("release/zerorate");
     println!("{:44} {:8.1} MB", "the program, profile release", program.metadata()?.len() as f64 / 1e6);
     for entry in fs::read_dir(target_folder()?.join("dist")).into_iter().flatten() {
-        let (name, size) = (entry.as_ref().map(fs::DirEntry::file_name), entry.as_ref().map(fs::DirEntry::metadata));
-        if let (Ok(name), Ok(Ok(size))) = (name, size)
-            && name.to_string_lossy().ends_with("-linux")
-        {
-            println!("{:44} {:8.1} MB", name.to_string_lossy(), size.len() as f64 / 1e6);
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.ends_with("-linux") {
+            println!("{name:44} {:8.1} MB", entry.metadata()?.len() as f64 / 1e6);
         }
     }
     Ok(fs::remove_dir_all(&folder)?)
