@@ -69,7 +69,7 @@ fn table<'py, T: Element + Copy>(py: Python<'py>, columns: &[&[T]], rows: usize)
     PyArray1::from_iter(py, cells).reshape([rows, columns.len()])
 }
 
-/// Rate codes in °/s, before any correction (F-40).
+/// Converts rate codes of the ADIS16130 to °/s, without a correction (F-40).
 #[pyfunction]
 pub fn rate_dps<'py>(codes: PyReadonlyArray1<'py, u32>, width_bits: u32) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let width = width(width_bits)?;
@@ -77,7 +77,7 @@ pub fn rate_dps<'py>(codes: PyReadonlyArray1<'py, u32>, width_bits: u32) -> PyRe
     Ok(rates.to_pyarray(codes.py()))
 }
 
-/// Temperature codes in °C (F-41); NaN for −1, which marks a temperature that was not read.
+/// Converts temperature codes of the ADIS16130 to °C (F-41). −1, which marks a missing temperature, gives NaN.
 #[pyfunction]
 pub fn temp_c<'py>(codes: PyReadonlyArray1<'py, i32>, width_bits: u32) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let width = width(width_bits)?;

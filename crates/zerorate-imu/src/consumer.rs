@@ -14,7 +14,7 @@ const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 pub enum Format {
     /// Kalibr: imu.yaml, continuous densities.
     Kalibr,
-    /// OpenVINS: the chain file, the same densities below `imu0`.
+    /// OpenVINS: `kalibr_imu_chain.yaml`, with the keys and units of Kalibr below `imu0`.
     Openvins,
     /// VINS-Mono and VINS-Fusion: standard deviations of single samples.
     Vins,
@@ -139,7 +139,7 @@ const OPENVINS_REST: &str = "  T_i_b:
 
 fn openvins(file: &mut Text, numbers: &Numbers) {
     file.line("%YAML 1.0\n---");
-    file.head(numbers, Format::Openvins, "Continuous time, the same densities as Kalibr's");
+    file.head(numbers, Format::Openvins, "Continuous time, with the keys and units of Kalibr");
     file.line("imu0:");
     kalibr(file, numbers, "  ");
     file.line("  # not from this record, which was at rest: no rotation, no delay, scales of 1");

@@ -304,7 +304,7 @@ impl Sensor {
 }
 
 impl Rule {
-    /// The description of the rule, for the file.
+    /// Describes how N and K follow from the noise model, for the head of the file.
     #[must_use]
     pub fn words(self, usage: Usage, names: Names) -> String {
         let (horizon, as_fitted) = (names.of(Setting::Horizon), names.of(Setting::AsFitted));
@@ -337,7 +337,7 @@ impl Combine {
         }
     }
 
-    /// The description of the rule, for the file.
+    /// Describes how the numbers of several axes were combined, for the head of the file.
     #[must_use]
     pub fn words(self, names: Names) -> String {
         let taken = self.name();

@@ -75,7 +75,8 @@ impl NoiseModel {
         windows.iter().enumerate().map(|(i, a)| windows[..=i].iter().map(|b| covariance(a, b)).collect()).collect()
     }
 
-    /// Returns the model without its random walk, for the level of a mean instead of a change between means.
+    /// Returns the model without its random walk. A single mean needs it: the level of a random walk has no finite
+    /// variance, but a change between means has one.
     #[must_use]
     pub fn without_random_walk(self) -> Self {
         Self { rate_random_walk_dps_per_rt_s: 0.0, ..self }

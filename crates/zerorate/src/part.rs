@@ -136,7 +136,7 @@ impl Scale {
         }
     }
 
-    /// Returns the value of a code less the zero code, by a single division.
+    /// Returns the value of the code that lies `from_zero` codes above the zero code, by a single division.
     ///
     /// ```
     /// let axis = zerorate::Axis::ADIS16130;

@@ -100,8 +100,8 @@ impl Limits {
 const ROUGHNESS: u32 = 4;
 /// Divisor of the L of a marked reading when it counts as roughness for later readings.
 const MARK_SHARE: u32 = 2;
-/// Number of strict judgements for which a marked reading raises the threshold. The roughness of past readings lags by
-/// three readings, and includes the shock itself from then on.
+/// A marked reading raises the threshold of the strict judgements before this one. By then, the roughness of past
+/// readings, which lags by three readings, includes the shock.
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the number of readings over which the roughness of past readings fades.
 const FADING: u32 = 5;
@@ -151,7 +151,7 @@ pub(crate) struct Plausible {
 #[derive(Clone, Copy, Debug, Default)]
 struct Shock {
     roughness: u32,
-    /// Number of strict judgements for which `roughness` still raises the threshold. After them, the recent readings
+    /// One more than the number of strict judgements for which `roughness` still raises the threshold. After them, the recent readings
     /// themselves show the roughness of the shock.
     left: u8,
 }

@@ -89,7 +89,7 @@ struct Bin {
     temp_c: f64,
 }
 
-/// Number of bins of a record, without the short ones at its ends.
+/// The longest bins last 1/280 of the record, rounded up to whole seconds.
 const BINS: u32 = 280;
 
 /// Averages the record into bins, shorter ones at its ends. Bins with at most half of their seconds are left out.
