@@ -35,138 +35,81 @@ impl Quantity {
 /// Standard gravity, m/s² (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// A unit of angular rate or of acceleration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
+/// Makes [`Unit`] from a row for each: its variant, its symbol, its quantity, its size in °/s or m/s², all accepted
+/// names in the spelling of [`plain`], and the endings of column names that state it without a slash.
+macro_rules! units {
+    ($($(#[$doc:meta])* $unit:ident $symbol:literal $quantity:ident $size:expr, $names:expr, $endings:expr;)*) => {
+        /// A unit of angular rate or of acceleration.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Unit { $($(#[$doc])* $unit),* }
+
+        impl Unit {
+            /// All units.
+            pub const ALL: [Self; [$($symbol),*].len()] = [$(Self::$unit),*];
+
+            /// The quantity that the unit measures: angular rate or acceleration.
+            pub fn quantity(self) -> Quantity {
+                match self { $(Self::$unit => Quantity::$quantity),* }
+            }
+
+            /// The symbol of the unit in options and results, such as `dps` or `m/s²`.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$unit => $symbol),* }
+            }
+
+            /// Size of the unit in °/s or m/s². 1 rad = 180°/π.
+            pub fn in_results(self) -> f64 {
+                match self { $(Self::$unit => $size),* }
+            }
+
+            fn names(self) -> &'static [&'static str] {
+                match self { $(Self::$unit => &$names),* }
+            }
+
+            fn endings(self) -> &'static [&'static str] {
+                match self { $(Self::$unit => &$endings),* }
+            }
+        }
+    };
+}
+
+units! {
     /// °/s.
-    Dps,
+    Dps "dps" AngularRate 1.0,
+        ["dps", "deg/s", "degs/s", "degs-1", "degps"], ["dps", "deg_s", "deg_per_s", "deg_per_sec", "degps"];
     /// 0.001 °/s.
-    Mdps,
+    Mdps "mdps" AngularRate 1e-3, ["mdps", "mdeg/s"], ["mdps", "mdeg_s", "mdeg_per_s"];
     /// °/min.
-    DegPerMin,
+    DegPerMin "deg/min" AngularRate 1.0 / 60.0, ["deg/min", "dpm"], ["dpm", "deg_min", "deg_per_min"];
     /// °/h.
-    DegPerH,
+    DegPerH "deg/h" AngularRate 1.0 / 3600.0,
+        ["deg/h", "dph"], ["dph", "deg_h", "deg_hr", "deg_per_h", "deg_per_hr", "deg_per_hour"];
     /// rad/s.
-    RadPerS,
+    RadPerS "rad/s" AngularRate 180.0 / PI,
+        ["rad/s", "rads/s", "rads-1", "radps"], ["rad_s", "rads", "radps", "rad_per_s", "rad_per_sec"];
     /// 0.001 rad/s.
-    MradPerS,
+    MradPerS "mrad/s" AngularRate 0.18 / PI, ["mrad/s", "mradps"], ["mrad_s", "mrads", "mradps", "mrad_per_s"];
     /// 0.000 001 rad/s.
-    UradPerS,
+    UradPerS "urad/s" AngularRate 0.000_18 / PI, ["urad/s", "uradps"], ["urad_s", "urads", "uradps", "urad_per_s"];
     /// Turns per minute.
-    Rpm,
+    Rpm "rpm" AngularRate 6.0, ["rpm", "rev/min", "r/min"], ["rpm"];
     /// m/s².
-    MPerS2,
+    MPerS2 "m/s²" Acceleration 1.0,
+        ["m/s2", "m/s/s", "ms-2", "mps2"], ["m_s2", "mps2", "m_per_s2", "ms2", "m_s_s"];
     /// Standard gravity, 9.806 65 m/s².
-    G,
+    G "g" Acceleration STANDARD_GRAVITY,
+        ["g", "gn", "g0", "gee", "gees", "g-force", "gforce"], ["g", "gee", "gees"];
     /// 0.001 g.
-    MilliG,
+    MilliG "mg" Acceleration STANDARD_GRAVITY * 1e-3, ["mg"], ["mg", "milli_g"];
     /// 0.000 001 g.
-    MicroG,
+    MicroG "ug" Acceleration STANDARD_GRAVITY * 1e-6, ["ug"], ["ug", "micro_g"];
     /// cm/s², or Gal.
-    CmPerS2,
+    CmPerS2 "cm/s²" Acceleration 1e-2, ["cm/s2", "cm/s/s", "cms-2", "gal"], ["cm_s2", "cm_per_s2", "cms2", "gal"];
     /// mm/s².
-    MmPerS2,
+    MmPerS2 "mm/s²" Acceleration 1e-3, ["mm/s2", "mm/s/s", "mms-2"], ["mm_s2", "mm_per_s2", "mms2"];
 }
 
 impl Unit {
-    /// All units.
-    pub const ALL: [Self; 14] = [
-        Self::Dps,
-        Self::Mdps,
-        Self::DegPerMin,
-        Self::DegPerH,
-        Self::RadPerS,
-        Self::MradPerS,
-        Self::UradPerS,
-        Self::Rpm,
-        Self::MPerS2,
-        Self::G,
-        Self::MilliG,
-        Self::MicroG,
-        Self::CmPerS2,
-        Self::MmPerS2,
-    ];
-
-    /// The quantity that the unit measures: angular rate or acceleration.
-    pub fn quantity(self) -> Quantity {
-        match self {
-            Self::MPerS2 | Self::G | Self::MilliG | Self::MicroG | Self::CmPerS2 | Self::MmPerS2 => {
-                Quantity::Acceleration
-            }
-            _ => Quantity::AngularRate,
-        }
-    }
-
-    /// The symbol of the unit in options and results, such as `dps` or `m/s²`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::MPerS2 => "m/s²",
-            Self::CmPerS2 => "cm/s²",
-            Self::MmPerS2 => "mm/s²",
-            _ => self.names()[0],
-        }
-    }
-
-    /// Size of the unit in °/s or m/s². 1 rad = 180°/π.
-    pub fn in_results(self) -> f64 {
-        match self {
-            Self::Dps => 1.0,
-            Self::Mdps => 1e-3,
-            Self::DegPerMin => 1.0 / 60.0,
-            Self::DegPerH => 1.0 / 3600.0,
-            Self::RadPerS => 180.0 / PI,
-            Self::MradPerS => 0.18 / PI,
-            Self::UradPerS => 0.000_18 / PI,
-            Self::Rpm => 6.0,
-            Self::MPerS2 => 1.0,
-            Self::G => STANDARD_GRAVITY,
-            Self::MilliG => STANDARD_GRAVITY * 1e-3,
-            Self::MicroG => STANDARD_GRAVITY * 1e-6,
-            Self::CmPerS2 => 1e-2,
-            Self::MmPerS2 => 1e-3,
-        }
-    }
-
-    /// All accepted names, in the spelling of [`plain`].
-    fn names(self) -> &'static [&'static str] {
-        match self {
-            Self::Dps => &["dps", "deg/s", "degs/s", "degs-1", "degps"],
-            Self::Mdps => &["mdps", "mdeg/s"],
-            Self::DegPerMin => &["deg/min", "dpm"],
-            Self::DegPerH => &["deg/h", "dph"],
-            Self::RadPerS => &["rad/s", "rads/s", "rads-1", "radps"],
-            Self::MradPerS => &["mrad/s", "mradps"],
-            Self::UradPerS => &["urad/s", "uradps"],
-            Self::Rpm => &["rpm", "rev/min", "r/min"],
-            Self::MPerS2 => &["m/s2", "m/s/s", "ms-2", "mps2"],
-            Self::G => &["g", "gn", "g0", "gee", "gees", "g-force", "gforce"],
-            Self::MilliG => &["mg"],
-            Self::MicroG => &["ug"],
-            Self::CmPerS2 => &["cm/s2", "cm/s/s", "cms-2", "gal"],
-            Self::MmPerS2 => &["mm/s2", "mm/s/s", "mms-2"],
-        }
-    }
-
-    /// Endings of column names that state the unit without a slash.
-    fn endings(self) -> &'static [&'static str] {
-        match self {
-            Self::Dps => &["dps", "deg_s", "deg_per_s", "deg_per_sec", "degps"],
-            Self::Mdps => &["mdps", "mdeg_s", "mdeg_per_s"],
-            Self::DegPerMin => &["dpm", "deg_min", "deg_per_min"],
-            Self::DegPerH => &["dph", "deg_h", "deg_hr", "deg_per_h", "deg_per_hr", "deg_per_hour"],
-            Self::RadPerS => &["rad_s", "rads", "radps", "rad_per_s", "rad_per_sec"],
-            Self::MradPerS => &["mrad_s", "mrads", "mradps", "mrad_per_s"],
-            Self::UradPerS => &["urad_s", "urads", "uradps", "urad_per_s"],
-            Self::Rpm => &["rpm"],
-            Self::MPerS2 => &["m_s2", "mps2", "m_per_s2", "ms2", "m_s_s"],
-            Self::G => &["g", "gee", "gees"],
-            Self::MilliG => &["mg", "milli_g"],
-            Self::MicroG => &["ug", "micro_g"],
-            Self::CmPerS2 => &["cm_s2", "cm_per_s2", "cms2", "gal"],
-            Self::MmPerS2 => &["mm_s2", "mm_per_s2", "mms2"],
-        }
-    }
-
     /// The unit that the name of a column states: in brackets, at its end, or by the naming of ROS. REP-103 of ROS
     /// fixes the unit of an `angular_velocity` at rad/s, and of a `linear_acceleration` at m/s².
     pub fn of_column(name: &str) -> Option<Self> {
