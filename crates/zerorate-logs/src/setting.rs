@@ -3,40 +3,56 @@
 use std::fmt;
 use zerorate_allan::SettingName;
 
-/// An option of [`ColumnOptions`](super::ColumnOptions) or of a front end. Each front end has its own name for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-#[expect(missing_docs, reason = "the fields of `ColumnOptions`, and of `ImuOptions` and `Choice`")]
-pub enum Setting {
-    Column,
-    Topic,
-    TimeColumn,
-    TimeUnit,
-    Rate,
-    Unit,
-    Scale,
-    Decimal,
-    Raw,
-    MaxBad,
-    Gyro,
-    Accel,
-    GyroUnit,
-    AccelUnit,
-    GyroRange,
-    AccelRange,
-    Part,
-    ForceUnit,
-    Combine,
-    Horizon,
-    AsFitted,
-    Format,
-    Skip,
-    Until,
-    Detrend,
-    TempColumn,
-    Where,
-    Increments,
-    NoIncrements,
+/// Makes [`Setting`] from a row for each: its variant and its word.
+macro_rules! settings {
+    ($($setting:ident $word:literal;)*) => {
+        /// An option of [`ColumnOptions`](super::ColumnOptions) or of a front end. Each front end has its own name for
+        /// it.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        #[expect(missing_docs, reason = "the fields of `ColumnOptions`, and of `ImuOptions` and `Choice`")]
+        pub enum Setting { $($setting),* }
+
+        impl Setting {
+            /// The word from which front ends make the name of the option: `time_column`.
+            #[must_use]
+            pub const fn word(self) -> &'static str {
+                match self { $(Self::$setting => $word),* }
+            }
+        }
+    };
+}
+
+settings! {
+    Column "column";
+    Topic "topic";
+    TimeColumn "time_column";
+    TimeUnit "time_unit";
+    Rate "rate";
+    Unit "unit";
+    Scale "scale";
+    Decimal "decimal";
+    Raw "raw";
+    MaxBad "max_bad";
+    Gyro "gyro";
+    Accel "accel";
+    GyroUnit "gyro_unit";
+    AccelUnit "accel_unit";
+    GyroRange "gyro_range";
+    AccelRange "accel_range";
+    Part "part";
+    ForceUnit "force_unit";
+    Combine "combine";
+    Horizon "horizon";
+    AsFitted "as_fitted";
+    Format "format";
+    Skip "skip";
+    Until "until";
+    Detrend "detrend";
+    TempColumn "temp_column";
+    Where "where";
+    Increments "increments";
+    NoIncrements "no increments";
 }
 
 impl Setting {
@@ -45,42 +61,6 @@ impl Setting {
     #[must_use]
     pub const fn name(self) -> SettingName {
         SettingName::text(self.word())
-    }
-
-    /// The word from which front ends make the name of the option: `time_column`.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Column => "column",
-            Self::Topic => "topic",
-            Self::TimeColumn => "time_column",
-            Self::TimeUnit => "time_unit",
-            Self::Rate => "rate",
-            Self::Unit => "unit",
-            Self::Scale => "scale",
-            Self::Decimal => "decimal",
-            Self::Raw => "raw",
-            Self::MaxBad => "max_bad",
-            Self::Gyro => "gyro",
-            Self::Accel => "accel",
-            Self::GyroUnit => "gyro_unit",
-            Self::AccelUnit => "accel_unit",
-            Self::GyroRange => "gyro_range",
-            Self::AccelRange => "accel_range",
-            Self::Part => "part",
-            Self::ForceUnit => "force_unit",
-            Self::Combine => "combine",
-            Self::Horizon => "horizon",
-            Self::AsFitted => "as_fitted",
-            Self::Format => "format",
-            Self::Skip => "skip",
-            Self::Until => "until",
-            Self::Detrend => "detrend",
-            Self::TempColumn => "temp_column",
-            Self::Where => "where",
-            Self::Increments => "increments",
-            Self::NoIncrements => "no increments",
-        }
     }
 }
 
