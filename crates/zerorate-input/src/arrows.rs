@@ -8,11 +8,8 @@ use crate::{Input, InputError, InputWarning};
 use arrow_array::RecordBatch;
 use arrow_buffer::Buffer;
 use arrow_ipc::reader::StreamDecoder;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
-
-/// Block size of the search for checks in the rest of a file, bytes.
-const SCAN: u64 = 1 << 16;
 
 /// Reads a recording batch by batch, up to the last whole batch.
 pub struct StreamReader {
@@ -79,8 +76,10 @@ impl StreamReader {
     /// Marks the stream as cut off inside the message that starts at byte `whole`. Returns an error if further
     /// messages follow: then the file was not cut off, and this message states a wrong length.
     fn torn(&mut self, whole: u64) -> Result<(), InputError> {
-        let follow = checks_from(&mut self.rest, whole).map_err(|error| InputError::io("read", &self.path, error))?;
-        if follow > 1 {
+        // every batch of a recording carries a check, and this one may still have its own
+        let check = |from| self.rest.find(CHECKS.as_bytes(), from);
+        let second = check(whole).and_then(|first| first.map_or(Ok(None), |first| check(first + 1)));
+        if second.map_err(|error| InputError::io("read", &self.path, error))?.is_some() {
             let what = "a message states a wrong length, for others follow within it";
             return Err(InputError::damaged(&self.path, format!("byte {whole}"), what));
         }
@@ -90,20 +89,6 @@ impl StreamReader {
         self.stated.warning = Some(InputWarning::Torn(text));
         Ok(())
     }
-}
-
-/// Counts the metadata keys of checks from byte `start` on. Every batch of a recording carries one.
-fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
-    let mark = CHECKS.as_bytes();
-    input.seek(SeekFrom::Start(start))?;
-    let mut seen = Vec::new();
-    let mut found = 0;
-    while input.take(SCAN).read_to_end(&mut seen)? > 0 {
-        found += seen.windows(mark.len()).filter(|window| *window == mark).count();
-        // a mark may span two reads
-        seen.drain(..seen.len().saturating_sub(mark.len() - 1));
-    }
-    Ok(found)
 }
 
 /// Decodes one message of a stream; `None` if it holds no batch.
