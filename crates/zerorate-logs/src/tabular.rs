@@ -18,7 +18,7 @@ use zerorate_allan::Gap;
 use zerorate_input::cells::{floats, integers};
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::table::{BatchSource, Described, DescribedTable, Source, describes_itself};
-use zerorate_input::{InputError, InputWarning, Quantity};
+use zerorate_input::{InputError, InputWarning};
 
 pub fn read(
     path: &Path,
@@ -58,18 +58,11 @@ pub struct TableColumns<'a> {
     path: &'a Path,
     /// Indices of the columns to read, in this order: the numbers, the time, and the columns of `only`.
     pub columns: Vec<usize>,
-    values: Vec<TableColumn>,
+    values: Vec<RawColumn>,
     time: Option<(String, Times)>,
     /// The filter of rows, and the names of its columns, which are the last of `columns`; `None` reads all rows.
     only: Option<(&'a RowFilter, Vec<String>)>,
     sample: Vec<Sampled>,
-}
-
-struct TableColumn {
-    name: String,
-    values: SeriesBuilder,
-    stated: Option<(Quantity, f64)>,
-    is_beside: bool,
 }
 
 impl<'a> TableColumns<'a> {
@@ -99,11 +92,11 @@ impl<'a> TableColumns<'a> {
         // with a time column, a described table is read like any other
         let described = described.filter(|_| time.is_none());
         let column = |index: &usize| {
-            let name = names[*index].to_owned();
             let mut series = SeriesBuilder::sharing(room, wanted);
             series.reserve(0, schema.field(*index).data_type().is_integer());
             let stated = described.and_then(|table| table.step(*index));
-            TableColumn { name, values: series, stated, is_beside: beside == Some(*index) }
+            let is_beside = beside == Some(*index);
+            RawColumn { stated, is_beside, ..RawColumn::new(names[*index].to_owned(), series) }
         };
         let time_column = time.map(|time| {
             let mut times = Times::new();
@@ -179,15 +172,20 @@ impl<'a> TableColumns<'a> {
                 wrong(self.path, format_args!("column {name}, row {}", first + row as u64), what)
             })?;
         }
-        self.values.iter_mut().zip(columns).try_for_each(|(column, values)| column.append(self.path, values))
+        self.values.iter_mut().zip(columns).try_for_each(|(RawColumn { name, values, .. }, added)| {
+            let first = values.rows();
+            append_values(values, added).map_err(|(row, what)| {
+                wrong(self.path, format_args!("column {name}, row {}", first + row as u64), what)
+            })
+        })
     }
 
     pub fn finish(self, warning: Option<InputWarning>) -> Result<RawColumns> {
         if let (Some((only, _)), Some(0)) = (self.only, self.values.first().map(|column| column.values.rows())) {
             return Err(only.without_rows(self.path));
         }
-        let columns = self.values.into_iter().map(|column| column.finish(Vec::new()));
-        Ok(RawColumns { sample: self.sample, ..RawColumns::new(columns, self.time, warning.map(LogWarning::File)) })
+        let found = RawColumns::new(self.values, self.time, warning.map(LogWarning::File));
+        Ok(RawColumns { sample: self.sample, ..found })
     }
 
     fn finish_described(self, described: Described) -> Result<RawColumns> {
@@ -201,22 +199,10 @@ impl<'a> TableColumns<'a> {
         let path = self.path.display().to_string();
         let of_readings = |(code, text)| LogWarning::OfReadings { path: path.clone(), code, text };
         let of_columns = of_columns.into_iter().map(|warnings| warnings.into_iter().map(of_readings).collect());
-        let columns = self.values.into_iter().zip(of_columns).map(|(column, warnings)| column.finish(warnings));
+        let columns =
+            self.values.into_iter().zip(of_columns).map(|(column, warnings)| RawColumn { warnings, ..column });
         let warnings = warnings.into_iter().map(|(code, text)| LogWarning::OfTable { code, text }).collect();
         Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: self.sample, stated_rate: None })
-    }
-}
-
-impl TableColumn {
-    fn append(&mut self, path: &Path, values: &ArrayRef) -> Result<(), InputError> {
-        let first = self.values.rows();
-        append_values(&mut self.values, values)
-            .map_err(|(row, what)| wrong(path, format_args!("column {}, row {}", self.name, first + row as u64), what))
-    }
-
-    fn finish(self, warnings: Vec<LogWarning>) -> RawColumn {
-        let Self { name, values, stated, is_beside } = self;
-        RawColumn { stated, warnings, is_beside, ..RawColumn::new(name, values) }
     }
 }
 
