@@ -54,7 +54,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         }
         Ok(())
     })?;
-    Ok(collector.finish(torn.map(|end| end.warning(path)), stated))
+    Ok(collector.finish(torn, stated))
 }
 
 struct Topic {
@@ -167,39 +167,16 @@ struct Records<'a> {
 
 /// The reason why there are no more records.
 enum Stop {
-    Early(EarlyEnd),
-    Failed(InputError),
-}
-
-/// The reason why the records end before the file does.
-enum EarlyEnd {
     /// The file is torn or damaged, as the text says.
     Torn(String),
     /// Another bag of this many bytes follows.
     AnotherBag(u64),
-}
-
-impl EarlyEnd {
-    fn warning(self, path: &Path) -> InputWarning {
-        let path = path.display();
-        match self {
-            Self::Torn(why) => {
-                InputWarning::Torn(format!("{path} was not closed or is damaged ({why}); the rest is dropped"))
-            }
-            Self::AnotherBag(bytes) => InputWarning::BytesBehindEnd { path: path.to_string(), bytes },
-        }
-    }
-}
-
-impl Stop {
-    fn torn(why: impl Into<String>) -> Self {
-        Self::Early(EarlyEnd::Torn(why.into()))
-    }
+    Failed(InputError),
 }
 
 impl From<io::Error> for Stop {
     fn from(error: io::Error) -> Self {
-        Self::torn(match error.kind() {
+        Self::Torn(match error.kind() {
             io::ErrorKind::UnexpectedEof => "it ends inside a record".to_owned(),
             _ => error.to_string(),
         })
@@ -207,23 +184,31 @@ impl From<io::Error> for Stop {
 }
 
 impl Records<'_> {
-    /// Calls `take` with each record, and with the records in chunks unless `skip_chunks` is set. Returns the reason
-    /// for an early end.
+    /// Calls `take` with each record, and with the records in chunks unless `skip_chunks` is set. Returns the warning
+    /// about an early end.
     fn each(
         &mut self,
         skip_chunks: bool,
         mut take: impl FnMut(&Record) -> Result<(), InputError>,
-    ) -> Result<Option<EarlyEnd>, InputError> {
+    ) -> Result<Option<InputWarning>, InputError> {
         let failed = |error| InputError::io("read", self.path, error);
         self.file.seek(SeekFrom::Start(ROS_BAG.len() as u64)).map_err(failed)?;
         let length = self.file.get_ref().length().map_err(failed)?;
-        loop {
+        let stop = loop {
             match self.next(length, skip_chunks, &mut take) {
                 Ok(true) => {}
                 Ok(false) => return Ok(None),
-                Err(Stop::Early(end)) => return Ok(Some(end)),
-                Err(Stop::Failed(error)) => return Err(error),
+                Err(stop) => break stop,
             }
+        };
+        let path = self.path.display();
+        match stop {
+            Stop::Torn(why) => {
+                let text = format!("{path} was not closed or is damaged ({why}); the rest is dropped");
+                Ok(Some(InputWarning::Torn(text)))
+            }
+            Stop::AnotherBag(bytes) => Ok(Some(InputWarning::BytesBehindEnd { path: path.to_string(), bytes })),
+            Stop::Failed(error) => Err(error),
         }
     }
 
@@ -258,7 +243,7 @@ impl Records<'_> {
     /// The early end of this bag, if another bag starts at offset `here`.
     fn another_bag(&self, here: u64, length: u64) -> Option<Stop> {
         let start = self.file.get_ref().bytes_at(here, ROS_BAG.len()).ok()?;
-        (&start[..] == ROS_BAG).then_some(Stop::Early(EarlyEnd::AnotherBag(length - here)))
+        (&start[..] == ROS_BAG).then_some(Stop::AnotherBag(length - here))
     }
 
     /// Reads a length, and then that many bytes.
@@ -275,13 +260,13 @@ impl Records<'_> {
         let length = u32::from_le_bytes(length);
         let left = end.saturating_sub(self.file.stream_position()?);
         if u64::from(length) > left || most.is_some_and(|most| length > most) {
-            return Err(Stop::torn(format!("a record states {length} bytes")));
+            return Err(Stop::Torn(format!("a record states {length} bytes")));
         }
         Ok(length)
     }
 
     fn unpacked(&mut self, chunk: &Record) -> Result<Vec<u8>, Stop> {
-        let size = chunk.number(b"size").ok_or_else(|| Stop::torn("a chunk does not state its size".to_owned()))?;
+        let size = chunk.number(b"size").ok_or_else(|| Stop::Torn("a chunk does not state its size".to_owned()))?;
         self.bytes = self.bytes.saturating_add(size.into());
         let no_room = |why: OverBudget| Stop::Failed(InputError::over_budget(self.path, why));
         self.room.check(size.into()).map_err(no_room)?;
@@ -296,14 +281,14 @@ impl Records<'_> {
             Some(b"lz4") => catch_panic(|| unpack(&mut lz4_flex::frame::FrameDecoder::new(packed))),
             other => {
                 let name = String::from_utf8_lossy(other.unwrap_or_default()).into_owned();
-                return Err(Stop::torn(format!("a chunk is packed by `{}`", name.escape_debug())));
+                return Err(Stop::Torn(format!("a chunk is packed by `{}`", name.escape_debug())));
             }
         };
         match done {
             Some(Ok(unpacked)) if unpacked == size as usize => Ok(bytes),
-            Some(Ok(_)) => Err(Stop::torn("a chunk does not have the size that it states".to_owned())),
-            Some(Err(error)) => Err(Stop::torn(format!("a chunk cannot be unpacked: {error}"))),
-            None => Err(Stop::torn("a chunk makes no sense".to_owned())),
+            Some(Ok(_)) => Err(Stop::Torn("a chunk does not have the size that it states".to_owned())),
+            Some(Err(error)) => Err(Stop::Torn(format!("a chunk cannot be unpacked: {error}"))),
+            None => Err(Stop::Torn("a chunk makes no sense".to_owned())),
         }
     }
 }
@@ -319,7 +304,7 @@ fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), Input
         Some((bytes.to_vec(), rest.is_empty()))
     };
     loop {
-        let torn = || Stop::torn("a chunk ends inside a record".to_owned());
+        let torn = || Stop::Torn("a chunk ends inside a record".to_owned());
         let (head, _) = piece().ok_or_else(torn)?;
         let (data, is_last) = piece().ok_or_else(torn)?;
         take(&Record { head, data }).map_err(Stop::Failed)?;
@@ -345,7 +330,7 @@ mod tests {
         };
         assert!(read(&[]).is_ok() && read(&[&record[..], &record].concat()).is_ok());
         let damaged = [&record[..], &u32::MAX.to_le_bytes(), b"more"].concat();
-        assert!(matches!(read(&damaged), Err(Stop::Early(_))) && matches!(read(&record[..7]), Err(Stop::Early(_))));
+        assert!(matches!(read(&damaged), Err(Stop::Torn(_))) && matches!(read(&record[..7]), Err(Stop::Torn(_))));
         assert_eq!(records, 3);
     }
 }
