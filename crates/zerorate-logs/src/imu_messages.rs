@@ -255,11 +255,11 @@ impl Survey {
         encoding: Option<Encoding>,
         message: &[u8],
     ) {
-        let head = encoding.and_then(|encoding| Head::of(encoding, source, message));
+        let head = encoding.and_then(|encoding| head(encoding, source, message));
         self.topic(name, kind);
         let Some(topic) = self.0.get_mut(name) else { return };
         topic.messages += 1;
-        let Some(Head { stamp_ns, frame }) = head else { return };
+        let Some((stamp_ns, frame)) = head else { return };
         let (first, last) = topic.span_ns.unwrap_or((stamp_ns, stamp_ns));
         topic.span_ns = Some((first.min(stamp_ns), last.max(stamp_ns)));
         topic.frame.get_or_insert(frame);
@@ -293,7 +293,7 @@ impl<'a> Collector<'a> {
         room.map_err(|why| InputError::over_budget(self.path, why))?;
         let message = unpacked(message).map_err(at)?;
         let source = &self.wanted.source;
-        let Stamped { stamp_ns, numbers } = decode(encoding, source, &message)
+        let (stamp_ns, numbers) = decode(encoding, source, &message)
             .ok_or_else(|| at(format!("its {} bytes are not a {} in {encoding:?}", message.len(), source.kind())))?;
         self.times.push_integer(stamp_ns);
         self.recorded.push_integer(recorded_ns);
@@ -354,33 +354,20 @@ fn unpacked(message: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     unpacked.map(Cow::Owned)
 }
 
-/// The stamp of a message, and the numbers after its header.
-struct Stamped {
-    stamp_ns: i64,
-    numbers: [f64; NUMBERS_OF_IMU],
+/// The stamp of a message, ns, and the frame name in its header; `None` if the message does not hold this IMU.
+fn head(encoding: Encoding, source: &Source, message: &[u8]) -> Option<(i64, String)> {
+    let message = unpacked(message).ok()?;
+    let body = source.body(encoding, &message)?;
+    let (frame, _) = body.frame()?;
+    // a CDR string includes its final zero byte
+    let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
+    Some((body.stamp_ns()?, frame))
 }
 
-#[derive(Debug, PartialEq)]
-pub struct Head {
-    pub stamp_ns: i64,
-    pub frame: String,
-}
-
-impl Head {
-    /// Decodes the header; `None` if the message does not hold this IMU.
-    fn of(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Self> {
-        let message = unpacked(message).ok()?;
-        let body = source.body(encoding, &message)?;
-        let (frame, _) = body.frame()?;
-        // a CDR string includes its final zero byte
-        let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
-        Some(Self { stamp_ns: body.stamp_ns()?, frame })
-    }
-}
-
-/// Decodes `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
-/// linear_acceleration; float64[9]`, or `std_msgs/Header header; float64 temperature; float64 variance`.
-fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Stamped> {
+/// The stamp of a message, ns, and the numbers after its header, in `std_msgs/Header header; Quaternion orientation;
+/// float64[9]; Vector3 angular_velocity; float64[9]; Vector3 linear_acceleration; float64[9]`, or `std_msgs/Header
+/// header; float64 temperature; float64 variance`.
+fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<(i64, [f64; NUMBERS_OF_IMU])> {
     let body = source.body(encoding, message)?;
     let (_, start) = body.frame()?;
     let mut numbers = [0.0; NUMBERS_OF_IMU];
@@ -388,5 +375,5 @@ fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Stamped
     for (number, at) in numbers[..count].iter_mut().zip((start..).step_by(8)) {
         *number = body.f64_at(at)?;
     }
-    Some(Stamped { stamp_ns: body.stamp_ns()?, numbers })
+    Some((body.stamp_ns()?, numbers))
 }
