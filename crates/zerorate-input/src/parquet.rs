@@ -205,10 +205,6 @@ impl BatchSource for ParquetReader {
         &self.stated
     }
 
-    fn stated_mut(&mut self) -> &mut Stated {
-        &mut self.stated
-    }
-
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
         if let Some(decode) = self.decode.take() {
             self.batches = Some(Batches::of(decode));

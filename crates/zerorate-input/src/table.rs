@@ -33,7 +33,7 @@ pub struct Stated {
     pub check: Option<String>,
     /// The end statement. An Arrow stream states it only after the last batch.
     pub end: Option<String>,
-    /// True if no batch follows.
+    /// True once the reader has met the end of the file.
     pub ended: bool,
     /// True if the file is cut off before the end of its content.
     pub torn: bool,
@@ -58,27 +58,13 @@ pub trait BatchSource {
     /// What the table has stated so far, besides its rows.
     fn stated(&self) -> &Stated;
 
-    /// Mutable access to [`stated`](Self::stated).
-    fn stated_mut(&mut self) -> &mut Stated;
-
-    /// Reads the next batch; `None` at the end. [`next_batch`](Self::next_batch) does not call this method again after
-    /// the end or an error.
+    /// Reads the next batch; `None` at the end. It is not called again after the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
     /// True if the file may have lost its checks: common software that rewrites such a file keeps only the
     /// description.
     fn may_be_stripped(&self) -> bool {
         true
-    }
-
-    /// The next batch; `None` after the last one, and after an error.
-    fn next_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
-        if self.stated().ended {
-            return Ok(None);
-        }
-        let batch = self.read_batch();
-        self.stated_mut().ended |= !matches!(batch, Ok(Some(_)));
-        batch
     }
 }
 

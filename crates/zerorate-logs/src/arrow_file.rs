@@ -101,10 +101,6 @@ impl BatchSource for ArrowFile {
         &self.stated
     }
 
-    fn stated_mut(&mut self) -> &mut Stated {
-        &mut self.stated
-    }
-
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
         while !self.stated.ended {
             let start = self.start + self.messages.position();

@@ -34,7 +34,7 @@ pub fn read(
         };
     }
     let mut reading = TableColumns::start(path, &schema, budget, asked, None)?;
-    while let Some(batch) = source.next_batch()? {
+    while let Some(batch) = source.read_batch()? {
         reading.take(&batch)?;
     }
     reading.finish(source.stated().warning.clone())

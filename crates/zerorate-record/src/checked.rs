@@ -133,8 +133,9 @@ impl Checked {
             return Ok(None);
         }
         let place = format!("batch at row {}", self.found.rows);
-        let Some(batch) = self.source.next_batch()? else {
-            self.ended = true;
+        let batch = self.source.read_batch();
+        self.ended = !matches!(batch, Ok(Some(_)));
+        let Some(batch) = batch? else {
             self.check_end()?;
             return Ok(None);
         };

@@ -219,10 +219,6 @@ impl BatchSource for CsvReader {
         &self.stated
     }
 
-    fn stated_mut(&mut self) -> &mut Stated {
-        &mut self.stated
-    }
-
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
         let mut rows = 0;
         self.stated.check = None;
