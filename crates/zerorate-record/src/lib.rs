@@ -6,8 +6,6 @@
 //! The format is recognised by content, not by file name. This crate never opens a file: the caller passes open
 //! bytes as [`Input`], so the same readers serve a browser.
 
-#[cfg(not(feature = "parquet"))]
-mod absent;
 pub mod admission;
 mod arrows;
 #[cfg(test)]

@@ -18,10 +18,6 @@ use zerorate_input::table::{BATCH_CHECKS, END};
 /// Largest number of rows in a row group, which is built in memory.
 const ROW_GROUP: usize = 1 << 20;
 
-pub fn sink(path: &Path, out: Out, schema: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
-    Ok(Box::new(ParquetSink::create(path, out, schema)?))
-}
-
 pub struct ParquetSink {
     path: PathBuf,
     writer: ArrowWriter<Out>,

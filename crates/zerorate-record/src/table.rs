@@ -2,8 +2,6 @@
 
 pub use crate::blocks::{BlockSink, Out, cut_off};
 
-#[cfg(not(feature = "parquet"))]
-use crate::absent::parquet;
 use crate::chain::Chain;
 use crate::columns::{MAX_ROWS, Rows};
 use crate::layout::Layout;
@@ -61,31 +59,28 @@ pub struct CheckedSink {
     path: PathBuf,
     form: Box<dyn BlockSink>,
     chain: Chain,
-    blocks: Blocks,
+    /// Largest number of rows in a block.
+    block_rows: usize,
+    /// True if a block ends with each batch, even with fewer rows.
+    ends_with_batch: bool,
+    /// Number of rows in the open block.
+    open: usize,
     layout: Layout,
-}
-
-/// The rule by which blocks end.
-enum Blocks {
-    /// A block ends with each batch, which has at most `rows` rows.
-    Batches { rows: usize },
-    /// A block ends after `rows` rows, of which `open` have been written.
-    Rows { rows: usize, open: usize },
 }
 
 /// Starts a capture; `path` names it in messages.
 pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<CheckedSink, CaptureError> {
     let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
-    let form: Box<dyn BlockSink> = match format {
-        Format::Arrows => Box::new(arrows::StreamSink::create(path, out, schema)?),
-        Format::Parquet => parquet::sink(path, out, schema)?,
-        Format::Csv => Box::new(csv::CsvSink::create(path, out, schema)?),
+    let (form, block_rows): (Box<dyn BlockSink>, usize) = match format {
+        Format::Arrows => (Box::new(arrows::StreamSink::create(path, out, schema)?), MAX_ROWS),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => (Box::new(parquet::ParquetSink::create(path, out, schema)?), parquet::BLOCK),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => return Err(InputError::not_built_in(path, NotBuiltIn::PARQUET).into()),
+        Format::Csv => (Box::new(csv::CsvSink::create(path, out, schema)?), MAX_ROWS),
     };
-    let blocks = match format {
-        Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
-        Format::Arrows | Format::Csv => Blocks::Batches { rows: MAX_ROWS },
-    };
-    Ok(CheckedSink { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout })
+    let (chain, ends_with_batch) = (Chain::new(schema, &layout), format != Format::Parquet);
+    Ok(CheckedSink { path: path.to_owned(), form, chain, block_rows, ends_with_batch, open: 0, layout })
 }
 
 impl CheckedSink {
@@ -93,10 +88,7 @@ impl CheckedSink {
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
         let mut first = 0;
         while first < batch.num_rows() {
-            let room = match self.blocks {
-                Blocks::Batches { rows } => rows,
-                Blocks::Rows { rows, open } => rows - open,
-            };
+            let room = self.block_rows - self.open;
             let piece = batch.slice(first, room.min(batch.num_rows() - first));
             first += piece.num_rows();
             self.write_piece(&piece)?;
@@ -108,21 +100,14 @@ impl CheckedSink {
     fn write_piece(&mut self, piece: &RecordBatch) -> Result<(), CaptureError> {
         let rows = Rows::from_batch(&self.path, "rows to be written", piece, &self.layout)?;
         self.chain.take(&rows, piece);
-        let is_full = match &mut self.blocks {
-            Blocks::Batches { .. } => true,
-            Blocks::Rows { rows, open } => {
-                *open = (*open + piece.num_rows()) % *rows;
-                *open == 0
-            }
-        };
-        let check = is_full.then(|| self.chain.seal());
+        self.open = if self.ends_with_batch { 0 } else { (self.open + piece.num_rows()) % self.block_rows };
+        let check = (self.open == 0).then(|| self.chain.seal());
         self.form.write(piece, check.as_deref())
     }
 
     /// Ends the open block and the file.
     pub fn finish(mut self) -> Result<(), CaptureError> {
-        let is_open = matches!(self.blocks, Blocks::Rows { open, .. } if open > 0);
-        let check = is_open.then(|| self.chain.seal());
+        let check = (self.open > 0).then(|| self.chain.seal());
         self.form.finish(check.as_deref(), &self.chain.end())
     }
 }
