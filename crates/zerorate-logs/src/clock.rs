@@ -502,12 +502,6 @@ mod tests {
     }
 
     #[test]
-    fn one_late_row_is_not_a_gap() {
-        let found = time_base((0..1000).map(|i| f64::from(i) + if i == 500 { 0.6 } else { 0.0 })).unwrap();
-        assert!(found.gaps.is_empty());
-    }
-
-    #[test]
     fn jitter_is_not_a_gap() {
         for jitter_s in [0.001, 0.002] {
             let late: Vec<f64> = normal(20_000).map(|z| z * jitter_s).collect();
