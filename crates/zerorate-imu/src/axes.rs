@@ -125,9 +125,9 @@ impl Axes {
         for kind in Kind::ALL {
             let count = columns.iter().filter(|column| column.quantity == Some(kind.quantity())).count();
             if count > AXES {
-                let (path, kinds, option) = (path.display(), kind.plural(), options.log.names.of(Setting::Topic));
+                let (path, name, option) = (path.display(), kind.name(), options.log.names.of(Setting::Topic));
                 return Err(LogError::Ask(format!(
-                    "{path}: the topics have {count} {kinds} together, and an IMU has three; give one {option}"
+                    "{path}: the topics have {count} {name}s together, and an IMU has three; give one {option}"
                 )));
             }
         }
@@ -410,11 +410,11 @@ impl ImuOptions {
         match column.quantity.filter(|quantity| *quantity != kind.quantity()) {
             None => Ok(kind),
             Some(quantity) => Err(LogError::Ask(format!(
-                "{}: column {} is in {}, which is not a unit of {}; leave it out of {}",
+                "{}: column {} is in {}, which is not a unit of {}s; leave it out of {}",
                 path.display(),
                 column.name,
                 quantity.unit(),
-                kind.plural(),
+                kind.name(),
                 self.log.names.of(kind.setting())
             ))),
         }
@@ -490,11 +490,7 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_l
             continue;
         }
         if let Some(unit) = unit.filter(|unit| unit.quantity() != kind.quantity()) {
-            return Err(LogError::Ask(format!(
-                "{unit} is not a unit for {}; {}",
-                kind.plural(),
-                options.remedy(kind)
-            )));
+            return Err(LogError::Ask(format!("{unit} is not a unit for {}s; {}", kind.name(), options.remedy(kind))));
         }
         let unstated: Vec<&Column> = of_kind.filter(|column| column.quantity.is_none()).collect();
         if unit.is_none() && scale.is_none() && !unstated.is_empty() {

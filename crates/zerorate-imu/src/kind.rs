@@ -28,13 +28,6 @@ impl Kind {
         }
     }
 
-    pub(super) const fn plural(self) -> &'static str {
-        match self {
-            Self::Gyroscope => "gyroscopes",
-            Self::Accelerometer => "accelerometers",
-        }
-    }
-
     /// The quantity that this kind measures.
     #[must_use]
     pub const fn quantity(self) -> Quantity {
