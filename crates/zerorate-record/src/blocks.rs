@@ -1,11 +1,9 @@
-//! Common parts of all formats of a capture: writing blocks of rows, and the warning about a missing end.
+//! The writer of blocks that each format of a capture has.
 
 use crate::CaptureError;
 use crate::chain::End;
 use arrow_array::RecordBatch;
 use std::io::Write;
-use std::path::Path;
-use zerorate_input::InputWarning;
 
 /// The destination of a capture.
 pub type Out = Box<dyn Write + Send>;
@@ -18,10 +16,4 @@ pub trait BlockSink {
 
     /// Ends the open block if `check` is given, and writes the end of the file.
     fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
-}
-
-/// The warning about a capture without its end. `rows` is the number of unchecked rows, which are dropped.
-pub fn cut_off(path: &Path, rows: usize) -> InputWarning {
-    let path = path.display();
-    InputWarning::Torn(format!("{path} was not closed; {rows} rows after its last whole block are dropped"))
 }

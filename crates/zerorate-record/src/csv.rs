@@ -1,7 +1,7 @@
 //! The CSV format of a capture: the description as comment lines, a header, then the rows.
 
 use super::CaptureError;
-use super::blocks::{BlockSink, Out, cut_off};
+use super::blocks::{BlockSink, Out};
 use super::chain::{self, End};
 use super::columns::MAX_ROWS;
 use super::info::CaptureInfo;
@@ -175,7 +175,9 @@ impl CsvReader {
     /// Marks the file as incomplete. Its last `rows` rows are dropped.
     fn torn(&mut self, rows: usize) {
         self.stated.torn = true;
-        self.stated.warning = Some(cut_off(&self.path, rows));
+        let path = self.path.display();
+        let text = format!("{path} was not closed; {rows} rows after its last whole block are dropped");
+        self.stated.warning = Some(InputWarning::Torn(text));
     }
 
     fn damaged(&self, what: &str) -> InputError {

@@ -1,7 +1,6 @@
 //! Tables in any format: recognises the format of a file, and reads and writes batches.
 
-pub use crate::blocks::{BlockSink, Out, cut_off};
-
+use crate::blocks::{BlockSink, Out};
 use crate::chain::Chain;
 use crate::columns::{MAX_ROWS, Rows};
 use crate::layout::Layout;
