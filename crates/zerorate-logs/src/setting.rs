@@ -1,6 +1,5 @@
 //! The names of options in messages, which each front end sets.
 
-use std::fmt;
 use zerorate_allan::SettingName;
 
 /// Makes [`Setting`] from a row for each: its variant and its word.
@@ -65,7 +64,7 @@ impl Setting {
 }
 
 /// The names of the options in a front end.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Names(pub fn(Setting) -> SettingName);
 
 impl Names {
@@ -79,11 +78,5 @@ impl Names {
 impl Default for Names {
     fn default() -> Self {
         Self(Setting::name)
-    }
-}
-
-impl fmt::Debug for Names {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Names({}, …)", self.of(Setting::Column))
     }
 }
