@@ -120,7 +120,9 @@ fn every_fixture_is_read() {
     assert_eq!((expected.len(), f64::from_bits(rate), &notes[..]), (3, 200.0, &[][..]));
     let values = |read: &Read| read.0.iter().map(|(_, values)| values.clone()).collect::<Vec<_>>();
     let all: Vec<Vec<u64>> = expected.into_iter().map(|(_, values)| values).collect();
-    for file in [fixture!("none.parquet"), fixture!("snappy.parquet"), fixture!("fletcher.h5"), fixture!("lzf.h5")] {
+    let texts = [fixture!("log.csv.bz2"), fixture!("log.csv.xz"), fixture!("log.csv.lz4"), fixture!("log.csv.zst")];
+    let tables = [fixture!("none.parquet"), fixture!("snappy.parquet"), fixture!("fletcher.h5"), fixture!("lzf.h5")];
+    for file in texts.into_iter().chain(tables) {
         assert_eq!(values(&of(file, "--time-column t_ns")), all, "{}", file.0);
     }
     for bag in [fixture!("none.mcap"), fixture!("flat.mcap"), fixture!("bz2.bag"), fixture!("lz4.bag")] {

@@ -267,12 +267,3 @@ fn text_of_two_bytes_to_a_character() {
         assert_eq!((numbers(&column), column.rate_hz), (vec![0.5, -1.25, 3.0], 100.0));
     }
 }
-
-#[test]
-fn packed_by_bzip2() {
-    let bzip2 = b"\
-        \x42\x5A\x68\x39\x31\x41\x59\x26\x53\x59\xDC\xFC\x35\xFB\x00\x00\x04\xD8\x00\x00\x10\x00\x03\x72\
-        \x00\x20\x00\x31\x0C\x00\xD3\x23\x6A\x08\x72\xA2\x2A\xC1\xAF\x17\x72\x45\x38\x50\x90\xDC\xFC\x35\xFB";
-    assert_eq!(numbers(&read_file(bzip2, "--rate 1").unwrap()), [0.5, 0.25, -1.5, 2.0]);
-    assert!(fails(&bzip2[..20], "--rate 1").contains("as Bzip2: it cannot be unpacked"));
-}
