@@ -343,12 +343,6 @@ mod tests {
         times.len() == rows && times.windows(2).all(|pair| (pair[1] - pair[0] - 1.0).abs() < 1e-9)
     }
 
-    #[test]
-    fn rows_in_order_stay_unchanged() {
-        let (times, values, said) = mended(&even(100)).unwrap();
-        assert!(is_even(&times, 100) && values[99] == 49.5 && said.is_empty());
-    }
-
     /// Samples at 100 Hz, stamped by the clock of Windows, which steps by 15.625 ms.
     #[test]
     fn rows_under_a_clock_of_15_6_ms_are_even() {
