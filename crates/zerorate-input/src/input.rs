@@ -120,6 +120,13 @@ impl Input {
         Ok(Self { kind, holes: self.holes })
     }
 
+    /// Another input of the same bytes, at the first of them. Moves the read position of a file.
+    pub fn rewound(&self) -> io::Result<Self> {
+        let mut again = self.try_clone()?;
+        again.rewind()?;
+        Ok(again)
+    }
+
     /// Reads `length` bytes from `start` on. Returns an error if there are fewer. Moves the read position of a file.
     pub fn bytes_at(&self, start: u64, length: usize) -> io::Result<Bytes> {
         let outside = || io::Error::new(ErrorKind::UnexpectedEof, format!("{length} bytes at {start} are not there"));

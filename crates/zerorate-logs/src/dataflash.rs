@@ -144,10 +144,7 @@ impl<'a> Messages<'a> {
     }
 
     fn rewound(&self) -> Result<Input, InputError> {
-        let failed = |error| InputError::io("read", self.path, error);
-        let mut input = self.file.get_ref().try_clone().map_err(failed)?;
-        io::Seek::rewind(&mut input).map_err(failed)?;
-        Ok(input)
+        self.file.get_ref().rewound().map_err(|error| InputError::io("read", self.path, error))
     }
 }
 

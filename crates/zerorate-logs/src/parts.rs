@@ -8,7 +8,6 @@ use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumns};
 use crate::read::find;
 use crate::warning::LogWarning;
-use std::io::Seek;
 use std::path::{Path, PathBuf};
 use zerorate_input::{Input, InputError};
 
@@ -28,12 +27,7 @@ impl Parts {
     /// # Errors
     /// Returns an error if a file cannot be opened again or rewound.
     pub fn try_clone(&self) -> Result<Self> {
-        let rewound = |input: &Input| {
-            let mut again = input.try_clone()?;
-            again.rewind()?;
-            Ok(again)
-        };
-        let again = |(path, input): &(PathBuf, Input)| match rewound(input) {
+        let again = |(path, input): &(PathBuf, Input)| match input.rewound() {
             Ok(input) => Ok((path.clone(), input)),
             Err(error) => Err(InputError::io("read", path, error)),
         };

@@ -152,9 +152,7 @@ impl<'a> Messages<'a> {
             }
             end += head.len() as u64 + length;
         }
-        let mut input = self.file.get_ref().try_clone().map_err(failed)?;
-        io::Seek::rewind(&mut input).map_err(failed)?;
-        Ok(input)
+        self.file.get_ref().rewound().map_err(failed)
     }
 }
 

@@ -41,7 +41,7 @@ const AT_ONCE: usize = 2;
 
 pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let failed = |error| InputError::io("read", path, error);
-    let head = head(path, &mut input, asked)?;
+    let head = head(path, &input, asked)?;
     input.rewind().map_err(failed)?;
     let names = head.names.iter().map(String::as_str).collect();
     let clocks = head.dates.iter().map(|dates| dates.are_times).collect();
@@ -80,10 +80,9 @@ pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQue
 }
 
 /// Reads the head of the text, and the whole text if the head leaves a question open.
-fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head> {
-    let failed = |error| InputError::io("read", path, error);
-    let clone = |input: &Input| input.try_clone().map_err(failed);
-    let mut start = Blocks::new(path, clone(input)?).next()?;
+fn head(path: &Path, input: &Input, asked: &ColumnQuery<'_>) -> Result<Head> {
+    let again = || input.rewound().map_err(|error| InputError::io("read", path, error));
+    let mut start = Blocks::new(path, again()?).next()?;
     if start.as_ref().is_some_and(Block::is_binary) {
         return Err(head::not_text(path, asked.args.names));
     }
@@ -91,8 +90,7 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
     let (stamps, marks) = (head::stamps(&text), Marks::of(&text));
     drop(text);
     if stamps.is_some() || marks.are_there() {
-        input.rewind().map_err(failed)?;
-        start = Blocks::new(path, clone(input)?).with_stamps(stamps).without_marks(&marks).next()?;
+        start = Blocks::new(path, again()?).with_stamps(stamps).without_marks(&marks).next()?;
     }
     let mut head = Head::read(path, &start.as_ref().map(Block::legible).unwrap_or_default(), &marks, asked.args)?;
     head.stamps = stamps;
@@ -102,8 +100,7 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
         _ => false,
     };
     if head.open == Open::OneNameLess || head.open == Open::TwoOrDecimals && one {
-        input.rewind().map_err(failed)?;
-        survey::settle(path, clone(input)?, &mut head, asked.args)?;
+        survey::settle(path, again()?, &mut head, asked.args)?;
     }
     Ok(head)
 }
