@@ -1,6 +1,5 @@
 //! Splits a column into blocks, and computes the facts that all checks share in one pass over the column.
 
-use std::cell::Cell;
 use zerorate_allan::Input;
 
 pub const BLOCK: usize = 512;
@@ -14,12 +13,12 @@ const LARGEST: f64 = 1e150;
 
 /// Consecutive samples. All blocks but the last have [`BLOCK`] samples.
 pub struct Block<'a> {
-    samples: &'a [f64],
+    /// The samples, for a check that needs more than the facts.
+    pub samples: &'a [f64],
     /// The sample before the block; `None` before the first block.
     before: Option<f64>,
     /// The facts. `None` if a sample is missing or too large, if the block is short, and for the first block.
     pub facts: Option<Facts>,
-    looked_at: Cell<u64>,
 }
 
 /// The facts of a block whose samples are all finite, as is the sample before the block.
@@ -43,7 +42,6 @@ impl<'a> Block<'a> {
             samples: &samples[before..],
             before: samples[..before].first().copied(),
             facts: facts.filter(is_finite),
-            looked_at: Cell::new(0),
         }
     }
 
@@ -51,19 +49,11 @@ impl<'a> Block<'a> {
         self.samples.len()
     }
 
-    /// The samples, for a check that needs more than the facts.
-    pub fn samples(&self) -> &'a [f64] {
-        self.looked_at.set(self.looked_at.get() + self.samples.len() as u64);
-        self.samples
-    }
-
     /// Pairs of a previous sample and a sample. The previous sample of the first in the column is NaN.
     pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> + ExactSizeIterator + '_ {
         let before = self.before.unwrap_or(f64::NAN);
-        self.samples.iter().enumerate().map(move |(at, sample)| {
-            self.looked_at.set(self.looked_at.get() + 1);
-            (if at > 0 { self.samples[at - 1] } else { before }, *sample)
-        })
+        let pair = move |(at, sample): (usize, &f64)| (if at > 0 { self.samples[at - 1] } else { before }, *sample);
+        self.samples.iter().enumerate().map(pair)
     }
 
     pub fn windows(&self) -> usize {
@@ -71,14 +61,7 @@ impl<'a> Block<'a> {
     }
 
     pub fn window(&self, at: usize) -> &'a [f64] {
-        self.looked_at.set(self.looked_at.get() + WINDOW as u64);
         &self.samples[at * WINDOW..][..WINDOW]
-    }
-
-    /// The number of samples that checks have looked at one by one; a sample counts once for each check.
-    #[cfg(test)]
-    pub fn looked_at(&self) -> u64 {
-        self.looked_at.get()
     }
 }
 

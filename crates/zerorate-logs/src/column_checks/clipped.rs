@@ -23,7 +23,7 @@ pub struct Clipped {
 impl Clipped {
     pub fn feed(&mut self, block: &Block<'_>) {
         let Some(facts) = &block.facts else {
-            return block.samples().iter().filter(|sample| sample.is_finite()).for_each(|sample| {
+            return block.samples.iter().filter(|sample| sample.is_finite()).for_each(|sample| {
                 self.count += 1;
                 self.largest.push(*sample);
                 self.least.push(-sample);
@@ -31,10 +31,10 @@ impl Clipped {
         };
         self.count += block.len() as u64;
         if self.largest.reaches(facts.largest) {
-            block.samples().iter().for_each(|sample| self.largest.push(*sample));
+            block.samples.iter().for_each(|sample| self.largest.push(*sample));
         }
         if self.least.reaches(-facts.least) {
-            block.samples().iter().for_each(|sample| self.least.push(-sample));
+            block.samples.iter().for_each(|sample| self.least.push(-sample));
         }
     }
 

@@ -44,7 +44,7 @@ pub struct Resampled(Vec<f64>);
 impl Resampled {
     pub fn feed(&mut self, block: &Block<'_>) {
         if self.0.len() < LOOKED_AT {
-            self.0.extend_from_slice(block.samples());
+            self.0.extend_from_slice(block.samples);
         }
     }
 

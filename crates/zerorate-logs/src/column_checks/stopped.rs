@@ -41,7 +41,7 @@ impl Changes {
     pub fn feed(&mut self, block: &Block<'_>) {
         match &block.facts {
             Some(facts) => self.take(block, facts.changes),
-            None => block.samples().iter().for_each(|sample| self.push(*sample)),
+            None => block.samples.iter().for_each(|sample| self.push(*sample)),
         }
     }
 

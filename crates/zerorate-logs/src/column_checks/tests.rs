@@ -1,4 +1,4 @@
-//! Compares the checks with their definitions, and counts how often they read the column.
+//! Compares the checks with their definitions.
 
 use super::clipped::tests::noise;
 use super::*;
@@ -118,29 +118,6 @@ fn gaps_among_codes_count_to_the_time_of_a_stop() {
     let found = stopped(Input::Codes { codes: &codes, gaps: &gaps }, 1.0, Path::new("log"), "c").unwrap();
     let expected = LogWarning::Hung { path: "log".into(), column: "c".into(), same: 2000, len: 9000, from_s: 5051.0 };
     assert_eq!(found, Some(expected));
-}
-
-#[test]
-fn one_pass_serves_all_checks() {
-    let looked_at = |samples: &[f64]| {
-        let series = [
-            Series::Numbers(samples.to_vec()),
-            Series::Codes(samples.iter().map(|sample| (1e6 * sample) as i32).collect()),
-        ];
-        series.map(|series| {
-            let checks = ColumnChecks::of(&series.input(&[]));
-            assert_eq!(checks.read, samples.len() as u64);
-            checks.looked_at
-        })
-    };
-    let long = noise(1_000_000);
-    // one check reads the first 2^17 samples, another the blocks with a new extreme
-    let most = (1 << 17) + long.len() as u64 / 16;
-    assert!(looked_at(&long).into_iter().all(|looked_at| looked_at < most), "{:?}", looked_at(&long));
-    // with codes of a few steps, each check reads a sample about once
-    let coarse: Vec<f64> = long.iter().map(|sample| (0.5 * sample).round()).collect();
-    let looks = checks(&coarse).looked_at as f64 / coarse.len() as f64;
-    assert!(looks < 4.5, "{looks}");
 }
 
 #[test]
