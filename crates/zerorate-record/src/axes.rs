@@ -8,10 +8,15 @@ use tempfile::TempDir;
 use zerorate::{Axis, Part, Reading, Scan};
 use zerorate_input::table::BatchSource;
 
+/// The layout of an ADIS16405, with a status of this width.
+fn layout(status_bits: u8) -> Result<Layout, LayoutError> {
+    let layout = Layout::of_part(&part())?;
+    Layout::new(layout.part_name().to_owned(), layout.axes().to_vec(), *layout.temp(), status_bits)
+}
+
 /// The description of a capture of an ADIS16405, with a status of 16 bits.
 fn imu() -> CaptureInfo {
-    let layout = Layout::of_part(&part()).unwrap().with_status_bits(16).unwrap();
-    CaptureInfo { device: "replay:log.csv".to_owned(), ..CaptureInfo::new(layout) }
+    CaptureInfo { device: "replay:log.csv".to_owned(), ..CaptureInfo::new(layout(16).unwrap()) }
 }
 
 fn rows(n: u32) -> Vec<Row> {
@@ -141,8 +146,7 @@ fn names_that_no_capture_can_have_are_refused() {
     assert_eq!(named(&["a,b"]), Err(LayoutError::Name("a,b".to_owned())));
     assert_eq!(named(&["temp"]), Err(LayoutError::Column("temp_code".to_owned())));
     assert_eq!(named(&["x", "x_corrected"]), Err(LayoutError::Column("x_corrected_dps".to_owned())));
-    let layout = || Layout::of_part(&part()).unwrap();
-    assert_eq!(layout().with_status_bits(12), Err(LayoutError::Status(12)));
+    assert_eq!(layout(12), Err(LayoutError::Status(12)));
     let mut wide = part();
     wide.axes.to_mut()[1].axis.rate.width_bits = 32;
     assert!(Layout::of_part(&wide).is_ok(), "two's complement");

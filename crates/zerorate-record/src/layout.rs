@@ -104,39 +104,28 @@ impl Layout {
         Self::new(part.name.to_string(), part.axes.iter().map(coded).collect(), temp, 8)
     }
 
-    fn new(part: String, axes: Vec<CodedAxis>, temp: Scale, status_bits: u8) -> Result<Self, LayoutError> {
-        Self { part, axes, temp, status_bits, dropped_bits: 0 }.checked()
-    }
-
-    /// Sets the width of the status register: 8, 16 or 32 bits.
-    ///
-    /// # Errors
-    /// Returns [`LayoutError::Status`] for another width.
-    pub fn with_status_bits(self, status_bits: u8) -> Result<Self, LayoutError> {
-        Self { status_bits, ..self }.checked()
-    }
-
-    fn checked(self) -> Result<Self, LayoutError> {
-        if !(1..=MAX_AXES).contains(&self.axes.len()) {
-            return Err(LayoutError::Axes(self.axes.len()));
+    pub(super) fn new(part: String, axes: Vec<CodedAxis>, temp: Scale, status_bits: u8) -> Result<Self, LayoutError> {
+        let layout = Self { part, axes, temp, status_bits, dropped_bits: 0 };
+        if !(1..=MAX_AXES).contains(&layout.axes.len()) {
+            return Err(LayoutError::Axes(layout.axes.len()));
         }
-        let names = self.axes.iter().map(|axis| &axis.name).chain([&self.part]);
+        let names = layout.axes.iter().map(|axis| &axis.name).chain([&layout.part]);
         if let Some(name) = names.into_iter().find(|name| !is_name(name)) {
             return Err(LayoutError::Name(name.clone()));
         }
-        let mut columns = [self.raw_fields(), self.derived_fields()].concat();
+        let mut columns = [layout.raw_fields(), layout.derived_fields()].concat();
         columns.sort_by(|one, next| one.name().cmp(next.name()));
         if let Some(pair) = columns.windows(2).find(|pair| pair[0].name() == pair[1].name()) {
             return Err(LayoutError::Column(pair[0].name().clone()));
         }
-        let scales = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.scale)).chain([("temp", &self.temp)]);
+        let scales = layout.axes.iter().map(|axis| (axis.name.as_str(), &axis.scale)).chain([("temp", &layout.temp)]);
         for (name, scale) in scales {
             let ((first, last), zero) = (scale.codes(), scale.zero_code);
             if [first, last].iter().any(|code| i32::try_from(code.saturating_sub(zero)).is_err()) {
                 return Err(LayoutError::Codes { name: name.to_owned(), first, last, zero });
             }
         }
-        if matches!(self.status_bits, 8 | 16 | 32) { Ok(self) } else { Err(LayoutError::Status(self.status_bits)) }
+        if matches!(status_bits, 8 | 16 | 32) { Ok(layout) } else { Err(LayoutError::Status(status_bits)) }
     }
 
     /// The type name of the part, such as `ADIS16130`.
