@@ -375,7 +375,7 @@ mod tests {
         rows[40].0 = rows[39].0;
         let (times, values, said) = mended(&rows).unwrap();
         assert!(is_even(&times, 100) && values[40] == 20.0, "{times:?}");
-        assert!(said.contains("repeat a stamp (a wrong one)"), "{said}");
+        assert!(said.contains("1 row repeats a stamp (a wrong one)"), "{said}");
         // values that are equal by chance do not make a row a duplicate if there is time for a sample
         rows[40].1 = rows[39].1;
         assert_eq!(mended(&rows).unwrap().0.len(), 100);
