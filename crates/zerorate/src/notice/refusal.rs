@@ -3,7 +3,6 @@
 use super::remedy::write_remedies;
 use super::{Deviation, Finding, Remedy, because_of, more_temperatures, rows_with_remedies};
 use crate::plan::{Setting, SettingNames, State, Wording};
-use crate::temperature::ThermalError;
 use core::fmt;
 
 /// A refusal: the measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
@@ -42,8 +41,10 @@ pub enum Refusal {
     TooFew { window: State, samples: u64, needed: u64 },
     /// A window holds no temperature. With `wrong_edge`, the host uses the edge of data ready before new data.
     NoTemperature { window: State, wrong_edge: bool },
-    /// No bias over temperature could be fitted to the recording.
-    NoCurve(ThermalError),
+    /// The recording is too short for a bias over temperature.
+    TooFewMeans { means: usize, needed: usize },
+    /// No bias over temperature explains the recording.
+    NoCurve,
     /// The temperature did not cover enough of its span both while it rose and while it fell. The fields are the spans
     /// that it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
@@ -179,14 +180,14 @@ rows_with_remedies!(match Refusal {
         text: format_args!("no temperature was read during {window}{}", because_of(wrong_edge)),
         remedies: more_temperatures(wrong_edge),
     },
-    Self::NoCurve(ThermalError::TooFew { blocks, needed }) => Row {
+    Self::TooFewMeans { means, needed } => Row {
         code: "no-curve",
         text: format_args!(
-            "the recording gives only {blocks} means over time, and a bias over temperature needs at least {needed}"
+            "the recording gives only {means} means over time, and a bias over temperature needs at least {needed}"
         ),
         remedies: &[Remedy::LongerWarmUp, Remedy::SettleLonger],
     },
-    Self::NoCurve(ThermalError::Degenerate) => Row {
+    Self::NoCurve => Row {
         code: "no-curve",
         text: format_args!("no bias over temperature explains the rate"),
         remedies: &[Remedy::KeepStill],

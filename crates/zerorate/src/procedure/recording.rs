@@ -13,7 +13,7 @@ use crate::notice::{Deviation, Finding, Refusal, Warning};
 use crate::part::{Axis, SelfHeating};
 use crate::plan::{Method, Plan, State};
 use crate::temperature::sweeps::covered_c;
-use crate::temperature::{self, Assumed, BaseMotion, BiasCurve, Block};
+use crate::temperature::{self, Assumed, BaseMotion, BiasCurve, Block, ThermalError};
 use crate::uncertainty::Uncertainty;
 use alloc::vec::Vec;
 #[cfg(feature = "std")]
@@ -268,6 +268,13 @@ fn own_noise(_: &Blocks, _: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     None
 }
 
+fn no_curve(error: ThermalError) -> Refusal {
+    match error {
+        ThermalError::TooFew { blocks, needed } => Refusal::TooFewMeans { means: blocks, needed },
+        ThermalError::Degenerate => Refusal::NoCurve,
+    }
+}
+
 /// Fits a curve under the white noise of adjacent blocks, and again under the recording's own noise, if that is known.
 /// The models of the curve decide whether the suspected steps and base motions are real.
 fn curve(
@@ -288,10 +295,10 @@ fn curve(
         t3_c: final_temp_c(seconds).ok_or(seen.tally.no_temperature(State::Recording))?,
     };
     let blocks = blocks(seconds);
-    let first = temperature::fit(&blocks, &assumed).map_err(Refusal::NoCurve)?;
+    let first = temperature::fit(&blocks, &assumed).map_err(no_curve)?;
     let Some((white_dps_per_rt_hz, terms)) = own_noise(sums, &first) else { return Ok(first) };
     let assumed = Assumed { white_dps_per_rt_hz, gauss_markov: &terms, ..assumed };
-    temperature::fit(&blocks, &assumed).map_err(Refusal::NoCurve)
+    temperature::fit(&blocks, &assumed).map_err(no_curve)
 }
 
 /// Takes the uncertainties of PBC and BTC from a curve. The others were not measured, and are zero.
