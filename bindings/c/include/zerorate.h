@@ -441,8 +441,8 @@ typedef struct zerorate_settings {
    */
   uint8_t rdy_rises;
   /**
-   * 1 = read the status of the rate channel with every sample. 0 = only where it is doubtful whether an edge announces
-   * new data, and for a few samples after that. With `divided` above 1, every edge is doubtful.
+   * 1 = read the status of the rate channel with every sample. 0 = only where it is doubtful whether an edge
+   * announces new data, and for a few samples after that. With `divided` above 1, every edge is doubtful.
    */
   uint8_t read_status;
   /**

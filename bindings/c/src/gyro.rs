@@ -48,8 +48,8 @@ pub struct Settings {
     pub per_byte_framing: u8,
     /// The edge of RDY that announces new data: 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
-    /// 1 = read the status of the rate channel with every sample. 0 = only where it is doubtful whether an edge announces
-    /// new data, and for a few samples after that. With `divided` above 1, every edge is doubtful.
+    /// 1 = read the status of the rate channel with every sample. 0 = only where it is doubtful whether an edge
+    /// announces new data, and for a few samples after that. With `divided` above 1, every edge is doubtful.
     pub read_status: u8,
     /// Divisor n of a counter in the RDY line, which passes every n-th edge to the host (F-56). 0 or 1 = no counter.
     pub divided: u16,

@@ -41,8 +41,8 @@ class BiasMeans:
     temp_c: NDArray[np.float64]
     """Temperature, °C."""
     bias: NDArray[np.float64]
-    """Mean of the axis without the removed steps, in the unit of the axis. Of an accelerometer, it is less the curve at
-    the reference temperature."""
+    """Mean of the axis without the removed steps, in the unit of the axis. Of an accelerometer, it is less the curve
+    at the reference temperature."""
     left: NDArray[np.float64]
     """The mean without the removed steps, minus the curve, in the unit of the axis."""
     is_warming: NDArray[np.bool_]

@@ -7,8 +7,8 @@ use serde::Serialize;
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, Correction, IntegerCorrection, IntegerCurve, Scale, TableRow};
 
-/// The exported object. The only axis of an ADIS16130 has its `terms` and `derived` here; other axes are in `axes`, and
-/// then the object names the part.
+/// The exported object. The only axis of an ADIS16130 has its `terms` and `derived` here. Other axes are in `axes`,
+/// and then the object names the part.
 #[derive(Serialize)]
 struct Object<'a> {
     calibration_id: String,

@@ -151,8 +151,8 @@ pub(crate) struct Plausible {
 #[derive(Clone, Copy, Debug, Default)]
 struct Shock {
     roughness: u32,
-    /// One more than the number of strict judgements for which `roughness` still raises the threshold. After them, the recent readings
-    /// themselves show the roughness of the shock.
+    /// One more than the number of strict judgements for which `roughness` still raises the threshold. After them, the
+    /// recent readings themselves show the roughness of the shock.
     left: u8,
 }
 

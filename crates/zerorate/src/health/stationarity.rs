@@ -171,8 +171,8 @@ impl Step {
         best
     }
 
-    /// Returns the blocks without the step. `less` lowers a block by a level, °/s. A block in which a step happens fits
-    /// neither level, so the three blocks around the step are left out.
+    /// Returns the blocks without the step. `less` lowers a block by a level, °/s. A block in which a step happens
+    /// fits neither level, so the three blocks around the step are left out.
     fn removed_from<T>(&self, blocks: &[T], less: impl Fn(&T, f64) -> T) -> Vec<T> {
         let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
         let beside = |k: &usize| k.abs_diff(self.at) > 1;
