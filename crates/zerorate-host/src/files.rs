@@ -10,8 +10,8 @@ use zerorate_input::{Input, InputError};
 use zerorate_logs::{ColumnOptions, LogError, Parts};
 use zerorate_record::{CaptureError, CaptureReader};
 
-/// Opens a regular file. Pipes, sockets and devices are refused before opening, because opening them may block
-/// forever, and because they have no length and maybe no end.
+/// Opens a regular file; a folder fails when it is opened or read. Pipes, sockets and devices are refused before
+/// opening, because opening them may block forever, and because they have no length and maybe no end.
 pub fn open(path: &Path) -> Result<Input, InputError> {
     let failed = |error| InputError::io("read", path, error);
     let metadata = path.metadata().map_err(|error| failed(not_an_address(path, error)))?;
@@ -141,7 +141,8 @@ fn description(folder: &Path) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// The files of a ROS 2 bag in the order of its description. Without one, the only bag, or a split ROS 1 bag.
+/// The files of a ROS 2 bag in the order of its description. If that names no file, the only bag in the folder, or the
+/// files of a split ROS 1 bag in order.
 fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     let failed = |error| InputError::io("read", folder, error);
     let listed: Vec<PathBuf> = described(description).map(|name| folder.join(name)).collect();

@@ -107,7 +107,7 @@ impl FromStr for DeviceSpec {
     }
 }
 
-/// Suggests the full address if the user wrote a port, a bus or a host without the kind.
+/// Suggests the full address if the user wrote a port, a bus, an IIO folder or a host without the kind.
 fn meant(text: &str) -> Option<String> {
     let is_number = |text: &str| text.parse::<u16>().is_ok();
     let ports = ["/dev/tty", "/dev/cu.", "/dev/serial/", "/dev/rfcomm"];

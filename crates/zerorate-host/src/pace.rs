@@ -71,7 +71,8 @@ impl Clock for Monotonic {
     }
 }
 
-/// Keeps the part's time from running ahead of the wall clock, which is checked every [`PACE`] of wall-clock time.
+/// Keeps the part's time from running faster than the speed allows. The wall clock is checked whenever the part's time
+/// has advanced by as much as [`PACE`] allows.
 pub(crate) struct WallClock<C = Monotonic> {
     clock: C,
     speed: Speed,
@@ -82,7 +83,7 @@ pub(crate) struct WallClock<C = Monotonic> {
     due_ns: u64,
 }
 
-/// Time between two checks of the clock.
+/// Wall-clock time between two checks of the clock, if the part's time keeps the speed.
 const PACE: Duration = Duration::from_millis(10);
 /// Longest delay until a stop or a higher speed takes effect.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);

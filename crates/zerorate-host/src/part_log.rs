@@ -37,8 +37,8 @@ impl PartLog {
     /// column nor a rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read, if it lacks an axis, the temperature, a unit or the time, or if
-    /// the part cannot have measured its values.
+    /// Returns an error if the file cannot be read, if it lacks an axis, the temperature, a unit or the time, or if it
+    /// has values that the part cannot have measured.
     pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;

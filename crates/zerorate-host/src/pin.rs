@@ -1,4 +1,4 @@
-//! The pins that the driver needs for a self-test, for a part whose RDY edges arrive as events.
+//! The RDY pin and the delay that the driver needs for a self-test, for a part whose RDY edges arrive as events.
 
 use crate::Stop;
 use crate::edges::Edges;

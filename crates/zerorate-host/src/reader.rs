@@ -59,7 +59,7 @@ impl Reader {
         sample.unwrap_or_else(|| Err(anyhow!("the reading thread has ended")))
     }
 
-    /// Number of samples that were dropped because the queue was full. The next sample counts them as lost.
+    /// Number of samples that were dropped because the queue was full. The next sample that fits counts them as lost.
     pub fn overflowed(&self) -> u64 {
         self.overflowed.load(Ordering::Relaxed)
     }
@@ -70,7 +70,7 @@ struct Feeder {
     queue: SyncSender<Result<Sample>>,
     when_full: WhenFull,
     overflowed: Arc<AtomicU64>,
-    /// Number of dropped samples that no sample has reported yet.
+    /// Number of dropped samples, and of samples that these had counted as lost, that no sample has reported yet.
     owed: u32,
 }
 
@@ -93,7 +93,7 @@ impl Feeder {
     }
 
     /// Sends a sample. Returns false if the receiver is gone. With [`WhenFull::Drop`], a sample that does not fit into
-    /// the queue is dropped, and the next sample counts it as lost.
+    /// the queue is dropped, and the next sample that fits counts it as lost.
     fn offer(&mut self, mut sample: Sample) -> bool {
         sample.lost = sample.lost.saturating_add(self.owed);
         if self.when_full == WhenFull::Wait {

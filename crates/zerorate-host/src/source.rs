@@ -38,7 +38,7 @@ impl Sampling {
 pub struct Setup {
     /// How often the rate and the temperature are read.
     pub sampling: Sampling,
-    /// The known facts about the part; `None` means an ADIS16130, or the part that a recording states.
+    /// The known facts about the part; `None` means an ADIS16130, or what a recording or a kernel driver states.
     pub part: Option<Part>,
     /// The ambient temperature of a simulated part; `None` takes it from the address of the device.
     pub ambient: Option<AmbientProfile>,

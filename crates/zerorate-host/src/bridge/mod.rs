@@ -196,7 +196,7 @@ impl SharedLink {
         set.context("setting the SPI clock of the bridge")
     }
 
-    /// Returns an error with that cause if the bridge is gone or silent, and any other error unchanged.
+    /// Returns an error with the cause `Gone` or `Silent` if the bridge is gone or silent, and else `error` unchanged.
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().gone.clone() {

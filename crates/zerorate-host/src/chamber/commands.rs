@@ -29,7 +29,7 @@ const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {
     /// A chamber that two commands control. `set` contains `{temp_c}` in place of the temperature. `read` prints the
-    /// air temperature, °C. In `set` and `read_c`, a command that fails is repeated until the time `retry` is over.
+    /// air temperature, °C. [`Chamber::set`] and [`Chamber::read_c`] repeat a command that fails for the time `retry`.
     ///
     /// # Errors
     /// Returns an error if a command is empty, or if `set` does not contain `{temp_c}`.

@@ -18,8 +18,8 @@ impl Correcting {
         Self { layout: layout.clone(), axes, corrector }
     }
 
-    /// Adds a row. Returns the corrected rates, °/s, of the row that was added two rows earlier. A rate is `None` if
-    /// its reading is not valid, before the first temperature, or if there is no such axis.
+    /// Adds a row. Returns the corrected rates, °/s, of the row that was added two rows earlier, if any. A rate is
+    /// `None` if its reading is not valid, before the first temperature, or if there is no such axis.
     pub fn push(&mut self, row: &Row) -> Option<[Option<f64>; MAX_AXES]> {
         let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
         for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {

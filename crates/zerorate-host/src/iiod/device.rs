@@ -145,7 +145,8 @@ impl Device {
         self.live().scan.is_some()
     }
 
-    /// Returns an error if there is no such attribute, or if its value needs a sample and there is none.
+    /// Reads an attribute. Returns an error if there is no such attribute, if its value needs a sample and there is
+    /// none yet, or if it is `raw` and the samples have ended.
     pub fn read(&self, place: Place<'_>, attribute: &str) -> Result<String, Errno> {
         match place {
             Place::Device => self.read_own(attribute),

@@ -14,8 +14,8 @@ pub struct Scan {
     pub row: Row,
     /// The corrected rate of each axis, °/s; `None` without a correction, a valid reading or a temperature.
     pub corrected_dps: [Option<f64>; MAX_AXES],
-    /// Number of samples that were lost or missed since this scanner was made, for a client since its buffer was
-    /// opened.
+    /// Number of samples that were lost since this scanner was made. In a client's buffer, samples that the client
+    /// missed count too.
     pub lost: u64,
 }
 
@@ -43,13 +43,13 @@ impl Scanner {
         self
     }
 
-    /// The correction of an axis at the last temperature, °/s; `None` before the first temperature.
+    /// The correction of an axis at the last temperature, °/s; `None` without a correction or a temperature.
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
         self.correcting.as_ref()?.corrector.correct(axis, Some(0.0))
     }
 
-    /// Adds a row, before which `missed` rows were missed. Each corrected rate is shifted by its value in `trims_dps`,
-    /// °/s. Returns the next scan, if one is complete.
+    /// Adds a row. `missed` samples before it count as lost, in addition to its own `lost`. Each corrected rate is
+    /// shifted by its value in `trims_dps`, °/s. Returns the next scan, if one is complete.
     pub fn push(&mut self, row: &Row, missed: u64, trims_dps: &[f64; MAX_AXES]) -> Option<Scan> {
         self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
         self.waiting.push_back((*row, self.lost));

@@ -112,8 +112,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Reads all attributes of a place. Each one starts with the length of its value, or with the error, as four
-    /// bytes in big-endian order. The value follows with a NUL, padded to a multiple of four bytes.
+    /// Reads all attributes of a place. Each one starts with four bytes in big-endian order: the length of its value
+    /// with a NUL, or a negative error number. Value and NUL follow, padded to a multiple of four bytes.
     fn read_all(&self, place: Place<'_>) -> Vec<u8> {
         let mut all = Vec::new();
         for attribute in self.device.attributes(place) {

@@ -104,7 +104,7 @@ impl TestServer {
     }
 
     /// Checks that samples with all channels are rows of the hub, in order, and that every missing row is counted.
-    /// Returns the number of missing rows.
+    /// Returns the number of rows that are missing between the samples.
     pub fn check(&self, bytes: &[u8], samples: usize) -> u64 {
         assert_eq!(bytes.len(), samples * super::SAMPLE);
         self.wait_for(field(bytes.rchunks(super::SAMPLE).next().expect("a sample"), 24));
@@ -216,7 +216,8 @@ impl Raw {
         self.try_samples(bytes).expect("samples")
     }
 
-    /// Reads samples of the open buffer as libiio does; the error is the negative errno.
+    /// Reads samples of the open buffer as libiio does, or fewer if the server ends early. If it sends none, the error
+    /// is its answer: a negative errno, or 0.
     pub fn try_samples(&mut self, bytes: usize) -> Result<Vec<u8>, i64> {
         self.ask(&format!("READBUF iio:device0 {bytes}"));
         let mut all = Vec::with_capacity(bytes);

@@ -11,7 +11,7 @@ use harness::edited;
 use zerorate_logs::ColumnOptions;
 use zerorate_record::Row;
 
-/// Reads the log of a part, and checks that times increase and that every code is within the range of its scale.
+/// Reads the log of a part, and checks that times increase and that every code of a rate is within its range.
 fn read(bytes: &[u8]) {
     let Ok(log) = open(bytes, &part(), &ColumnOptions::default()) else { return };
     let rows: Vec<Row> = log.collect();
