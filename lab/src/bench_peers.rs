@@ -74,7 +74,7 @@ pub fn parse(text: &str) -> Result<Vec<Line>> {
     text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
 }
 
-/// Prints the time of each run, and its speed relative to the fastest other program for the same work.
+/// Prints the time of each run, and for zerorate its speed relative to the fastest peer for the same work.
 fn print_times(lines: &[Line]) {
     let copy = lines.iter().find(|line| line.work == "copy").and_then(|line| line.seconds).unwrap_or(f64::NAN);
     println!("{:22} {:22} {:>10} {:>12} {:>16}", "work", "who", "seconds", "numpy copies", "times as fast as");

@@ -8,7 +8,7 @@ use anyhow::Result;
 use std::process::Command;
 
 const CLIENTS: Tool = Tool { program: "iio_info", package: "libiio-utils" };
-/// What the Python environment with pyadi-iio needs.
+/// The list of packages in the Python environment with pyadi-iio.
 const REQUIREMENTS: &str = "lab/iiod-requirements.txt";
 const PURPOSE: &str = "the libiio server with libiio's clients";
 

@@ -2,7 +2,7 @@
 
 use std::process::Child;
 
-/// A process that is killed on drop. It has already ended by then, unless something failed.
+/// A process that is killed on drop if it still runs.
 pub struct Killed(pub Child);
 
 impl Drop for Killed {

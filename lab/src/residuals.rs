@@ -7,7 +7,7 @@ pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::max(count, 1.0)).sqrt()
 }
 
-/// The median, the upper one of an even number of values; NaN for an empty list.
+/// The median, which is the upper of the two middle values if their number is even; NaN for an empty list.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

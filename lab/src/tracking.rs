@@ -1,6 +1,6 @@
 //! `cargo xtask tracking`: runs `stream --track` on simulated days of many units that were calibrated by AN-1042, and
-//! compares the bias with the truth. The simulated motion is the same as in the core's tests. It prints the table of
-//! docs/tracking.md.
+//! compares the bias with the truth. The simulated motion is the same as in the core's tests. The task prints the
+//! table of docs/tracking.md.
 
 #[path = "../../crates/zerorate/tests/track/world.rs"]
 mod world;
@@ -82,7 +82,7 @@ impl Tracking {
         }
     }
 
-    /// Ratio of the residuals without and with tracking.
+    /// Ratio of the residuals of all units, rms, without and with tracking.
     pub fn ratio(&self) -> f64 {
         self.static_dph / self.tracked_dph
     }

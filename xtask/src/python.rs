@@ -13,7 +13,7 @@ use xtask::wheel;
 
 type Part = fn(&Wheel) -> Result<()>;
 
-/// Names of the parts. The first one runs if none is named.
+/// The parts, each with its name. The first one runs if none is named.
 const PARTS: [(&str, Part); 6] = [
     ("tests", tests),
     ("stores", stores),

@@ -28,8 +28,8 @@ fn reaches_registry() -> bool {
     probe.status().is_ok_and(|status| status.success())
 }
 
-/// Builds the wheel with the maturin of this environment. The build reuses what the tests with `zerorate-cli/full`
-/// have compiled.
+/// Builds the wheel with the maturin of the environment of `python`. The build reuses what the tests with
+/// `zerorate-cli/full` have compiled.
 pub fn build(python: &Path) -> Result<PathBuf> {
     if Path::new(WHEELS).is_dir() {
         fs::remove_dir_all(WHEELS).context("clearing the old wheel")?;

@@ -1,6 +1,6 @@
-//! `codegen [--check]`: writes the files that are generated from the sources and from `docs/facts.md`. `cargo xtask
-//! codegen` calls this program. `codegen protocol` writes the TypeScript types of the page's messages, which `cargo
-//! xtask web` needs and git does not keep.
+//! `codegen` writes the files that are generated from the sources and from `docs/facts.md`. `codegen --check` fails if
+//! one is out of date. `cargo xtask codegen` calls this program. `codegen protocol` writes the TypeScript types of
+//! the page's messages, which `cargo xtask web` needs and git does not keep.
 
 mod bandwidth;
 mod protocol;

@@ -23,7 +23,7 @@ pub struct Case {
     pub expected: Expectation,
 }
 
-/// The smuggled request. Its answer differs from all other answers.
+/// The smuggled request. Its answer differs from the answer to [`POST`].
 pub const SMUGGLED: &[u8] = b"GET /home.json HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
 
 const POST: &[u8] = b"POST /token HTTP/1.1\r\nHost: localhost\r\n";

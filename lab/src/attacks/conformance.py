@@ -1,7 +1,8 @@
 """Makes MCAP's conformance files where a checkout has only pointers of Git LFS in their place.
 
-Each file is described by a JSON beside it. The pointer states the SHA-256 of the published file, and only a file with
-that sum is written. Arguments: the folder of the data, and the folder to write into. Prints the names of the files.
+Each file is described by a JSON beside it. The pointer states the SHA-256 of the published file, and only a made file
+with that sum is written. Files that are not pointers are copied. Arguments: the folder of the data, and the folder to
+write into. Prints the paths of the written files.
 """
 
 import hashlib
@@ -20,7 +21,7 @@ OPCODES = {
 
 
 # The fields of each record. B, H, I and Q are integers, s is a text, m a map of texts and n one of numbers. d, b and a
-# are bytes: the rest of the record, or behind their length of 32 or of 64 bits.
+# are bytes: d without their length, b behind their length of 32 bits, and a behind their length of 64 bits.
 LAYOUTS = {
     "Header": "s:profile s:library",
     "Footer": "Q:summary_start Q:summary_offset_start I:summary_crc",

@@ -55,7 +55,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Builds the example with the same settings as the program, so that nothing is compiled twice.
+    /// Builds the example with all features, so that it reads every format.
     pub fn new(program: &Path) -> Result<Self> {
         let arguments = "build --release --workspace --all-features --quiet --example columns";
         done(Command::new("cargo").args(arguments.split(' ')))?;

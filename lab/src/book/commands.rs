@@ -24,7 +24,7 @@ const MOST_LINES: usize = 60;
 enum Step {
     /// A command and its expected exit code.
     Run { command: String, exit: i32 },
-    /// Lines that the commands since the last `Shown` must print, or write to a file.
+    /// Lines that the adjacent commands before it must print, or write to a file. Several `Shown` may follow them.
     Shown(Vec<String>),
 }
 

@@ -25,7 +25,7 @@ const SAMPLES: u32 = 5_000;
 const PLAN: [&str; 10] =
     ["--average", "1s", "--warmup", "10s", "--settle", "10s", "--offset", "5s", "--max-u-btc", "1"];
 
-/// The results, printed as JSON.
+/// The results of `cargo xtask bridge`, printed with `--json`.
 #[derive(Serialize)]
 struct Findings {
     seed: u64,
@@ -113,8 +113,8 @@ impl Bench {
         Ok(summary)
     }
 
-    /// Calibrates the same unit by the same plan, through the bridge and directly. The two PBC must agree within their
-    /// uncertainties.
+    /// Calibrates the same unit by the same plan, through the bridge and directly. At the same temperature,
+    /// the two PBC must agree within twice the standard uncertainty of their difference.
     fn calibrate(&self) -> Result<(Value, Value)> {
         let emulator = self.emulator(Line::Socket)?;
         let calibrate = |device: &str| {

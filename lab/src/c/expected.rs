@@ -58,8 +58,8 @@ pub fn text(seed: u64) -> Result<String> {
     Ok(text)
 }
 
-/// The expected output about a stream, with the status numbers typed again. Output variables that are not written keep
-/// their initial value 7.
+/// The expected output about correcting a stream of readings, with the status numbers typed again. Output variables
+/// that are not written keep their initial value 7.
 fn stream(text: &mut String) -> Result<()> {
     let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
     let mut corrector = Corrector::new(CorrectorConfig { corrections: [CORRECTION], validity });
@@ -94,8 +94,8 @@ fn line(text: &mut String, status: i32, rate_dps: f64, temp_c: f64, extrapolated
     Ok(writeln!(text, "extrapolated {extrapolated}")?)
 }
 
-/// The expected output about tracking: a minute at rest with another bias than calibrated, a motion, a day without
-/// power, and an invalid state.
+/// The expected output about tracking: a minute at rest with another bias than calibrated, a missing mean (which
+/// counts as a motion), a day without power, and an invalid state.
 fn track(text: &mut String) -> Result<()> {
     let prior = Prior {
         u_pbc_dps: 0.003,

@@ -178,7 +178,7 @@ fn disturbed() -> Vec<Scenario> {
 }
 
 impl Scenario {
-    /// The true Allan variance σ²(τ), by the formulas in IEEE Std 952-1997 C.1.
+    /// The true Allan variance σ²(τ) without filter and disturbance, by the formulas in IEEE Std 952-1997 C.1.
     pub fn allan_variance(&self, tau_s: f64) -> f64 {
         let memory = self.gauss_markov.map_or(0.0, |(sigma, t)| {
             let bend = 3.0 - 4.0 * (-tau_s / t).exp() + (-2.0 * tau_s / t).exp();

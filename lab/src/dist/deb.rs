@@ -143,7 +143,7 @@ fn unit(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// A script that checks that every file was installed and is not empty, and that the user exists.
+/// A script that checks that the listed files were installed and are not empty, and that the user exists.
 const INSTALLED: &str = "
     for file in usr/bin/zerorate usr/share/man/man1/zerorate.1.gz \
         usr/lib/systemd/system/zerorate@.service usr/lib/udev/rules.d/60-zerorate.rules \

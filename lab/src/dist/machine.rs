@@ -5,7 +5,7 @@ use anyhow::Result;
 
 /// A kind of computer that runs Linux.
 pub struct Machine {
-    /// The name in file names.
+    /// The name of the kind in file names.
     pub name: &'static str,
     pub target: &'static str,
     /// The architecture name in Debian.

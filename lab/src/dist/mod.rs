@@ -1,5 +1,5 @@
-//! `cargo xtask dist`: builds all distributed files on Debian 12 on x86-64, in `target/dist/`, and tests them on their
-//! target systems.
+//! `cargo xtask dist`: builds all distributed files on Debian 12 on x86-64, in `target/dist/`. With `--check`, it
+//! tests these files instead, programs on their target systems.
 
 mod c_library;
 mod deb;
@@ -54,7 +54,7 @@ const PARTS: [Part; 7] = [
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The address of the repository; empty until a release states it in `Cargo.toml`.
 const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
-/// The build folder. It is separate from the developer's, because distributed files are built with other flags.
+/// Cargo's target folder for all parts but the wheels. The developer's folder is not used, because the flags differ.
 const TARGET_DIR: &str = "target/cross";
 const SUMS: &str = "SHA256SUMS";
 
@@ -161,7 +161,7 @@ fn repository(name: &str) -> String {
     if REPOSITORY.is_empty() { String::new() } else { format!("{name}: {REPOSITORY}\n") }
 }
 
-/// Copies a file of `packaging/` and replaces each `@NAME@` in it.
+/// Copies a file of `packaging/` to `to`, with a value in place of each `@NAME@`.
 fn fill(template: &str, to: &Path, values: &[(&str, &str)]) -> Result<()> {
     let from = Path::new("packaging").join(template);
     let text = fs::read_to_string(&from).with_context(|| from.display().to_string())?;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 pub struct Product {
-    /// The name in file names.
+    /// The name of the product in file names.
     pub name: &'static str,
     manifest: &'static str,
     package: &'static str,

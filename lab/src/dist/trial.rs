@@ -11,7 +11,7 @@ const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-
 /// A bag of another project with zstd-compressed chunks. `lay_out` adds an SQLite file that is not a bag.
 const BAG: &str = "crates/zerorate-logs/fixtures/imu_zstd.mcap";
 
-/// The command lines, the exit code that each must have, and the files that it writes.
+/// The command lines, the exit code that each must have, and those of its files whose bytes are compared.
 fn steps() -> Vec<(String, i32, &'static [&'static str])> {
     let device = "--device twin:seed=1,warmup_s=20";
     vec![

@@ -10,8 +10,8 @@ use std::ops::Range;
 pub struct Loader {
     /// The ID of the processor family in Microsoft's list.
     family: u32,
-    /// The address range of the flash. If the file contains any other address, the boot loader of an RP2040 treats the
-    /// file as a program in RAM.
+    /// The address range of the flash that the boot loader fills. If the file contains any other address, the boot
+    /// loader of an RP2040 treats the file as a program in RAM.
     flash: Range<u32>,
 }
 

@@ -9,7 +9,7 @@ use crate::venv::{done, printed};
 use anyhow::{Context, Result, ensure};
 use std::process::Command;
 
-/// The build folder. It differs from the program's build folder, because the compiler flags differ.
+/// Cargo's target folder for the wheels. The folder of the program is not used, because the compiler flags differ.
 const TARGET_DIR: &str = "target/wheels";
 /// The target name in Rust, and the machine name in a wheel's file name.
 const MACHINES: [(&str, &str); 2] = [("x86_64-unknown-linux-gnu", "x86_64"), ("aarch64-unknown-linux-gnu", "aarch64")];

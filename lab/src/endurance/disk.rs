@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 const SIZE: &str = "size=4m";
 const FILL: &str = r#"{"id":1,"do":"speed","factor":20}"#;
 const AGAIN: &str = r#"{"id":2,"do":"reopen"}"#;
-/// Longest wait for the disk to fill. It takes seconds, but longer on a busy machine.
+/// Longest wait for the disk to fill, and for the second recording. Each takes seconds, but longer on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// How long a page checks that the sensor continues while the disk is full.

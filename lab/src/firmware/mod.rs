@@ -41,7 +41,7 @@ pub struct FirmwareArgs {
     update: bool,
 }
 
-/// The results, printed as JSON.
+/// The results of `cargo xtask firmware`, printed with `--json`.
 #[derive(Serialize)]
 struct Outcome {
     seed: u64,

@@ -18,7 +18,7 @@ pub fn fit(recording: &Recording) -> Correction {
     Correction::line(-offset.rate_dps, btc_dps_per_c, t3_c)
 }
 
-/// The differences between the short form and the real procedure, for the same samples of the twin.
+/// The results of the short form minus those of the real procedure, at its T3, for the same samples of the twin.
 #[derive(Clone, Copy, Debug)]
 pub struct Difference {
     pub pbc_dps: f64,

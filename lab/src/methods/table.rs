@@ -52,7 +52,7 @@ pub fn intervals(methods: &[Vec<Summary>]) -> String {
     table(&heads, rows)
 }
 
-/// The verdict on 95 % intervals that contain this share of the units, %.
+/// The verdict on 95 % intervals that contain the truth for this share of the units, %.
 const fn verdict(inside: f64) -> &'static str {
     match inside {
         ..93.5 => "too narrow",

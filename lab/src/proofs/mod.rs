@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use clap::ValueEnum;
 use std::time::Instant;
 
-/// The build folder. Each part has its own folder below it.
+/// The folder for the builds and logs of this task. Each build has its own folder below it.
 const WORK: &str = "target/proofs";
 
 /// Command line of `cargo xtask proofs`.

@@ -25,7 +25,7 @@ pub struct RigData {
     pub host: Value,
 }
 
-/// The results, printed as JSON.
+/// The results of `cargo xtask rig`, printed with `--json`.
 #[derive(Serialize)]
 pub struct Findings {
     kernel_release: String,
@@ -94,8 +94,8 @@ struct Calibration {
     btc_truth_limit_dps_per_c: f64,
 }
 
-/// Allowed difference between counts, as a share of the samples. If the guest cannot keep up, its timestamps are late
-/// by up to a period, while the driver counts by the nominal clock.
+/// Allowed difference between counts, as a share of the part's readings. If the guest cannot keep up, its timestamps
+/// are late by up to a period, while the driver counts by the nominal clock.
 const COUNT_TOLERANCE: f64 = 0.02;
 
 /// Cycles of MCLK for a pair of readings: two conversions of 527 cycles (F-31).

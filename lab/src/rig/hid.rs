@@ -6,8 +6,8 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// The captures through the kernel's buffer. They end after the requested length, when readings stop, and when the
-/// gyroscope is unplugged.
+/// The captures through the kernel's buffer. The first ends after the requested length, the second when readings stop,
+/// and the third when the gyroscope is unplugged.
 const BUFFERED: [&str; 3] = ["hid", "hidsilent", "hidcut"];
 pub const CAPTURES: [&str; 4] = ["hid", "hidsilent", "hidcut", "hidpolled"];
 
@@ -25,12 +25,13 @@ const RATE_HZ: f64 = 100.0;
 const LSB_PER_DPS: f64 = 0.017_453_292_519_943_295 / 0.000_174_532;
 
 /// Share of the readings whose losses may be miscounted, because a host that pauses the machine delays the readings.
+/// It is also the largest relative error of the probed rate.
 const TOLERANCE: f64 = 0.02;
 const TOLERANCE_READINGS: f64 = 3.0;
 /// Smallest number of losses that shows that a capture counts losses: 4 of 50 readings are withheld.
 const ENOUGH_LOST: u64 = 4;
 
-/// The results, printed as JSON.
+/// The results about the HID gyroscope, which are part of the rig's JSON.
 #[derive(Serialize)]
 pub struct Hid {
     buffered: Vec<Stream>,

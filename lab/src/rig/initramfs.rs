@@ -50,7 +50,7 @@ fn gyro(folder: &Path) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Copies a program to `bin/NAME`, and its shared libraries, if any, to their paths on this computer.
+/// Copies a program to `bin/NAME`, and its shared libraries, if any, to the paths that they have on this computer.
 fn add_program(root: &Path, program: &Path, name: &str) -> Result<()> {
     fs::copy(program, root.join("bin").join(name)).with_context(|| format!("copying {}", program.display()))?;
     let libraries = Command::new("ldd").arg(program).stderr(Stdio::null()).output()?;

@@ -45,8 +45,7 @@ const SLOW_HZ: &str = "105000";
 const FAST_HZ: &str = "1050000";
 /// A short calibration that accepts the losses of a busy host (`--max-lost`).
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05 --max-lost 0.95";
-/// Time constant of the self-heating for that calibration, s, in place of the 600 s of M-03. The capacitor of F-04
-/// prevents the aliasing of noise at 100 Hz.
+/// Time constant of the self-heating for the calibration by [`PLAN`], s, in place of the 600 s of M-03.
 const WARMUP_S: &str = "20";
 /// The captures at the slow rate. There are several, because a host may pause the machine for longer than a period.
 const SLOW_CAPTURES: [&str; 3] = ["slow1", "slow2", "slow3"];
@@ -86,6 +85,7 @@ fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Resu
     let initramfs = initramfs::build(&run, kernel, program, &settings)?;
     let socket = run.join("part.sock");
     let mut machine = Machine::boot(&run, kernel, &initramfs, &socket)?;
+    // the capacitor of F-04 limits the aliasing of noise at 100 samples a second
     let keys = format!("seed={seed},warmup_s={WARMUP_S},roa=10nf");
     let mut stage = |name: &str, arguments: &[&str]| -> Result<Record> {
         let arguments = [&[keys.as_str()], arguments].concat();

@@ -100,7 +100,7 @@ fn wait_for(child: &mut Child, is_so: impl Fn() -> bool) -> Result<()> {
     Ok(())
 }
 
-/// The largest difference between the curves of two results, in multiples of the result's uncertainty.
+/// The largest difference between the curves of two results, in multiples of the standard uncertainty of `result`.
 fn off_u(other: &Value, result: &Value) -> Result<f64> {
     let number = |value: &Value| value.as_f64().context("a number");
     let (curve, other) = (&result["curve"], &other["curve"]);

@@ -48,7 +48,8 @@ pub const CLASSES: &[Class] = &[
     class("calibrate unplug", "the cable is pulled"),
 ];
 
-/// A result is wrong if its error exceeds this many standard uncertainties, as does 1 of 16 000 without a fault.
+/// A result is wrong if the error of one of its values exceeds this many standard uncertainties. Without a fault, 1 of
+/// 16 000 values has such an error.
 pub const WRONG_U: f64 = 4.0;
 
 fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {

@@ -102,7 +102,7 @@ fn calibration(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// Edits the saved state of a tracker. The program must use the state as if it were not edited, or refuse it.
+/// Edits the saved state of a tracker. The program must use the state as if it were not edited, or refuse and keep it.
 fn edited_state(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("state-{seed}"))?;
     let state = folder.file("state.toml");

@@ -24,7 +24,7 @@ pub const CLASSES: &[Class] = &[
 ];
 
 const NO_IMAGES: &str = "needs root and loop devices";
-/// Size of the image: enough for the log of a short calibration, 30 MB.
+/// Size of the image: enough for the log of a short calibration, which has 30 MB.
 const IMAGE_BYTES: u64 = 96 << 20;
 
 /// A file system in an image file, mounted.

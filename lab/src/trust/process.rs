@@ -95,7 +95,7 @@ fn term_capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     })
 }
 
-/// Makes `-o` or `--log` fail as on a full disk. The result must be on stdout or in the file of `-o`, if there is one.
+/// Makes `-o` or `--log` fail as on a full disk. A result, if there is one, must be on stdout or in the file of `-o`.
 fn full_disk(bench: &Bench, _: &'static str, seed: u64) -> Result<Verdict> {
     let folder = Folder::new(&format!("full-{seed}"))?;
     let device = format!("twin:seed={seed}");

@@ -129,7 +129,8 @@ impl Ljca {
         line.interrupt && line.unmasked
     }
 
-    /// The event for an edge that came while the line was masked, with the current level; `None` without such an edge.
+    /// The event for an edge that came while the line was masked, with the current level. `None` without such an edge,
+    /// or while the line is still masked.
     fn held_back(&mut self, board: &mut impl Board) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !(line.pending && line.unmasked) {

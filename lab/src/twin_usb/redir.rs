@@ -26,7 +26,7 @@ const CANCEL: u32 = 21;
 const CONTROL: u32 = 100;
 const BULK: u32 = 101;
 
-/// The capabilities of one end. A capability applies if both ends announce it.
+/// A set of capabilities. A capability applies if both ends announce it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Caps(u32);
 
@@ -55,7 +55,7 @@ pub enum Status {
 
 #[derive(Debug, PartialEq, Eq)]
 pub enum Request {
-    /// The name of the host. Its capabilities apply from now on.
+    /// The name of the host. The capabilities that both ends announce apply from now on.
     Hello(String),
     Reset,
     SetConfiguration(u8),

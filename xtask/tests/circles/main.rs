@@ -32,7 +32,7 @@ fn no_module_reaches_itself_through_another() {
 }
 
 struct Source {
-    /// Path of the file below `src`.
+    /// Path of the file below `src`, or below the folder of its program in `src/bin`.
     path: String,
     text: String,
 }

@@ -138,7 +138,7 @@ pub fn declared<'a>(root: &[Token<'a>]) -> Vec<&'a str> {
     triples.map(|three| three[1].text).collect()
 }
 
-/// Names that the root of a crate re-exports or uses, each with the module that it comes from.
+/// Names that the root of a crate re-exports or uses, each with the module or crate that it comes from.
 pub fn given<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     let mut found = Vec::new();
     for (at, _) in root.iter().enumerate().filter(|(_, token)| token.text == "use") {
@@ -163,7 +163,7 @@ pub fn defined<'a>(root: &[Token<'a>]) -> Vec<&'a str> {
     found
 }
 
-/// The names that items of the root use, each with the module that it comes from.
+/// The names that items of the root use, each with the module or crate that it comes from.
 pub fn used_by_items<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     let is_used = |name: &str| root.iter().filter(|token| token.text == name).count() > 1;
     given(root).into_iter().filter(|(name, module)| name != module && is_used(name)).collect()

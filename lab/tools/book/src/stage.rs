@@ -1,7 +1,7 @@
 //! Stages the chapters for mdBook: the files in `docs/`, and other pages of the project.
 //!
 //! In the repository, chapters link to files inside and outside of `docs/`, for readers of the sources. In the book,
-//! such a link leads to the chapter that was made from the file. If there is none, only the link's text remains.
+//! such a link leads to what was made from the file: a chapter, or a copy. Without these, only its text remains.
 
 use anyhow::{Context, Result, ensure};
 use pulldown_cmark::{Event, LinkType, Options, Parser, Tag};
