@@ -141,8 +141,7 @@ fn description(folder: &Path) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// The files of a ROS 2 bag in the order of its description. If that names no file, the only bag in the folder, or the
-/// files of a split ROS 1 bag in order.
+/// The files of a ROS 2 bag in the order of its description. If it names none, the only bag, or a split ROS 1 bag.
 fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     let failed = |error| InputError::io("read", folder, error);
     let listed: Vec<PathBuf> = described(description).map(|name| folder.join(name)).collect();

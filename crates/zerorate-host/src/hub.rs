@@ -287,7 +287,7 @@ impl BatchBuilder {
     }
 }
 
-/// What the hub and its reading thread share. The methods run in the thread.
+/// The state that the hub shares with its reading thread. The methods run in the thread.
 #[derive(Clone, Debug, Default)]
 struct Shared {
     subscribers: Arc<Mutex<Vec<Subscriber>>>,

@@ -71,8 +71,7 @@ impl Clock for Monotonic {
     }
 }
 
-/// Keeps the part's time from running faster than the speed allows. The wall clock is checked whenever the part's time
-/// has advanced by as much as [`PACE`] allows.
+/// Keeps the part's time from running faster than the speed allows. It looks at the wall clock about every [`PACE`].
 pub(crate) struct WallClock<C = Monotonic> {
     clock: C,
     speed: Speed,

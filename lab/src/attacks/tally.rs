@@ -9,7 +9,6 @@ pub enum Outcome {
     Wrong(String),
 }
 
-/// The cases, each with its outcome.
 #[derive(Debug, Default)]
 pub struct Tally(pub Vec<(String, Outcome)>);
 

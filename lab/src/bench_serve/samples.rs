@@ -10,7 +10,6 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
-/// The program of a [`Client`].
 pub const READDEV: Tool = Tool { program: "iio_readdev", package: "libiio-utils" };
 
 /// Size of a sample of an ADIS16130 without a calibration, bytes: code, temperature, lost samples, time.

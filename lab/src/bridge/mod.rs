@@ -113,8 +113,8 @@ impl Bench {
         Ok(summary)
     }
 
-    /// Calibrates the same unit by the same plan, through the bridge and directly. At the same temperature,
-    /// the two PBC must agree within twice the standard uncertainty of their difference.
+    /// Calibrates the same unit by the same plan, through the bridge and directly. At the same temperature, the
+    /// two PBC must agree within twice the standard uncertainty of their difference.
     fn calibrate(&self) -> Result<(Value, Value)> {
         let emulator = self.emulator(Line::Socket)?;
         let calibrate = |device: &str| {

@@ -3,7 +3,6 @@
 use crate::tools::{Tool, available};
 use anyhow::Result;
 
-/// A kind of computer that runs Linux.
 pub struct Machine {
     /// The name of the kind in file names.
     pub name: &'static str,

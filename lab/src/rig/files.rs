@@ -10,7 +10,6 @@ pub struct Files<'a>(pub &'a Path);
 pub struct GuestRow {
     pub t_ns: u64,
     pub edge: u32,
-    /// The code of each axis.
     pub codes: Vec<i64>,
     pub lost: u64,
 }

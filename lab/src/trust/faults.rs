@@ -48,8 +48,7 @@ pub const CLASSES: &[Class] = &[
     class("calibrate unplug", "the cable is pulled"),
 ];
 
-/// A result is wrong if the error of one of its values exceeds this many standard uncertainties. Without a fault, 1 of
-/// 16 000 values has such an error.
+/// A result is wrong if a value is off by more standard uncertainties than this, as 1 of 16 000 is without a fault.
 pub const WRONG_U: f64 = 4.0;
 
 fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {

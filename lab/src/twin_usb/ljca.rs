@@ -129,8 +129,7 @@ impl Ljca {
         line.interrupt && line.unmasked
     }
 
-    /// The event for an edge that came while the line was masked, with the current level. `None` without such an edge,
-    /// or while the line is still masked.
+    /// The event, if it is due, for an edge that came while the line was masked. It states the current level.
     fn held_back(&mut self, board: &mut impl Board) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !(line.pending && line.unmasked) {

@@ -54,8 +54,7 @@ fn describe_channel(xml: &mut String, index: usize, channel: &Channel) {
     *xml += "</channel>";
 }
 
-/// Escapes text for the value of an XML attribute. Control characters, U+FFFE and U+FFFF become
-/// question marks.
+/// Escapes text for an XML attribute. Control characters, U+FFFE and U+FFFF become question marks.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

@@ -216,8 +216,7 @@ impl Raw {
         self.try_samples(bytes).expect("samples")
     }
 
-    /// Reads samples of the open buffer as libiio does, or fewer if the server ends early. If it sends none, the error
-    /// is its answer: a negative errno, or 0.
+    /// Reads samples of the open buffer as libiio does, or fewer at its end. The error is a negative errno, or 0.
     pub fn try_samples(&mut self, bytes: usize) -> Result<Vec<u8>, i64> {
         self.ask(&format!("READBUF iio:device0 {bytes}"));
         let mut all = Vec::with_capacity(bytes);
