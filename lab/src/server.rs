@@ -79,7 +79,7 @@ pub fn descriptors(id: u32) -> Result<usize> {
     Ok(fs::read_dir(format!("/proc/{id}/fd"))?.count())
 }
 
-/// A memory size in the kernel's status of a process.
+/// A memory size in the kernel's status of a process, MB.
 pub fn memory_mb(id: u32, field: &str) -> Result<f64> {
     let status = fs::read_to_string(format!("/proc/{id}/status"))?;
     let line = status.lines().find_map(|line| line.strip_prefix(field)).context("/proc/PID/status")?;

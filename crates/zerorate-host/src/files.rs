@@ -128,7 +128,7 @@ fn spooled(mut piped: impl Read) -> std::io::Result<Input> {
 /// The name of the description file in the folder of a ROS 2 bag.
 const METADATA: &str = "metadata.yaml";
 
-/// Largest part of the description that is read, bytes.
+/// Largest number of bytes of the description that are read.
 const MAX_METADATA: u64 = 1 << 20;
 
 /// The description of a ROS 2 bag; empty if it cannot be opened.

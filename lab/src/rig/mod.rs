@@ -39,7 +39,7 @@ const TOOLS: [Tool; 8] = [
 ];
 
 /// MCLK, Hz, at which every edge reaches the guest. A pair takes 1054 cycles (F-31), so there are 99.6 pairs a second.
-/// The rate is not 100 Hz, because the resonance (F-07) is a multiple of 100 Hz and would be aliased to a bias.
+/// Their rate is not 100 Hz, because the resonance (F-07) is a multiple of 100 Hz and would be aliased to a bias.
 const SLOW_HZ: &str = "105000";
 /// MCLK, Hz, at which the guest cannot keep up: 996 pairs a second.
 const FAST_HZ: &str = "1050000";

@@ -48,7 +48,7 @@ const PLAIN: &[&str] = &["raw", "scale"];
 const COUNT: &[&str] = &["raw"];
 
 impl Table {
-    /// The channels of a part with this layout. `is_corrected` adds the corrected rates.
+    /// The channels of a part with this layout. `is_corrected` adds the corrected rates and `calibbias`.
     pub fn new(layout: &Layout, is_corrected: bool) -> Self {
         let ids = ids(layout);
         let attributes = if is_corrected { CODE_AND_BIAS } else { CODE };
