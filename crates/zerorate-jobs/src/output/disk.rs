@@ -18,12 +18,12 @@ const RANDOM: usize = 6;
 /// become too long for the file system.
 const LONGEST_STEM: usize = 100;
 
-/// Number of attempts to lock a folder that another process has locked. A process holds the lock for microseconds.
+/// Number of attempts to lock a folder, which others lock for microseconds, and of retries to create a file in it.
 const TURN_TRIES: u32 = 200;
 const TURN_PAUSE: Duration = Duration::from_millis(5);
 
-/// Creates an unfinished file for `name`, under a new name. Only one process at a time can claim a name. Also removes
-/// the unfinished files that killed processes left in the folder.
+/// Creates an unfinished file for `name`, under a new name. Where files can be locked, nobody else can claim `name` as
+/// long as that file is open. Also removes the unfinished files that killed processes left in the folder.
 pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, OutputError> {
     let _turn = turn_in(folder);
     let stem = stem(name);
@@ -69,7 +69,7 @@ fn create(folder: &Path, stem: &str) -> io::Result<Temporary> {
 enum Owner {
     Alive,
     Dead,
-    /// Unknown: the file system has no locks, or the path is not a regular file.
+    /// Unknown, for example because the file system has no locks, or the path is not a regular file.
     Unknown,
 }
 
@@ -104,8 +104,8 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Locks a folder until the returned file is dropped. Returns `None` if the folder cannot be locked. Then only the
-/// exclusive creation of names protects the files.
+/// Locks a folder until the returned file is dropped. Returns `None` if the folder cannot be opened or stays locked by
+/// others. Then, and where there are no locks, only the exclusive creation of names protects the files.
 fn turn_in(folder: &Path) -> Option<File> {
     let folder = File::open(folder).ok()?;
     for _ in 0..TURN_TRIES {
@@ -117,7 +117,7 @@ fn turn_in(folder: &Path) -> Option<File> {
     None
 }
 
-/// Locks an open file until it is closed. Returns `WouldBlock` if another process has locked it.
+/// Locks an open file until it is closed. Returns `WouldBlock` if it is locked already, also by this process.
 #[cfg(unix)]
 pub fn lock(file: &File) -> io::Result<()> {
     use rustix::fs::{FlockOperation, flock};

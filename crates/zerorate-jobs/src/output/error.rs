@@ -29,7 +29,7 @@ pub enum OutputError {
     #[error("{} is being written by another zerorate: choose another name, or wait for it to end", path.display())]
     Busy { path: PathBuf },
 
-    /// Another program created a file of this name after the run had claimed it.
+    /// Another program created or replaced the file after the run had claimed its name.
     #[error("{} was written by something else meanwhile, and is left as it is", path.display())]
     TakenMeanwhile { path: PathBuf },
 
@@ -70,8 +70,8 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// True if the run refuses the path itself, so that another name or permission to overwrite is needed. False for
-    /// errors of the file system, for folders, and for a file that appeared after the claim.
+    /// True if the run refuses the path itself, as it refuses a file that exists. False for errors of the file system,
+    /// for a path that is a folder or lies in a missing one, and for a file that appeared after the claim.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
         !matches!(self, Self::Io { .. } | Self::Folder { .. } | Self::NoFolder { .. } | Self::TakenMeanwhile { .. })

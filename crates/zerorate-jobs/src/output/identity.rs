@@ -18,7 +18,7 @@ pub enum Identity {
 }
 
 impl Identity {
-    /// `None` if there is no regular file at `path`.
+    /// The identity of the regular file to which `path` leads; `None` if there is none.
     pub fn of_file(path: &Path) -> Option<Self> {
         let metadata = fs::metadata(path).ok().filter(Metadata::is_file)?;
         Self::of(&metadata, path)

@@ -104,7 +104,7 @@ impl Outputs {
     /// Registers a capture as an input and opens it.
     ///
     /// # Errors
-    /// Returns the errors of [`Outputs::reads`], or an error if the capture is damaged.
+    /// Returns the errors of [`Outputs::reads`], or an error if the file cannot be opened as a capture.
     pub fn capture(&mut self, path: &Path) -> anyhow::Result<CaptureReader> {
         self.reads(path)?;
         Ok(files::capture(path)?)

@@ -51,10 +51,10 @@ impl Slot {
         }
     }
 
-    /// Replaces the content atomically. If that fails, the old content stays and the caller can try again.
+    /// Replaces the content atomically. If the replacement fails, the old content stays and the caller can try again.
     ///
     /// # Errors
-    /// Returns the error of the file system, or an error if another program has written to the file since.
+    /// Returns the error of the file system, or an error if another program has put its own file at the path.
     pub fn put(&mut self, content: &[u8]) -> Result<(), OutputError> {
         let target = self.target();
         let found = Identity::of_file(&target);

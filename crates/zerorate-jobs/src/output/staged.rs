@@ -9,7 +9,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// A claimed output. If it is dropped before [`StagedOutput::publish`], nothing on disk changes.
+/// A claimed output. If it is dropped before [`StagedOutput::publish`], a file of its name stays as it is.
 #[derive(Debug)]
 pub struct StagedOutput {
     /// The path that the user gave.
@@ -67,7 +67,7 @@ impl StagedOutput {
     /// Publishes the complete file: syncs it, renames it to its final name, and syncs the folder.
     ///
     /// # Errors
-    /// Returns the error of the file system, or an error if another program has meanwhile created a file of that name.
+    /// Returns the error of the file system, or an error if another program has meanwhile put its own file there.
     pub fn publish(self) -> Result<(), OutputError> {
         let path = self.path;
         let failed = |error| OutputError::io("write", &path, error);

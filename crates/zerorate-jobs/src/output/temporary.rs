@@ -1,5 +1,5 @@
-//! Temporary files. They must not outlive the run, however the run ends. They are removed on drop, and by the handler
-//! of a signal that ends the program at once.
+//! Temporary files. They are removed on drop, and by the handler of a signal that ends the program at once. Only a
+//! killed process leaves them.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Permissions};
