@@ -19,7 +19,7 @@ pub trait Watch {
     /// Receives the progress every 4096 samples. Returns false to end the measurement.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// If the plan has a target, receives at each check the uncertainties if the recording ended now.
+    /// Receives, at a check of the target, the uncertainties if the recording ended now, unless it would be refused.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Receives a warning while the measurement goes on.

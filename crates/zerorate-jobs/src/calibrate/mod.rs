@@ -37,10 +37,10 @@ pub struct OutputOptions {
     pub notes: Notes,
 }
 
-/// The longest recording that a method without steps uses, s.
+/// The settling time with which a method without steps uses all of a recording of up to a day, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// The default of [`Plan::settle_s`], s: a day for methods other than AN-1042, which use a whole recording.
+/// The default of [`Plan::settle_s`], s: a day if a method other than AN-1042 reads a recording, to use all of it.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
@@ -135,7 +135,7 @@ impl Job {
     ///
     /// # Errors
     /// Returns [`CodedRefusal`](crate::CodedRefusal) if the samples must not become a calibration. Returns another
-    /// error if the device fails, if the log cannot be started, or if `watch` ends the measurement.
+    /// error if the recording is of another part, the device fails, the log cannot start, or `watch` ends the run.
     pub fn run(self, watch: &mut dyn Watch) -> Result<RunResult> {
         let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;
@@ -176,13 +176,13 @@ pub struct RunResult {
     pub delivery: Result<(), DeliveryFailure>,
 }
 
-/// The name of a rescued calibration if the first requested file does not end in `.toml`.
+/// The name of a rescued calibration, unless the first requested file ends in `.toml`.
 const UNNAMED: &str = "calibration.toml";
 
-/// The failure to write a requested file of a calibration.
+/// The failure to write a requested file of a calibration, or to print a calibration that no file holds.
 #[derive(Debug)]
 pub struct DeliveryFailure {
-    /// The error that kept a file from being written.
+    /// The error of writing or printing.
     pub why: anyhow::Error,
     /// The rescue file that holds the calibration; `None` if no folder could be written.
     pub rescued: Option<PathBuf>,

@@ -33,7 +33,7 @@ pub struct CalibrationReport {
     pub calibration_id: String,
     /// True if the part was the twin, the simulated sensor.
     pub simulated: bool,
-    /// The file of the calibration; `None` if none was requested, or if it or the log could not be written.
+    /// The file of the calibration; `None` if none was to be saved, or if it or the log could not be written.
     pub file: Option<PathBuf>,
     pub capture_sha256: Option<String>,
     /// Warnings about all axes.
@@ -72,7 +72,7 @@ pub struct AxisNumbers {
     pub btc_dps_per_c: f64,
     pub pbc_dps: f64,
     pub t3_c: f64,
-    /// The terms above first order. `None` unless a curve was fitted; the JSON then lacks these fields.
+    /// The terms above first order, if a curve was fitted. Otherwise `None`, and the JSON lacks these fields.
     #[serde(flatten)]
     pub higher: Option<CurveTerms>,
     pub u_pbc_dps: f64,
@@ -215,8 +215,8 @@ impl CurveTerms {
 }
 
 impl CalibrationReport {
-    /// Reports all axes in the order of the calibration. `truths` are the twin's true states at the end of step 8, or
-    /// empty if the part is not a twin.
+    /// Reports all axes in the order of the calibration. `truths` are the twin's true states at the end of step 8 or
+    /// of the recording. They are empty for a real part and for a replay.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: SettingNames) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
         let coded = |warnings: &mut dyn Iterator<Item = &Warning>| JobWarning::remarks_apart(warnings.copied(), names);

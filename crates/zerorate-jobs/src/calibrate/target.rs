@@ -36,7 +36,7 @@ impl Target {
         self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
     }
 
-    /// `None` before the first check, or if the samples so far would be refused.
+    /// The result of the last check; `None` before it, or if the samples up to then would be refused.
     pub fn reached(&self) -> Option<Reached> {
         self.reached
     }

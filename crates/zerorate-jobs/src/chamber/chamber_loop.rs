@@ -78,7 +78,7 @@ impl<'a> ChamberLoop<'a> {
         }
     }
 
-    /// Runs the measurement. However it ends, the chamber is set to its safe temperature, and the log is closed.
+    /// Runs the measurement. However it ends, the chamber is left (`SetPointControl::leave`), and the log is closed.
     pub fn run(mut self) -> Result<(LoopResult, FinishedSteps)> {
         let ended = self.feed().map_err(|error| if is_stopped(&error) { self.ended_early() } else { error });
         self.control.leave();
@@ -172,7 +172,7 @@ impl<'a> ChamberLoop<'a> {
         Ok(())
     }
 
-    /// Sets the chamber if its set point has moved by [`SET_STEP_C`] or reached the end of its ramp.
+    /// Sets the chamber at first, and when its set point has moved by [`SET_STEP_C`] or reached the end of its ramp.
     fn set_point(&mut self) -> Result<()> {
         let wanted_c = self.procedure.set_point_c();
         let is_there = wanted_c == self.procedure.progress().to_c;

@@ -56,7 +56,7 @@ pub trait Watch {
 pub struct ChamberOptions {
     /// Largest allowed share of lost samples, 0 to 1.
     pub max_lost: f64,
-    /// The Earth's rotation on the axis, which is subtracted, °/s; `None` to subtract nothing.
+    /// The Earth's rotation on the axis, which is subtracted, °/s; `None` for the value in a recording, or else 0.
     pub earth_dps: Option<f64>,
     /// Highest polynomial order of the bias over temperature.
     pub max_order: usize,
@@ -121,7 +121,7 @@ pub struct Job {
 ///
 /// # Errors
 /// Returns [`InvalidOptions`] if the plan does not fit the part, [`UnusableSteps`] if saved steps are damaged or
-/// belong to another measurement, or an error if a file cannot be read.
+/// belong to another measurement, or an error if the recording is of another part or a file cannot be read.
 pub fn prepare(
     acquisition: Acquisition,
     (control, writer): (SetPointControl, Option<ProfileWriter>),

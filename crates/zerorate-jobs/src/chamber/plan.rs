@@ -17,7 +17,7 @@ const LARGEST: Bytes = Bytes(64 << 20);
 pub struct PlanFile {
     /// The plan, as read from the text.
     pub plan: ChamberPlan,
-    /// The text of the file.
+    /// The text of the plan.
     pub text: String,
     /// The name of the plan as the user gave it.
     pub name: String,

@@ -1,5 +1,5 @@
-//! Controls the set point. However a measurement ends, the chamber is set to its safe temperature, and the user
-//! learns whether the chamber confirmed that.
+//! Controls the set point. However a measurement ends, a chamber that the program sets goes to its safe temperature,
+//! and the user learns whether the chamber confirmed that.
 
 use anyhow::Result;
 use zerorate_host::{Chamber, ChamberSpec, ChamberThread, SafeEnd, Stop};
