@@ -101,7 +101,7 @@ impl Acquisition {
         }
     }
 
-    /// Resets and configures the part. Returns its revision number; `None` for a recording.
+    /// Resets and configures the part. Returns its revision; `None` if unknown, as for a recording or kernel driver.
     pub fn initialise(&self) -> Result<Option<u8>> {
         Ok(self.hub.with(|source| source.initialise())?)
     }

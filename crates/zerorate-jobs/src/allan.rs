@@ -32,7 +32,7 @@ pub enum Columns {
 /// Analyses the selected columns of each log, in one pass over each log.
 ///
 /// # Errors
-/// Returns an error if a log cannot be read, or a column cannot be analysed.
+/// Returns an error if a log cannot be read or lacks a required temperature, or a column cannot be analysed.
 pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     let wanted = match &options.columns {
         Columns::Single => ColumnSelection::One(options.log.column.as_deref()),

@@ -11,9 +11,9 @@ use zerorate_logs::{Column, LogWarning, Names, Setting, Unit};
 pub struct CodeOptions {
     /// The scales of the part's codes, if a part was named.
     pub part: Option<CodeScales>,
-    /// The full scale of the gyroscope, °/s; `None` for the full scale of the part after power-up.
+    /// The full scale of the gyroscope, °/s; `None` for that of the named part after power-up.
     pub gyro_range_dps: Option<f64>,
-    /// The full scale of the accelerometer, g; `None` for the full scale of the part after power-up.
+    /// The full scale of the accelerometer, g; `None` for that of the named part after power-up.
     pub accel_range_g: Option<f64>,
 }
 
@@ -74,10 +74,10 @@ impl CodeScales {
 type OfKind = (Kind, LogWarning);
 
 impl CodeOptions {
-    /// Sets the scale of each kind of axis that has neither unit nor scale. Returns warnings about assumed scales.
+    /// Sets unit and scale of each kind of axis that has neither, if known. Returns warnings about assumed scales.
     ///
     /// # Errors
-    /// Returns an error if the part states no scale or lacks the full scale, or if a unit or scale is given as well.
+    /// Returns an error if the part states no scale or lacks the full scale, or if a full scale and a unit are given.
     pub fn apply(&self, axes: &mut ImuOptions) -> Result<Vec<OfKind>, InvalidOptions> {
         let names = axes.log.names;
         let mut assumed = Vec::new();
@@ -112,7 +112,7 @@ impl CodeOptions {
         }
     }
 
-    /// Describes the assumption about the scale of a kind of axis; `None` if the scale is certain.
+    /// Describes the assumption about the scale of a kind of axis; `None` if it was stated, or no other is known.
     fn assumed(&self, kind: Kind, range: Option<f64>, scale: FullScale, names: Names) -> Option<String> {
         let (setting, unit) = (names.of(range_setting(kind)), unit_name(kind));
         match (&self.part, range) {

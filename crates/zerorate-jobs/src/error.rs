@@ -3,7 +3,7 @@
 use zerorate_host::{Cause, DeviceError};
 use zerorate_logs::LogError;
 
-/// The measurement was refused: there are results, but they must not become a calibration.
+/// A measurement or a log was refused: its samples were read, but must not give a result.
 #[derive(Debug, thiserror::Error)]
 #[error("{why}")]
 pub struct CodedRefusal {

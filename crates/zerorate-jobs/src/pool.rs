@@ -9,7 +9,7 @@ use zerorate_logs::LogWarning;
 pub struct Pool {
     /// The model as a record, which can be reported and plotted like the record of one log.
     pub record: Record,
-    /// The spread of each coefficient over the records, beyond what the confidence intervals explain.
+    /// The spread of each coefficient that two records identify, beyond what the confidence intervals explain.
     pub spread: Vec<Spread>,
     /// The records that do not fit the common model.
     pub outliers: Vec<Outlier>,
@@ -61,7 +61,7 @@ impl NoPool {
     }
 }
 
-/// Fits one model to all of these records. Each record must still hold its samples.
+/// Fits one model to these records, except those that do not fit the others. Each needs its own fit and its samples.
 ///
 /// # Errors
 /// Returns [`NoPool`] if the records have no common model.

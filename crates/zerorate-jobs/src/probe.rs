@@ -15,7 +15,7 @@ use zerorate_view::Seconds;
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct Findings {
     pub device: String,
-    /// The revision register; `None` for a replay.
+    /// The revision register; `None` if it is unknown, as for a replay or a kernel driver.
     pub revision: Option<u8>,
     /// The framing of the bytes by CS (F-22): per byte or per command. `None` if this program does not control CS.
     pub framing: Option<&'static str>,
@@ -73,7 +73,7 @@ pub struct SelfTestResult {
 /// given. Calls `see` with the seconds read, every 4096 samples. Messages use `names` for the settings.
 ///
 /// # Errors
-/// Returns an error if the part cannot be read, or if the probe is interrupted.
+/// Returns an error if the part cannot be read, the self-test cannot be run, or the probe is interrupted.
 pub fn probe(
     mut acquisition: Acquisition,
     duration: Seconds,

@@ -9,7 +9,7 @@ const READS: f64 = 3.0;
 const TEMPS_HZ: f64 = 100.0;
 /// The largest share of the time that reading may take. The rest is reserve for catching up after a delay.
 const BUSY: f64 = 0.8;
-/// Share of lost samples below which no other settings are proposed.
+/// Share of lost samples up to which no other settings are proposed.
 const BEARABLE: f64 = 0.001;
 
 /// Proposes settings that lose fewer samples: reading the temperature less often (F-55), or else a divider (F-56).

@@ -19,8 +19,8 @@ impl Recorder {
         Ok(Self { writer, file })
     }
 
-    /// Records a sample. Complete batches are written at once, except in Parquet. Calls fail at most a second after
-    /// the file was removed or cut short.
+    /// Records a sample. Complete batches are written at once, except in Parquet. A call fails at most a second after
+    /// the file was removed, replaced or cut short.
     #[inline]
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         self.file.check().map_err(|error| CaptureError::io("record into", self.file.path(), error))?;

@@ -18,7 +18,7 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
     })
 }
 
-/// Like [`of_log`], but uses a temperature that was already `found`, and checks that there is one if it is needed.
+/// Like [`of_log`], but without a `name` uses a temperature that was already `found`. Checks that a needed one exists.
 ///
 /// # Errors
 /// Returns an error if the log has no temperature, but a column was named or `detrending` fits a polynomial over it.

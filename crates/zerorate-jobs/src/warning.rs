@@ -67,7 +67,7 @@ pub enum JobWarning {
     SlowTurn {
         /// The name of the axis.
         axis: String,
-        /// Total time in which the axis was quiet at that level, s.
+        /// Total time, over all power-ups, in which the axis was quiet at such a level, s.
         doubtful_s: u32,
     },
 }

@@ -78,7 +78,7 @@ pub fn period_ns(rate_hz: f64) -> Option<u64> {
 /// number. Returns a warning if the check is impossible because a serial number is unknown.
 ///
 /// # Errors
-/// Returns an error if the calibration or the recording belongs to another part.
+/// Returns an error if the calibration or the recording is of another part, or if only `given` is a serial number.
 pub fn check_serial(
     acquisition: &Acquisition,
     (cal, calibration): (&str, &Calibration),
@@ -94,10 +94,11 @@ pub fn check_serial(
     Ok(warning.map_err(Error::msg)?.map(JobWarning::Session))
 }
 
-/// Streams the corrected rate until the samples end, the duration is over or `listener` returns an error.
+/// Streams the corrected rate until the samples end, the duration is over, the part freezes or `listener` fails.
 ///
 /// # Errors
-/// Returns [`CodedRefusal`] if the part is frozen, or an error if the part cannot be read or `listener` refuses a row.
+/// Returns [`CodedRefusal`] if the part is frozen, or an error if the calibration does not fit, or reading,
+/// saving the learned state or `listener` fails.
 pub fn stream(
     mut acquisition: Acquisition,
     calibration: &Calibration,

@@ -45,7 +45,7 @@ pub struct TrackedAxis {
 pub struct LearnedAxis<'a> {
     /// The name of the axis.
     pub name: &'a str,
-    /// Counts of the data from which the bias was learned.
+    /// Counts since tracking began, over all power-ups.
     pub counts: Counts,
     /// The change of the bias since the calibration, at the last temperature; `None` without a temperature.
     pub tracked: Option<Tracked>,
@@ -84,8 +84,8 @@ impl Tracking {
     /// Starts tracking the part in `facts`, from its saved state if there is one, or else from its calibration.
     ///
     /// # Errors
-    /// Returns [`UnusableState`] if the saved state cannot be used, or an error if the noise of an axis is unknown,
-    /// or if the state cannot be read or written.
+    /// Returns [`UnusableState`] if the saved state cannot be used, or an error if an axis has no calibration or no
+    /// known noise, or if the state cannot be read or written.
     pub fn begin(
         options: &TrackOptions,
         facts: &DeviceInfo,

@@ -38,8 +38,8 @@ struct CorrectedAxis {
 
 impl CorrectedLog {
     /// Reads the axes of `calibration` from a log and corrects them. Columns that the options name stand for these
-    /// axes in their order. The temperature is delayed by the lag of the calibration; at the start of the log, the
-    /// sensor counts as warmed through.
+    /// axes in their order. The temperature follows with the lag and the play of each axis. At the start of the log
+    /// and after rows without a temperature, the sensor counts as warmed through.
     ///
     /// # Errors
     /// Returns an error if the log cannot be read, lacks a temperature or axis, or has several IMUs with these axes.

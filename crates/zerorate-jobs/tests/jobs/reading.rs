@@ -159,7 +159,7 @@ fn a_stream_warns_once_outside_the_span_of_the_calibration() {
     assert_eq!(codes(&streamed.warnings), ["extrapolated"]);
 }
 
-/// The flags of a corrected capture, whose flagged rows have no corrected rate.
+/// The flags of a corrected capture. A row has no corrected rate exactly if it has a flag of a faulty rate.
 fn flags_of_corrected(folder: &Folder, capture: &Path, code: &str) -> Vec<u8> {
     let warnings = corrected(capture, &line(), &folder.path("done.csv")).unwrap();
     assert!(codes(&warnings).contains(&code), "{code} in {:?}", codes(&warnings));
