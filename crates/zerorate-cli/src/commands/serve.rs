@@ -132,8 +132,8 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
 }
 
-/// Opens the listener for libiio clients; `None` with `--no-iio`, or if the default port is taken. No password
-/// protects the listener, so other machines must not reach it.
+/// Opens the listener for libiio clients; `None` with `--no-iio`, or if the default address cannot be used. No
+/// password protects the listener, so other machines must not reach it.
 fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<Libiio>> {
     if args.no_iio {
         return Ok(None);

@@ -31,7 +31,7 @@ impl Bucket {
         Ok(())
     }
 
-    /// Counts an action in any case, and returns the time at which the next action is allowed.
+    /// Counts an action in any case, and returns the time at which all counted actions are allowed.
     pub fn borrow(&mut self, now: Instant) -> Instant {
         self.fill(now);
         self.left -= 1.0;

@@ -1,4 +1,4 @@
-//! Records while the page is served. Each time the device is opened, a new file is started.
+//! Records while the page is served. A new file is started each time the device is opened and delivers samples.
 
 use crate::output::{Outputs, say};
 use anyhow::{Context, Result};

@@ -46,7 +46,7 @@ const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; 
 
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Time limit for receiving the head of a request, and for the wait until the next request.
+    /// Time limit for receiving the head of a request or a token, and for the wait until the next request.
     pub head: Duration,
     /// Lifetime of a connection that is not a viewer.
     pub lifetime: Duration,

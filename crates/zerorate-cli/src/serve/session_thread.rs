@@ -69,7 +69,7 @@ enum Device {
     Opened(Arc<Hub>, Option<Bus>),
     Opening(Opening),
     Reading(Box<Reading>),
-    /// There is nothing to read. A real part will be opened again at `again`.
+    /// There is nothing to read. If `again` is set, the device is opened again at that time.
     Over {
         hub: Option<Arc<Hub>>,
         again: Option<Instant>,
@@ -177,7 +177,7 @@ impl SessionThread {
         self
     }
 
-    /// Waits for samples and processes all that are queued, because samples that wait too long are missed.
+    /// Waits for samples and processes the queue, at most until the next frame: samples that wait too long are missed.
     fn take_what_waits(&mut self, stop: &Stop) {
         let begun = Instant::now();
         let until = self.frame_due.max(begun + TURN);
