@@ -135,7 +135,7 @@ impl ColumnArgs {
         &self.log.only
     }
 
-    /// Only `imu` can join topics of one IMU.
+    /// Refuses several topics, since only `imu` can join the topics of one IMU.
     pub fn check(&self) -> Result<(), InvalidOptions> {
         match self.log.more_topics() {
             [] => Ok(()),
@@ -160,7 +160,7 @@ impl ColumnArgs {
 /// The value of an option that selects all columns of numbers.
 const ALL: &str = "all";
 
-/// `None` means all columns.
+/// The names or numbers in a list of columns; `None` means all columns.
 pub fn listed(list: &str) -> Option<Vec<String>> {
     (list != ALL).then(|| list.split(',').map(|name| name.trim().to_owned()).collect())
 }

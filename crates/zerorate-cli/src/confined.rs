@@ -100,7 +100,7 @@ fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     child.wait()
 }
 
-/// The exit code of the child. If a signal ended it, prints the reason.
+/// The exit code of the child. If a signal such as SIGKILL or SIGSEGV ended it, prints the probable reason.
 fn ended(status: ExitStatus, files: &[&Path], limit: Bytes) -> ExitCode {
     match (status.code(), status.signal()) {
         (Some(code), _) => ExitCode::from(u8::try_from(code).unwrap_or(1)),

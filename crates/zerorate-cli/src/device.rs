@@ -34,8 +34,8 @@ pub struct DeviceArgs {
 }
 
 impl SourceArgs {
-    /// The settings for reading the device. Also registers a recording as an input of the run. Every command calls
-    /// this before it opens a device.
+    /// The settings for reading the device. Also registers a recording as an input of the run. Every command with
+    /// `--device` calls this before it opens the device.
     pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
         self.file().map_or(Ok(()), |file| outputs.reads(file))?;
         Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, ambient: None, names: flag })
@@ -47,12 +47,12 @@ impl SourceArgs {
 }
 
 impl DeviceArgs {
-    /// After this call, the first Ctrl-C only requests a clean end.
+    /// Opens the device. After this call, the first Ctrl-C only requests a clean end.
     pub fn open(&self, setup: Setup) -> Result<Acquisition> {
         self.open_at(setup, false)
     }
 
-    /// Opens the device, in real time if a person watches the samples.
+    /// Like [`Self::open`], but in real time if a person watches the samples.
     pub fn open_at(&self, setup: Setup, is_watched: bool) -> Result<Acquisition> {
         interrupt::listen();
         let pace = if self.realtime || is_watched { Pace::RealTime } else { Pace::Free };

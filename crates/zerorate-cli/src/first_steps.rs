@@ -29,7 +29,7 @@ const ELSEWHERE: [(&str, &str); 3] = [
 
 const USAGE: u8 = 2;
 
-/// Parses the command line and applies its limits. Without arguments, prints the first steps and returns an exit code.
+/// Parses the command line and applies its limits, or prints an error, help or the first steps and returns the code.
 pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
     if args.len() < 2 {
         LINES.iter().for_each(say);

@@ -3,8 +3,8 @@
 use crate::commands::help::DEVICE;
 use clap::{Arg, Command};
 
-/// Makes the page: the options of all commands, a section for each of `groups`, which list commands of `cli` by
-/// purpose, and device addresses.
+/// Makes the page: the options that every command takes, a section for each of `groups`, which list commands of `cli`
+/// by purpose, and device addresses.
 pub fn page(mut cli: Command, groups: &[(&str, &[&str])]) -> String {
     cli.build();
     let global: String = cli.get_arguments().filter(|arg| arg.is_global_set()).map(item).collect();

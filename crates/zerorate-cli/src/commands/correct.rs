@@ -174,7 +174,7 @@ fn of_axes(calibration: &Calibration) -> Vec<String> {
     all
 }
 
-/// Reads a calibration and prints its warnings.
+/// Reads a calibration and prints the warnings about its file.
 pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     let name = path.display();
     let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| match error.kind() {

@@ -43,8 +43,8 @@ impl From<NotesArgs> for Notes {
 /// The advice of commands that have the option `--serial`.
 pub const GIVE: &str = "give --serial SN";
 
-/// Returns a warning if it is uncertain that `calibration`, from the file `path`, belongs to the part. `part` is the
-/// name of the part in messages, which is the device or the capture, and its serial number.
+/// Returns an error if `calibration`, from the file `path`, is of another part, or a warning if that is uncertain.
+/// `part` is the name of the part in messages, which is the device or the capture, and its serial number.
 pub fn check(calibration: &Calibration, path: &Path, part: (&str, Option<&str>)) -> Result<Option<SessionWarning>> {
     let cal = (path.display().to_string(), calibration.serial.as_deref());
     SessionWarning::of_serial(cal, part, GIVE).map_err(Error::msg)

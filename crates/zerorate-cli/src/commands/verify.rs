@@ -17,7 +17,7 @@ use zerorate_record::table;
 use zerorate_record::{CaptureError, CaptureInfo, Checked};
 use zerorate_view::duration::Seconds;
 
-/// Largest accepted size of a calibration file. This limits the memory for a file that is something else.
+/// Largest number of bytes that are read of a calibration file, to limit the memory for a file that is something else.
 const CALIBRATION_BYTES: u64 = 1 << 20;
 
 /// The kind that a report states for a file that is neither a capture nor a calibration.
@@ -74,7 +74,6 @@ struct Verdict {
     unread: bool,
 }
 
-/// A capture's statements about its part.
 #[derive(Serialize)]
 struct CaptureFacts {
     part: String,

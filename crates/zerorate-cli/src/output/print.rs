@@ -28,7 +28,7 @@ pub fn warn<T: Display>(warnings: &[T]) {
     }
 }
 
-/// The arguments of this process after the name `zerorate`, joined by spaces, for a page. Quotes are lost.
+/// The name `zerorate` and the arguments of this process, joined by spaces, for a page. Quotes are lost.
 pub fn command_line() -> String {
     std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
 }

@@ -9,8 +9,8 @@ use zerorate_imu::Record;
 use zerorate_imu::{Combine, Format, NoiseFileOptions, Rejections, Rule};
 use zerorate_logs::{Names, Quantity};
 
-/// Writes N and K of the gyroscope. K is raised as far as is needed to cover the noise. Of several records, the file
-/// gets the largest N and the largest K.
+/// Writes N and K of the gyroscope by [`Rule::Covers`] with the default horizon. Of several records, the file gets the
+/// largest N and the largest K.
 pub fn write(file: StagedOutput, records: &[Record]) -> Result<()> {
     if let Some(other) = records.iter().find(|record| record.quantity != Some(Quantity::AngularRate)) {
         let why = "the column does not state a unit of angular rate, and imu.yaml needs rad/s; give --unit or --scale";

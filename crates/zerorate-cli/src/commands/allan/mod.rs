@@ -310,7 +310,7 @@ fn page(records: &[Record], warnings: Vec<String>) -> AllanPage<'_> {
     AllanPage { title, command, warnings, records, ..AllanPage::default() }
 }
 
-/// The JSON report of several columns.
+/// The JSON report of a list of columns.
 #[derive(Serialize)]
 struct AxesReport {
     axes: Vec<AxisReport>,

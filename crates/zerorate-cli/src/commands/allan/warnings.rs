@@ -4,8 +4,8 @@ use zerorate_imu::{ImuWarning, Record};
 use zerorate_logs::LogWarning;
 use zerorate_view::noise;
 
-/// The codes of warnings about the noise model, the most serious first. All other codes concern the log and come
-/// first.
+/// Codes of warnings about the noise model, the most serious first. Warnings with any other code, such as those about
+/// the log, come before them.
 const BY_WEIGHT: [&str; 18] = [
     "model-rejected",
     "follows-temperature",
@@ -35,7 +35,7 @@ pub fn of_motion(axes: &[Record]) -> Vec<String> {
     Record::motion(axes).iter().map(ImuWarning::coded).collect()
 }
 
-/// Formats the warnings about all records, one line for each code.
+/// Formats the warnings about all records, one line for each code except [`EACH`].
 pub fn condensed(records: &[Record]) -> Vec<String> {
     let is_of_one_log = records.len() == 1 || noise::are_axes(records);
     let of_record = |record: &Record| -> Vec<String> {

@@ -136,7 +136,7 @@ struct ControlArgs {
 }
 
 impl ControlArgs {
-    /// `None` without options.
+    /// The chamber that the options select; `None` without options.
     fn spec(&self) -> Result<Option<ChamberSpec>> {
         let Some((set, read)) = self.set_temperature.as_deref().zip(self.read_temperature.as_deref()) else {
             return Ok(self.chamber.clone());
@@ -147,7 +147,7 @@ impl ControlArgs {
 }
 
 impl ChamberArgs {
-    /// `None` for a recording.
+    /// The chamber of the measurement; `None` for a recording.
     fn chamber(&self) -> Result<Option<ChamberSpec>> {
         let is_replayed = self.device.file().is_some();
         let is_simulated = self.device.device.is_simulated();

@@ -61,7 +61,7 @@ fn kind(columns: &Option<String>, unit: Option<Unit>, scale: Option<f64>) -> Kin
     KindOptions { columns: columns.as_deref().and_then(listed).unwrap_or_default(), unit, scale, codes: None }
 }
 
-/// Unit and scale have one option for each kind of sensor.
+/// The option that messages name for a setting. Unit and scale have one option for each kind of sensor.
 pub fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",

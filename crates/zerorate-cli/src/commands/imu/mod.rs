@@ -231,7 +231,7 @@ fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) ->
     }
 }
 
-/// Writes the noise file, unless a model is rejected and the user does not accept that. Returns lines to print.
+/// Writes the requested noise file. Refuses a missing model, and a rejected one without consent. Returns lines to say.
 fn deliver(
     args: &ImuArgs,
     axes: &[Record],
