@@ -46,7 +46,7 @@ fn configures(frame: &[u8]) -> bool {
 }
 
 struct Socket {
-    /// Number of Configure requests that were answered.
+    /// Number of answers of the firmware to the commands Configure and Divided.
     configured: u32,
     stream: TcpStream,
     cable: Cable,

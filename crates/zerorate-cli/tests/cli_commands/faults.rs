@@ -1,4 +1,4 @@
-//! A run without a result prints the reason to stderr and nothing to stdout, has its exit code, and leaves no file.
+//! A run without a result prints the reason to stderr and nothing to stdout, leaves no file, and exits with 1 or 3.
 //! The tests of the individual faults are in `zerorate-jobs/tests/jobs/`.
 
 use crate::harness::{Bench, SHORT};

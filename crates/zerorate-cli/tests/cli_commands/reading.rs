@@ -82,7 +82,7 @@ fn stream_refuses_what_does_not_fit() {
     stream("unit.toml --rate 0").ended_with(2).saying(&["--rate"]);
 }
 
-/// Every part has its own bias, so a calibration must be of the same part. An unknown serial number gives a warning.
+/// Every part has its own bias, so each needs its own calibration. If a serial number is unknown, there is a warning.
 #[test]
 fn stream_knows_the_part_of_a_recording() {
     let bench = bench();

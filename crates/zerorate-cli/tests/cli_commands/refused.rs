@@ -1,4 +1,4 @@
-//! Requests that cannot be met. The error names the option and the reason, and the run leaves no data and no file.
+//! Requests that cannot be met. The error gives the reason, no data are printed, and no file is left.
 
 use crate::harness::{Bench, calibration};
 

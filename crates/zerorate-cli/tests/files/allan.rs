@@ -46,7 +46,7 @@ pub fn reference_data() -> Option<PathBuf> {
     Some(folder)
 }
 
-/// The content of a recording in that folder.
+/// The content of a compressed recording in the folder of [`reference_data`].
 pub fn unpacked(path: &Path) -> Vec<u8> {
     let mut content = Vec::new();
     XzReader::new(File::open(path).unwrap(), true).read_to_end(&mut content).unwrap();

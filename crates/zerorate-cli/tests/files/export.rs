@@ -98,7 +98,7 @@ const CORRECTIONS: [Correction; 5] = [
     Correction { btc2_dps_per_c2: -0.01, btc3_dps_per_c3: 1e-4, ..Correction::line(249.9, -0.9, -40.0) },
 ];
 
-/// A calibration that holds from 3.2 °C below T3 to 0.7 °C above T3. The table of the tests spans 2 °C on both sides.
+/// A calibration that holds from 3.2 °C below T3 to 0.7 °C above T3. In [`tried`], its table spans 2 °C on each side.
 fn measured(correction: &Correction) -> String {
     let text = calibration(correction.pbc_dps, correction.btc_dps_per_c, correction.t3_c);
     let (mut calibration, _) = Calibration::parse(&text).unwrap();

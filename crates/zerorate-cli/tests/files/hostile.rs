@@ -56,7 +56,7 @@ fn the_memory_of_a_large_log_is_a_choice() {
         "allan huge.bin --raw i16 --rate 10 --max-memory 256M",
         "huge.bin: it takes more memory than the 256 MiB of max_memory: give more, or cut the log",
     );
-    // a hole takes no space on the disk, so it gets no memory
+    // a hole takes no space on the disk, so it gets only the memory of the smallest file
     File::create(bench.path("hole.bin")).unwrap().set_len(20 << 30).unwrap();
     bench.refuses("allan hole.bin --raw i16 --rate 10 --max-memory 2G", "hole.bin: it grows to more than 64 MiB in");
     for size in ["1", "63M", "many", "1.5G"] {

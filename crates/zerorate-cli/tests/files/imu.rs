@@ -194,8 +194,8 @@ fn several_imus_are_a_table() {
     assert_eq!(names.collect::<Vec<_>>(), ["gyro_x_dps", "ay [m/s^2]"]);
 }
 
-/// One gyroscope axis has an echo, which no model fits, but the other axis is fine. A file is written only when
-/// forced, and states the rejection.
+/// One gyroscope axis has an echo, which no model fits, but the other axis is fine. A file is written only with
+/// `--accept-rejected`, and states the rejection.
 #[test]
 fn a_rejected_axis_writes_a_file_only_when_forced() {
     let bench = Bench::new();

@@ -4,7 +4,7 @@ use super::{Bench, capture, run, skip};
 use std::process::Command;
 
 /// Prints the rows, columns and some metadata of an Arrow stream and of a Parquet file with the same content, and the
-/// rows that can be read when the stream is cut short.
+/// number of rows that can be read of another stream that is cut short.
 const READER: &str = r#"
 import pyarrow as pa, pyarrow.parquet as pq
 whole = pa.ipc.open_stream("rest.arrows").read_all()

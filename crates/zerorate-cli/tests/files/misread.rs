@@ -98,7 +98,7 @@ fn flags_counters_and_coarse_readings_are_one_sensor() {
     }
 }
 
-/// A further column before the rate does not change the warnings about the log.
+/// A further column before the rate does not change the other warnings about the log.
 #[test]
 fn warnings_about_a_log_come_beside_any_column() {
     let bench = Bench::new();
@@ -274,7 +274,7 @@ fn a_wrong_unit_of_time_or_rate_is_noticed() {
     }
 }
 
-/// For pure white noise, K in the noise file is the upper limit of the fit, and never close to zero.
+/// For pure white noise, K in the noise file is the upper limit of the fit or covers the noise, and never near zero.
 #[test]
 fn k_is_never_next_to_zero_where_n_covers_the_curve() {
     let bench = Bench::new();

@@ -130,7 +130,7 @@ fn a_half_predicts_the_other() {
     assert!(inside * 20 >= octaves * 19, "{:?}", found[0]);
 }
 
-/// Number of predicted octaves, and number of them inside the band of the model.
+/// Number of predicted octaves inside the band of the model, and number of all predicted octaves.
 #[derive(Clone, Copy, Debug, Default)]
 struct PredictionCount {
     inside: usize,
@@ -194,7 +194,7 @@ fn removed_glitches_and_steps_are_reported_and_can_be_kept() {
     assert!(dev > 0.5, "without a fit nothing is taken out: {dev}");
 }
 
-/// White noise with an echo, whose comb spectrum no term fits: there is no result and no file.
+/// White noise with an echo, whose comb spectrum no term fits: there is no result and no noise file.
 #[test]
 fn a_rejected_model_gives_no_result() {
     let bench = Bench::new();

@@ -179,7 +179,7 @@ fn a_lost_device_is_reported_and_can_be_opened_again() {
     }
 }
 
-/// Every part has its own bias, so a calibration must be of the same part. An unknown serial number gives a warning.
+/// Every part has its own bias, so a calibration of another part is refused. An unknown number gives a warning.
 #[test]
 fn a_calibration_of_another_part_is_refused() {
     let bench = Bench::new();
