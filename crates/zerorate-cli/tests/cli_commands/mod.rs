@@ -1,4 +1,4 @@
-//! The commands that read a part, the help and the catalogue of parts: output and exit codes.
+//! The commands that read a part, the help, the catalogue of parts, and refused requests: output and exit codes.
 
 mod bridge;
 mod calibrate;

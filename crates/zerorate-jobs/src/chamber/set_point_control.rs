@@ -1,4 +1,4 @@
-//! Controls the set point. However a measurement ends, a chamber that the program sets goes to its safe temperature,
+//! Controls the set point. However a measurement ends, a chamber that the program set goes to its safe temperature,
 //! and the user learns whether the chamber confirmed that.
 
 use anyhow::Result;
@@ -35,7 +35,7 @@ pub(super) enum Control {
     Chamber(Box<dyn Chamber>),
 }
 
-/// Controls the set point. Sets the safe temperature once at the end, at the latest when this value is dropped.
+/// Controls the set point. A chamber that was set gets its safe temperature at the end, at the latest on drop.
 pub struct SetPointControl {
     pub(super) by: Control,
     /// True if the user must be told how the chamber was left. False for a simulated chamber.
@@ -105,7 +105,7 @@ impl SetPointControl {
         Ok(())
     }
 
-    /// Sets the safe temperature once, and sends the final message to the listener.
+    /// Sets a chamber that was set to its safe temperature, once, and sends the final message to the listener.
     pub(super) fn leave(&mut self) {
         if std::mem::replace(&mut self.is_left, true) {
             return;

@@ -58,7 +58,7 @@ impl Outputs {
         Self { force: None, ..Self::new(false) }
     }
 
-    /// Declares that the run also prints data. No output may then go where stdout goes, not even into the same pipe.
+    /// Declares that the run also prints data. Outputs are then refused in the pipe of stdout, as always in its file.
     pub fn printing(mut self) -> Self {
         self.claimed.extend(streams::stdout_pipe().map(|identity| (identity, streams::STDOUT.to_owned())));
         self

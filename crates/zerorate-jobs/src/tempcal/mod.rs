@@ -36,7 +36,7 @@ pub struct Tempcal {
     pub axes: Vec<AxisCurve>,
     /// The curves of `axes`, in the form that calibrations are made from.
     pub curves: Vec<LogCurve>,
-    /// The mean readings of each axis over parts of the logs, and what the curve leaves of them, for plots.
+    /// Means of each axis over parts of the logs, less steps and level, and what the curve leaves of them, for plots.
     pub points: Vec<Points>,
     /// Warnings about the logs as a whole, with their codes.
     pub notes: Vec<String>,

@@ -44,13 +44,13 @@ pub fn page(results: &ChamberResults) -> Result<String> {
     chamber_page(ChamberPage { title: &title, calibration, record, outcomes, warnings: &warnings, facts })
 }
 
-/// Expanded uncertainty of the curve (95 %): rms over the measured temperatures, °/s.
+/// Expanded uncertainty of the curve (95 %): rms over [`POINTS`] temperatures of the measured span, °/s.
 fn u_dps(axis: &AxisReport) -> f64 {
     let squares: f64 = axis.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
     Uncertainty::FACTOR * (squares / f64::from(POINTS)).sqrt()
 }
 
-/// Difference from the twin's true curve: rms over the measured temperatures, °/s. `None` without a twin.
+/// Difference from the twin's true curve: rms over the same temperatures as [`u_dps`], °/s. `None` without a twin.
 fn off_dps(axis: &AxisReport) -> Option<f64> {
     let truth = &axis.truth.as_ref()?.curve;
     let off = axis.curve.iter().zip(truth).map(|(one, other)| one.correction_dps - other.correction_dps);
