@@ -1,4 +1,4 @@
-//! Reads the part in software, without any hardware. On a board `spi`, `rdy` and `delay` come from your HAL.
+//! Reads the twin, a simulated part, without any hardware. On a board `spi`, `rdy` and `delay` come from your HAL.
 
 use adis16130::{Config, WaitBound, blocking::Adis16130};
 use adis16130_twin::{Spec, Twin};

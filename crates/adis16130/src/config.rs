@@ -15,7 +15,7 @@ pub enum Channels {
     /// Rate and temperature in turn (F-30).
     #[default]
     Both,
-    /// Rate only, with more than twice as many samples.
+    /// Rate only, with more than twice as many samples if both conversions take equally long (F-30).
     Rate,
     /// Temperature only. A [`Sampler`](crate::Sampler) then has nothing to do.
     Temp,

@@ -37,7 +37,7 @@ pub enum Fault {
     /// MODE reads 00h: the part has been reset, for example by a brown-out.
     ConfigurationLost(Mismatch),
     /// The line works, but the register does not have the written value, or a status names another channel. The line
-    /// has bit errors, or the part is another one.
+    /// has bit errors, the part is another one, or this driver did not initialise it.
     Unexpected(Mismatch),
 }
 

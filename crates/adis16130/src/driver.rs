@@ -332,7 +332,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         self.diagnose().await?.map_or(Ok(()), |fault| Err(fault.into()))
     }
 
-    /// Reads the data register of `channel`. Returns `None` if the channel has not converted since MODE was written.
+    /// Reads the data register of `channel`. Returns `None` if it holds its reset value, and the channel is not known
+    /// to have converted since MODE was written.
     #[inline]
     async fn reading<D: Readable>(&mut self, channel: Channel) -> Result<Option<D::Value>, SampleError<SPI::Error>> {
         if !self.seen.has(channel) {

@@ -13,7 +13,7 @@ use crate::registers::{Address, ChannelStatus, Mode, Operation};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BusError<E> {
     /// The bus returned an error for a transfer. The part may be in the middle of the command, which CS alone does not
-    /// end (F-22). So every later call returns [`Interrupted`](Self::Interrupted).
+    /// end (F-22). So every later command returns [`Interrupted`](Self::Interrupted), until a reset.
     Transfer {
         /// The register that was addressed.
         register: Address,
@@ -147,7 +147,7 @@ pub enum SelfTestError<E, R, P> {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Error<E, R = Infallible, P = Infallible> {
-    /// Reading or writing a single register failed.
+    /// A command failed on the bus, or was not sent.
     Bus(BusError<E>),
     /// The initialisation failed.
     Init(InitError<E>),
@@ -165,7 +165,7 @@ pub enum Error<E, R = Infallible, P = Infallible> {
     Fault(Fault),
 }
 
-/// A reading out of range: saturated with CLAMP = 1, wrapped with CLAMP = 0 (F-35).
+/// A reading that is or may be out of range: saturated with CLAMP = 1, wrapped with CLAMP = 0 (F-35).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -1,9 +1,8 @@
 //! A 64-bit division that is small rather than fast. The compiler's own division takes a kilobyte of a
-//! microcontroller's flash, a quarter of the whole driver. The driver divides rarely: for a learned period, for a long
-//! gap, and for a sample if a divider is set.
+//! microcontroller's flash, a quarter of the whole driver. The driver divides rarely: for a new sampler, for a learned
+//! period, for a long gap, and for a sample if a divider is set.
 
-/// Returns ⌊dividend / divisor⌋, or 0 if the divisor is 0, which no caller passes. Takes two rounds for each bit of
-/// the quotient.
+/// Returns ⌊dividend / divisor⌋, or 0 if the divisor is 0. Takes two rounds for each bit of the quotient.
 #[inline(never)]
 pub(crate) const fn quotient(dividend: u64, divisor: u64) -> u64 {
     if divisor == 0 {

@@ -27,7 +27,7 @@ pub struct Sample {
     pub rate: RateCode,
     /// The status of the rate channel, if it was read.
     pub status: Option<ChannelStatus>,
-    /// The temperature, if it was due (F-55).
+    /// The temperature, if it was read (F-55).
     pub temp: Option<TempCode>,
     /// Number of rate samples lost since the previous `Sample`: overwritten, dropped by a register that was being read
     /// (F-33), missed by the host, or lost in a failed read.

@@ -79,13 +79,13 @@ pub struct Due {
     edge: Edge,
     /// Number of ticks of the timeline since the tick of the sample before.
     ticks: i32,
-    /// Number of samples without temperature before this one.
+    /// Number of samples without temperature in a row before this one.
     rates_only: u8,
     /// Whether this edge can only announce a rate update.
     is_rate: bool,
 }
 
-/// Number of samples whose status is read after a doubtful edge. Within this number, a late host can catch up.
+/// Number of samples whose status is read from a doubtful edge on. Within this number, a late host can catch up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
 /// Number of periods without an edge, or of intervals between divided edges, after which the part counts as silent. It
@@ -227,7 +227,7 @@ pub struct Sampler {
     untaken: u8,
     /// Number of edges to skip before the next reading is due.
     pause: u16,
-    /// Time of the last edge. If there was none, time of the first call of [`silent_since`](Self::silent_since).
+    /// Time of the last edge since the (re)start. Without one, time of the first call of `silent_since`.
     heard_ns: Option<u64>,
 }
 

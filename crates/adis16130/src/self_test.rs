@@ -13,7 +13,7 @@ use crate::wait::WaitBound;
 /// samples would give one several times too small.
 const BATCHES: u32 = 16;
 
-/// How a self-test measures: number of samples, settling time, and longest wait for a sample.
+/// How a self-test measures: number of samples, settling time, and longest wait for RDY.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -40,7 +40,7 @@ impl SelfTestPlan {
         self
     }
 
-    /// Sets the bound of the wait for each sample: 20 ms by default, enough for the slowest conversion.
+    /// Sets the bound of each wait for RDY: 20 ms by default, enough for the slowest conversion.
     pub const fn with_bound(mut self, bound: WaitBound) -> Self {
         self.bound = bound;
         self
@@ -51,7 +51,7 @@ impl SelfTestPlan {
         self.settle_us
     }
 
-    /// The bound of the wait for each sample.
+    /// The bound of each wait for RDY.
     pub const fn bound(&self) -> WaitBound {
         self.bound
     }
@@ -146,7 +146,7 @@ impl<'a, P: OutputPin> Active<'a, P> {
 impl<P: OutputPin> Drop for Active<'_, P> {
     fn drop(&mut self) {
         if let Some(pin) = self.0.take() {
-            // An error here cannot be handled. The call that drops this guard already returns an error.
+            // An error here cannot be handled. The call that drops this guard returns another error or was cancelled.
             let _ = pin.set_low();
         }
     }

@@ -61,7 +61,7 @@ impl WaitBound {
         self.poll
     }
 
-    /// The number of poll intervals that fill the bound.
+    /// The number of poll intervals that fill the bound, rounded up.
     pub const fn polls(self) -> u32 {
         self.timeout_us.div_ceil(self.poll.us())
     }

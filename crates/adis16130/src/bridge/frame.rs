@@ -47,7 +47,7 @@ pub fn encode<'a>(message: &impl Serialize, room: &'a mut [u8; MAX_FRAME]) -> Re
 #[derive(Clone, Debug)]
 pub struct Decoder {
     bytes: [u8; MAX_FRAME],
-    /// Number of bytes since the last zero. It exceeds [`MAX_FRAME`] in a frame that is too long.
+    /// Number of bytes since the last zero. Bytes beyond [`MAX_FRAME`] are counted, but not kept.
     len: usize,
 }
 

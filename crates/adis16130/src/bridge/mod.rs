@@ -6,9 +6,9 @@
 //! answers. While the bridge samples, it sends every sample without a request. No sample is sent twice. A lost sample
 //! shows in the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
 //!
-//! A firmware passes bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It sends the
-//! messages that the station returns by [`encode`]. This example has both ends of the link. A firmware would implement
-//! [`Bus`] for its own SPI controller:
+//! A firmware passes bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It encodes
+//! ([`encode`]) and sends the messages that the station returns. This example has both ends of the link. A firmware
+//! would implement [`Bus`] for its own SPI controller:
 //!
 //! ```
 //! use adis16130::bridge::{Answer, Command, Bus, Decoder, MAX_FRAME, Message, Request, Station, encode};
@@ -101,7 +101,7 @@ pub struct Request<'a> {
 pub enum Command<'a> {
     /// Ask for the protocol and the firmware.
     Hello,
-    /// Set the SPI clock to this one, or to the next lower one that the bridge has.
+    /// Set the SPI clock to this one, or to the next lower one that the bridge has, or else to its slowest one.
     Clock {
         /// The clock, Hz.
         sclk_hz: u32,
@@ -192,7 +192,7 @@ pub enum Answer<'a> {
     Stopped,
     /// The request was not carried out.
     Refused(Refusal),
-    /// The answer to [`Command::Configure`].
+    /// The answer to [`Command::Configure`] and to [`Command::Divided`].
     Configured,
     /// The answer to [`Command::SelfTest`].
     SelfTest {
@@ -246,7 +246,7 @@ pub struct WireSample {
     pub rate: u32,
     /// Value of the rate channel's status register, if it was read.
     pub status: Option<u8>,
-    /// Code of the temperature, if it was due.
+    /// Code of the temperature, if it was read.
     pub temp: Option<u32>,
 }
 

@@ -100,7 +100,7 @@ impl<S: Bus> Station<S> {
         Message::Answer { tag, answer }
     }
 
-    /// Takes an edge of RDY, and returns a message to send. Pass every edge, also while the bridge does not sample.
+    /// Takes an edge of RDY. Returns the message to send, if any. Pass every edge, also if the bridge does not sample.
     pub async fn edge(&mut self, edge: Edge) -> Option<Message<'static>> {
         self.last = edge;
         let sampling = self.sampling.as_mut()?;

@@ -1,4 +1,4 @@
-//! The registers of docs/facts.md section 3: each is a type with its address, size, value after reset and direction.
+//! The registers (docs/facts.md section 3). Each except COM is a type with address, size, reset value and direction.
 //!
 //! [`Readable`] and [`Writable`] are separate traits, so that writing a read-only register does not compile:
 //!

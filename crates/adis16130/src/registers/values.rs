@@ -12,7 +12,7 @@ const fn with(bits: u8, mask: u8, on: bool) -> u8 {
 }
 
 /// Defines a one-byte register value by its fields, in the order in which to show them. Each field has a mask, a name
-/// and a meaning. A single bit also has a method that reads it and one that sets it.
+/// and a meaning. A single bit can also have a method that reads it, and one that sets it.
 macro_rules! byte_value {
     ($(#[$doc:meta])* $name:ident {$(
         $mask:literal $label:literal $meaning:expr

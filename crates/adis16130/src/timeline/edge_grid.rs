@@ -24,8 +24,8 @@ pub(crate) struct EdgeGrid {
     /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶. 0 if there is none.
     temp_fraction: i64,
     /// The time by which an edge may come early and still belong to its tick, in 2⁻¹⁶ ns. With the period T and the
-    /// time r from the temperature update to the next tick, it is the larger of r/8 and min(T/16, r/2). This is more
-    /// than an edge shifts in a period if MCLK is off by 2 %. For divided edges it is T/2.
+    /// time r from the temperature update to the next tick, it is the larger of r/8 and min(T/16, r/2). From r = T/25
+    /// on, an edge shifts less than this in a period if MCLK is off by 2 %. For divided edges it is T/2.
     pub(super) margin: i64,
     pattern: Pattern,
 }
@@ -52,8 +52,8 @@ impl EdgeGrid {
         Self { period, temp_fraction: 0, margin: period >> 1, pattern: Pattern::Divided }
     }
 
-    /// The time in which this many edges come if nothing is read, plus 3/4 of the shorter conversion, in whole ns.
-    /// After a read of both channels, these edges take one conversion longer.
+    /// With both channels, the longest time in which this many edges come if nothing is read, plus 3/4 of the shorter
+    /// conversion, in whole ns. After a read of both, these edges take one conversion longer.
     pub(crate) fn unread_ns(&self, edges: u32) -> u64 {
         let (period, temp) = (self.period >> FRACTION_BITS, self.share_of_temp(self.period) >> FRACTION_BITS);
         let shorter = temp.min(period - temp);
@@ -81,15 +81,15 @@ impl EdgeGrid {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
 
-    /// The time from a tick to the next temperature update, for this period of the ticks, accurate to half a ns. The
-    /// function is not inlined, which saves flash.
+    /// The time from a tick to the next temperature update, for this period of the ticks. Too short by at most 1 ns
+    /// and 2⁻¹⁶ of the period. The function is not inlined, which saves flash.
     #[inline(never)]
     pub(super) const fn share_of_temp(&self, period: i64) -> i64 {
         (period >> FRACTION_BITS) * self.temp_fraction
     }
 
-    /// Number of periods in which this many edges come while nothing is read. With both channels, the first edge comes
-    /// after two conversions, and each later one after one. With one channel, each edge takes a period.
+    /// Number of periods in which this many edges come while nothing is read. With both channels and RDYFN = 1, the
+    /// first edge comes after two conversions, and each later one after one. With one channel, each takes a period.
     pub(super) fn periods_of_edges(&self, edges: u32) -> u32 {
         if self.temp_fraction > 0 { edges.div_ceil(2) } else { edges }
     }

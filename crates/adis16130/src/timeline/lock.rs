@@ -19,8 +19,8 @@ pub(super) struct Gaps {
 const OFFSET_BITS: u32 = 20;
 
 impl Gaps {
-    /// Adds a gap if it is near a regular gap between neighbouring edges, and if the previous gap was, too. After
-    /// a longer gap the first timestamp may be late.
+    /// Adds a gap if it is near a regular gap between neighbouring edges, unless the previous gap was not. After a
+    /// longer gap the first timestamp may be late.
     pub(super) fn push(&mut self, grid: &EdgeGrid, learned: (i64, i64), gap: i64) {
         let (nearest, nominal) = grid.nearest_gap(learned, gap);
         let far = (gap - nearest).abs() > grid.nearness(learned);
@@ -31,7 +31,7 @@ impl Gaps {
         }
     }
 
-    /// The difference of the period from the nominal one.
+    /// The period that the gaps give, less the nominal period.
     pub(super) fn offset(&self, grid: &EdgeGrid) -> i64 {
         let share = quotient(self.excess.unsigned_abs(), (self.nominal >> OFFSET_BITS) as u64) as i64;
         let offset = (grid.period >> OFFSET_BITS) * share;

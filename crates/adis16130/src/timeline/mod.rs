@@ -25,8 +25,8 @@
 //! | what is left of Δ in T̂ after n edges, x = α·n/2 | e^(−x)·(cos x + sin x) | | |
 //! | noise of T̂ | σ·√(α³/8) = σ·2^(−3(g+1)/2) | σ/512 | σ/92 682 |
 //!
-//! With σ = 15 µs the period is thus known to 1 part in 10⁶ in gear 10. T̂ has steps of 2⁻¹⁶ ns, so in gear 10 an
-//! error below 32 ns no longer moves it. The unit tests measure each row.
+//! With σ = 15 µs the period is thus known to 1 part in 10⁶ in gear 10. T̂ has steps of 2⁻¹⁶ ns: in gear 10 an error
+//! moves it by one step for each 32 ns, rounded down. The unit tests measure each row.
 //!
 //! # From the first edge to gear 10
 //!
@@ -41,8 +41,8 @@
 //! configuration, and is not followed.
 //!
 //! *Gaps*: T̂ carries the phase over up to 4/α periods. Over these its noise grows to 4/α·σ·√(α³/8) = σ·√(2α), less
-//! than the jitter itself. In gear 1 the tolerance of 2 % grows to 16 % of a period. Beyond that the gap is counted by
-//! the clock alone.
+//! than the jitter itself. In gear 1 the tolerance of 2 % grows to 16 % of a period. Over a longer gap the phase is
+//! lost (`Timeline::leap`).
 
 mod edge_grid;
 mod lock;
@@ -130,8 +130,7 @@ impl Timeline {
     /// Takes the next edge, and returns the ticks up to it since [`count_from`](Self::count_from). `None` if the edge
     /// is the previous one again.
     ///
-    /// As long as it is unknown whether the first edge announced a rate or a temperature update, the returned number
-    /// is the lower of two possible ones.
+    /// If the edge has two possible numbers ([`is_ambiguous`](Self::is_ambiguous)), returns the lower one.
     pub(crate) fn advance(&mut self, edge: Edge) -> Option<i32> {
         let Some(last) = self.last.replace(edge) else {
             self.assume_first_edge();
@@ -166,14 +165,14 @@ impl Timeline {
         self.ticks.saturating_sub(self.is_ambiguous().into())
     }
 
-    /// Moves the tick from which ticks are counted on by `ticks`.
+    /// Counts ticks from a later tick than before: `ticks` later.
     pub(crate) fn count_from(&mut self, ticks: i32) {
         self.ticks = self.ticks.saturating_sub(ticks);
     }
 
-    /// States that the edge just taken announced a rate update, not a temperature update. Only the first call counts:
-    /// from then on the phase is tracked. Returns whether one more tick has passed than was counted: this edge has the
-    /// higher of its two possible numbers, or [`anchor`](Self::anchor) wrongly assumed the higher one.
+    /// States that the edge just taken announced a rate update, not a temperature update. Has no effect while the
+    /// phase is known. Returns whether one more tick has passed than was counted: this edge has the higher of its two
+    /// possible numbers, or [`anchor`](Self::anchor) wrongly assumed the higher one.
     pub(crate) fn align(&mut self) -> bool {
         if self.phase == Phase::Known {
             return false;
