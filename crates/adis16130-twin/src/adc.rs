@@ -98,7 +98,7 @@ impl Adc {
         }
     }
 
-    /// Keeps the counts of conversions and losses.
+    /// Resets the converter, but keeps the [`Tally`] of each channel.
     pub(crate) fn reset(&mut self) {
         self.data = self.data.map(|data| Data::reset(data.tally));
         self.unread = 0;

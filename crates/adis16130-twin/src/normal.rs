@@ -90,7 +90,7 @@ impl Normal {
 const TAIL: f64 = 3.654_152_885_361_009;
 const AREA: f64 = 0.004_928_673_233_974_655;
 
-/// The edges `x` of the layers, outermost first, and the normal density `f` at each edge.
+/// The edges `x` of the layers, outermost first, and `f` = exp(−x²/2) at each edge.
 pub(crate) struct Layers {
     x: [f64; 257],
     f: [f64; 257],

@@ -28,9 +28,9 @@ macro_rules! pin {
 pin!(
     /// The data-ready pin (F-32). Reading it takes no simulated time.
     ///
-    /// A wait lets simulated time pass at once, so its future is ready at once. A wait fails after one second of
-    /// simulated time, since nothing else could end it. A wait for an edge ends only with an edge after the call. It
-    /// discards an edge that [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) would have reported.
+    /// A wait lets simulated time pass at once, so its future is ready at once. It fails after one second of simulated
+    /// time, since nothing else could end it. A wait for an edge ends only with an edge after the call. A wait that
+    /// takes time drops an edge that [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) would report.
     TwinRdy
 );
 pin!(
@@ -40,7 +40,7 @@ pin!(
 );
 pin!(
     /// The self-test pins, tied together: a high level shifts the rate by
-    /// [`Spec::self_test_dps`](crate::Spec::self_test_dps).
+    /// [`Spec::self_test_dps`](crate::Spec::self_test_dps), before the sensitivity error.
     SelfTestPin
 );
 pin!(

@@ -72,7 +72,7 @@ pub struct Spec {
     pub hysteresis_dps: f64,
     /// Time constant by which the sensing element's temperature follows the temperature sensor's, in s.
     pub lag_s: f64,
-    /// Ambient temperature, in °C (M-05).
+    /// Ambient temperature at the start, in °C (M-05). [`Profile::Oven`] ignores it.
     pub ambient_c: f64,
     /// Rms of the random wander of the ambient temperature, in °C (M-05).
     pub ambient_wander_c: f64,

@@ -49,7 +49,7 @@ pub struct Conversion {
     pub t_ns: u64,
 }
 
-/// Counts of a channel that outlast a reset.
+/// The counts and the last reading of a channel, which outlast a reset.
 #[derive(Copy, Clone, Default)]
 pub(crate) struct Tally {
     pub(crate) conversions: u64,

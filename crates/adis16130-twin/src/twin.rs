@@ -17,7 +17,7 @@ pub struct TwinEdge {
     /// Simulated time of the edge, in ns from the start.
     pub t_ns: u64,
     /// Running number of the edge, which wraps. Edges that announce new data count even if they are not reported. The
-    /// other edges count only if they are reported.
+    /// other edges have numbers of their own, and count only if they are reported.
     pub seq: u32,
 }
 

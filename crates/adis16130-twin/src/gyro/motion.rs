@@ -1,4 +1,4 @@
-//! The real rotation of the part: constant, oscillating, or in bumps.
+//! The real rotation of the part: a constant rate, and an oscillation or bumps.
 
 use crate::spec::{Motion, Spec};
 use core::f64::consts::PI;

@@ -18,7 +18,7 @@ pub(crate) struct Point {
     pub(crate) sensor_c: f64,
     pub(crate) element_c: f64,
     pub(crate) ambient_c: f64,
-    /// Difference of the bias from the curve f(T) by hysteresis, in °/s.
+    /// Difference of the bias from the curve f(T) by hysteresis, before the sensitivity error, in °/s.
     pub(crate) branch_dps: f64,
     pub(crate) walk_dps: f64,
     pub(crate) flicker_dps: f64,

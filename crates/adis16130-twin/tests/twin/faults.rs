@@ -22,7 +22,7 @@ fn bit_errors_come_at_their_rate() {
     let mut wrong = 0;
     let reads = 20_000;
     for _ in 0..reads {
-        // A flipped bit in the command can leave the link out of step, so each read begins with a reset.
+        // A flipped bit in the command can leave the link out of step, so a reset follows each read.
         wrong += u32::from(host.byte(0x02) != 0x24);
         host.spi_reset();
     }
