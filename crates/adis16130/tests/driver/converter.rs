@@ -100,7 +100,7 @@ struct Host {
     jitter_ns: f64,
     pause_one_in: f64,
     pause_ns: f64,
-    /// Largest delay of the timestamps of edges. Timestamps are at least 0.6 of this delay apart.
+    /// Largest random delay of the timestamps of edges. Timestamps are at least 0.6 of this delay apart.
     stamp_ns: f64,
 }
 

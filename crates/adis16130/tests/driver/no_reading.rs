@@ -13,8 +13,8 @@ use std::{cell::RefCell, rc::Rc};
 
 type Gyro = Adis16130<Wire, Pin>;
 
-/// Parts and drivers with all framings, widths and several levels of SDO outside a read. A host that reads 24 bits
-/// from a 16-bit register gets this level as the third byte.
+/// Parts and drivers with all framings, all widths, and several bytes on SDO between commands. A host that reads 24
+/// bits from a 16-bit register gets this byte as the third one.
 fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     let framings = [Framing::PerByte, Framing::Command];
     let widths = [Width::Bits24, Width::Bits16];

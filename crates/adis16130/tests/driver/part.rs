@@ -54,11 +54,11 @@ pub struct Part {
     /// Whether a read of a data register clears RDY in its channel status, as in the part. Otherwise a status stays as
     /// it was set.
     pub wipes_ready: bool,
-    /// The byte on SDO outside a read.
+    /// The byte on SDO while the part expects a COM byte.
     pub idle: u8,
     checksum: u16,
     ones: u32,
-    /// The command under way: COM byte, data so far, bytes still to come.
+    /// The command under way: COM byte, data (of a write: so far), bytes still to come.
     command: Option<(u8, u32, usize)>,
 }
 
@@ -121,7 +121,7 @@ impl Part {
         assert_eq!(com & 0x80, 0, "b7 of COM is 0 (F-24)");
         self.feed(com);
         if com == 0 {
-            self.command = Some((0, 0, 1)); // the software reset: the next byte is not for a register
+            self.command = Some((0, 0, 1)); // a write to COM: the next byte is not for a register
             return;
         }
         let address = com & 0x3F;

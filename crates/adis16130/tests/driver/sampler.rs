@@ -140,7 +140,7 @@ fn jitter_of_the_timestamps_neither_adds_nor_hides_losses() {
         let mut random = Random(seed);
         let mut jitter = |sd_us: f64| random.normal() * sd_us * 1e3 / PAIR_NS;
         for every_temp in [1, 4] {
-            // The timestamps have a jitter of 15 µs (1 σ). The clock is 1 % slow. The part drops every 97th sample.
+            // The timestamps have a jitter of 15 µs (1 σ). MCLK is 1 % slow. The part drops every 97th sample.
             let times: Vec<f64> =
                 ramp(20_000).filter(|k| k % 97.0 != 96.0).map(|k| k * 1.01 + 5.0 + jitter(15.0)).collect();
             let dropped = 20_000 - times.len() as u32;

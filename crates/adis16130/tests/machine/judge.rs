@@ -26,14 +26,14 @@ pub struct Judge {
     /// Numbers of the latest conversions of the rate and of the temperature that a sample has contained.
     handed: (u64, u64),
     fault: Fault,
-    /// Whether bits were flipped, or bytes were sent without the driver. Part and driver may disagree until a restart.
+    /// Whether bits were flipped, or bytes sent without this driver. Part and driver may disagree until a restart.
     spoiled: bool,
     /// Whether conversions stopped or began anew, or an edge was false, without a call that tells the sampler. `lost`
     /// may have any value until a restart.
     uncounted: bool,
     /// Whether the line lost edges, or a reading outside the sampler took their data.
     edges_missing: bool,
-    /// Whether the sampler got edges while [`uncounted`](Self::uncounted), so that a new sampler is needed.
+    /// Whether the sampler got edges while `uncounted`, or false information, so that a new sampler is needed.
     bewildered: bool,
     /// Whether a call was cut short, so that nothing may be sent until a reset.
     interrupted: bool,
@@ -86,7 +86,7 @@ impl Judge {
         self.uncounted = true;
     }
 
-    /// Notes that the sampler got false information, so that a new one is needed.
+    /// Notes that the sampler got false information, so that a new sampler is needed.
     pub fn bewilder(&mut self) {
         self.uncounted = true;
         self.bewildered = true;
@@ -210,7 +210,7 @@ impl Judge {
     }
 
     /// Checks that a sample is not an old conversion. If the status is not read, the driver relies on the edges. Then
-    /// the check applies only if no edge is missing and the bus is fast enough.
+    /// the check applies only if `lost` can be trusted, no edge is missing and the bus is fast enough.
     fn is_new(&mut self, conversion: Conversion) -> Verdict {
         let before = std::mem::replace(&mut self.handed.0, conversion.number);
         let unbelievable = !self.sampling.read_status && (self.uncounted || self.edges_missing || !self.is_fast);
@@ -225,7 +225,7 @@ impl Judge {
     }
 }
 
-/// Returns the conversion that a code comes from, or an error if the part did not give this code.
+/// Returns the conversion that a code comes from, or an error if the part did not give this code or never measured it.
 fn measured(what: &str, read: Option<Reading>, code: u32, width: Width) -> Result<Conversion, String> {
     let read = read.ok_or_else(|| format!("a {what} came without being read"))?;
     let expected = if width == Width::Bits16 { in_16_bits(read.code) } else { read.code };
@@ -241,7 +241,7 @@ fn in_16_bits(code24: u32) -> u32 {
     (32_768.0 + middle.round()).min(65_535.0) as u32
 }
 
-/// MCLK cycles of a conversion of the rate and of the temperature (F-31).
+/// MCLK cycles of a conversion of the rate and of the temperature (F-31). The latter is 0 unless both are converted.
 fn cycles(config: &Config) -> (f64, f64) {
     let both = config.channels() == Channels::Both;
     let cycles = |conversion: ConversionTime| {

@@ -45,7 +45,7 @@ fn a_dropped_call_never_shifts_what_is_read_next() {
     }
 }
 
-/// Number of runs from one seed, of up to 200 steps each.
+/// Number of runs in a round, of up to 200 steps each.
 const CASES: u32 = 20;
 
 fn runner(seed: u64, round: u64) -> TestRunner {
