@@ -19,7 +19,7 @@ pub struct Procedure {
 
 pub struct State {
     procedure: FixedProcedure,
-    /// The refusal that ended the calibration early. Every later call returns its status.
+    /// The refusal that ended the calibration early. Its status answers each later event, `next` and `outcome`.
     refused: Option<Refusal>,
 }
 

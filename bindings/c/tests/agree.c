@@ -1,7 +1,7 @@
 /*
  * Makes the same computations with the C interface as lab/src/c/expected.rs does with the Rust crates, and prints the
  * results. Both programs must print the same, on a host and on a microcontroller. "unit.h" is the header that
- * `zerorate export --format c` writes for the same correction. */
+ * `zerorate export --format c` writes for CORRECTION. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

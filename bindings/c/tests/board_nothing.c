@@ -1,5 +1,5 @@
-/* A board that does nothing but call the interrupt handler once. The examples link with it for cores that the tests
- * do not emulate. */
+/* A board that does nothing but call an interrupt handler when it is set. The examples link with it for cores that
+ * the tests do not emulate. */
 #include "board.h"
 
 int32_t board_spi_transfer(void *context, uint8_t *bytes, size_t length)

@@ -39,7 +39,7 @@ pub async fn run(driver: impl Driver<'static>, serial: Option<&'static str>, lin
     join(enumerate(&mut device, link), carry(class, link)).await.0
 }
 
-/// Handles the enumeration of the device. If the bus has no traffic, the host sleeps or the cable is unplugged.
+/// Handles the enumeration of the device. Hangs up if the bus has no traffic: the host sleeps, or the cable is out.
 async fn enumerate<D: Driver<'static>>(device: &mut UsbDevice<'static, D>, link: &Link) -> ! {
     loop {
         device.run_until_suspend().await;

@@ -39,8 +39,8 @@ async fn next(rdy: &mut impl Wait<Error = Infallible>, kind: RdyEdge) {
     };
 }
 
-/// Reads the part at each edge, and answers the requests of hosts. Only this task uses the bus of the part. `firmware`
-/// is the name for [`Station::new`]. `alive` feeds the watchdog, which nothing else does.
+/// Answers the requests of hosts and, while the bridge samples, reads the part at each edge. Only this task uses the
+/// bus of the part. `firmware` is the name for [`Station::new`]. `alive` feeds the watchdog, which nothing else does.
 pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link, mut alive: impl FnMut()) -> ! {
     let sclk_hz = bus.set_sclk_hz(FIRST_SCLK_HZ);
     let mut station = Station::new(bus, sclk_hz, firmware);

@@ -275,7 +275,7 @@ impl Bus for TwinBus {
     }
 }
 
-/// A pin with this number of falls and rises, each of which comes at once.
+/// A pin with these numbers of falls and rises. Each edge comes at once.
 struct Edges {
     falls: u32,
     rises: u32,

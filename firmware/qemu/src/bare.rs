@@ -23,7 +23,7 @@ pub(crate) fn write(register: *mut u32, value: u32) {
     unsafe { register.write_volatile(value) }
 }
 
-/// Writes bytes and a number to a register, so that the compiler keeps the code that computed them.
+/// Writes bytes and a number to registers, so that the compiler keeps the code that computed them.
 #[inline(never)]
 pub fn put(bytes: &[u8], number: u32) {
     for byte in bytes {

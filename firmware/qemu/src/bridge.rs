@@ -38,7 +38,7 @@ pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Resu
     loop {
         while let Some(byte) = port.read(!station.is_sampling())? {
             if let Some(Ok(request)) = requests.push(byte) {
-                // simulated time goes on without sampling, so that the host sees edges of RDY
+                // simulated time goes on also without sampling, so that the host sees edges of RDY
                 if let Some(message) = next_edge(twin, &mut station) {
                     send(port, &message)?;
                 }

@@ -16,7 +16,7 @@ const TABLE_C: (f64, f64) = (0.02, 2.0);
 const ROWS: usize = 201;
 
 /// Quadratic and cubic coefficient of the curve, °/s/°C² and °/s/°C³. The quadratic one is the standard deviation of
-/// M-02. The two terms are equal 250 °C from T3.
+/// M-02. The two terms are equally large 250 °C from T3.
 const CURVE: (f64, f64) = (0.0005, -2e-6);
 
 /// Time without an edge after which the part counts as failed, ns.

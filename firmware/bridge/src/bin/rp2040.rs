@@ -31,7 +31,7 @@ use static_cell::StaticCell;
 
 const FIRMWARE: &str = concat!("bridge-rp2040 ", env!("CARGO_PKG_VERSION"));
 
-/// Slowest SPI clock that can be set, Hz. The HAL panics below 1.93 kHz.
+/// Slowest SPI clock that can be set, Hz. The HAL panics below 1.923 kHz.
 const SLOWEST_SCLK_HZ: u32 = 2_000;
 
 /// Size of the external flash, bytes. The RP2040 has no serial number, so the unique number of this flash is used.

@@ -1,4 +1,4 @@
-//! The image of `driver` without the driver: the start-up code and the bus only.
+//! The image of `driver` without the driver: the start-up code, the bus and the pin only.
 
 #![no_std]
 #![no_main]

@@ -22,7 +22,7 @@ const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempSt
 
 type Counts = [(&'static str, Ticks); 14];
 
-/// Smallest and largest number of ticks of an operation over all readings.
+/// Smallest and largest number of ticks of an operation over all its counted calls.
 #[derive(Clone, Copy)]
 pub struct Ticks {
     pub least: u32,
@@ -41,7 +41,7 @@ impl Ticks {
     }
 }
 
-/// Counts the ticks of every operation for each reading. Returns `None` without readings.
+/// Counts the ticks of every operation, for each reading or each mean of the tracker. Returns `None` without readings.
 ///
 /// Each operation is a function that is called through a pointer unknown to the compiler, with its operands in memory.
 /// So the compiler cannot move anything out of the function, and the count includes call, operands and return.
@@ -81,7 +81,7 @@ impl Counter {
         Self(systick)
     }
 
-    /// Counts the ticks of `work`, including the ticks of reading the clock. The function is never inlined, so that
+    /// Counts the ticks of `work`, including the ticks of reading the clock. `ticks` is never inlined, so that
     /// reading the clock takes the same number of ticks around any work.
     #[inline(never)]
     fn ticks<I, T>(&mut self, work: fn(&mut I) -> T, operands: &mut I) -> u32 {
