@@ -10,7 +10,6 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{InputPin, OutputPin, PinState};
 use embedded_hal::spi::SpiDevice;
 
-/// A twin with its bus and pins.
 struct Rig {
     twin: Twin,
     spi: TwinSpi,

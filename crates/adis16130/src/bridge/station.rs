@@ -26,7 +26,7 @@ pub trait Bus: SpiDevice {
     }
 }
 
-/// The part of a bridge that needs no pins: the driver on a bus, and the state of sampling.
+/// A bridge without its pins: the driver on a bus, and the state of sampling.
 #[derive(Debug)]
 pub struct Station<S> {
     part: Adis16130<S, ()>,
