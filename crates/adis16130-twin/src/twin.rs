@@ -116,7 +116,7 @@ impl Twin {
         self.part.borrow_mut().switch(true);
     }
 
-    /// Number of samples that the host never saw.
+    /// Numbers of samples that the host never saw, per channel.
     pub fn lost_unread(&self) -> LostUnread {
         self.part.borrow().chip.adc.lost_unread()
     }

@@ -189,7 +189,7 @@ struct LastSample {
 ///   up to a whole period, nothing can be learned. Then the nominal period holds, and the number of losses is right to
 ///   within 3.5 % of all samples (measured).
 /// * `seq` differs for different edges. If `t_ns` stands still or runs backwards, losses are counted from `seq`: one
-///   for every two missed edges with both channels, one for each missed edge otherwise.
+///   for every two missed edges with both channels (too many with RDYFN = 0), one for each missed edge otherwise.
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
 ///   edges on, to some 10⁻⁶ after a second.
 /// * The kind of the first edge is guessed. With RDYFN = 0, or if rate and temperature take different times, a host
