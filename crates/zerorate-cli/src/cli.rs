@@ -114,6 +114,7 @@ impl Cli {
             Command::Recalibrate(args) => vec![&args.capture],
             Command::Verify(args) => args.files.iter().map(PathBuf::as_path).collect(),
             Command::Repair(args) => vec![&args.capture],
+            Command::Report(args) => args.capture.iter().map(PathBuf::as_path).collect(),
             Command::Capture(args) => args.device.file().into_iter().collect(),
             Command::Chamber(args) => args.device.file().into_iter().collect(),
             Command::Calibrate(args) => args.device.file().into_iter().collect(),

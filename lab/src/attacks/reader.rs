@@ -1,7 +1,7 @@
 //! Reads files with our library, with the program and with PyArrow, and compares the numbers.
 
 use super::tally::{Outcome, Tally};
-use crate::app::target_folder;
+use crate::app::{self, target_folder};
 use crate::venv::{self, done};
 use anyhow::{Context, Result, anyhow};
 use serde::Deserialize;
@@ -55,10 +55,9 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Builds the example with all features, so that it reads every format.
+    /// Builds the example with the features of the tests, so that it reads every format.
     pub fn new(program: &Path) -> Result<Self> {
-        let arguments = "build --release --workspace --all-features --quiet --example columns";
-        done(Command::new("cargo").args(arguments.split(' ')))?;
+        done(Command::new("cargo").args("build --quiet --example columns".split(' ')).args(app::WHOLE.split(' ')))?;
         Ok(Self { columns: target_folder()?.join("release/examples/columns"), program: program.to_owned() })
     }
 

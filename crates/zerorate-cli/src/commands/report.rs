@@ -32,7 +32,7 @@ pub struct ReportArgs {
     /// The capture that the calibration was made from, as `calibrate --log` writes it. The page then shows rate,
     /// temperature and corrected rate over time.
     #[arg(long, value_name = "CAPTURE")]
-    capture: Option<PathBuf>,
+    pub capture: Option<PathBuf>,
 
     /// Overwrite an existing file, but never a capture.
     #[arg(long, requires = "output")]

@@ -70,11 +70,13 @@ impl Slot {
             } else {
                 new.name(&target)?
             };
-            sync_folder(&self.folder)
+            Ok(())
         };
-        put().map_err(|error| OutputError::io("write", &self.path, error))?;
+        let failed = |error| OutputError::io("write", &self.path, error);
+        put().map_err(failed)?;
+        // the file is this program's own from now on, even if its folder cannot be synchronised
         self.holds = Identity::of_file(&target);
-        Ok(())
+        sync_folder(&self.folder).map_err(failed)
     }
 
     /// Removes the file, unless another program has replaced it.
