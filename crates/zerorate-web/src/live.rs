@@ -13,7 +13,7 @@ pub struct Live {
     /// The session, for requests that do not need the device.
     pub session: Session,
     open: Open,
-    /// `None` if the device could not be opened or cannot be read any longer.
+    /// `None` once the recording has ended or the device cannot be read any longer.
     source: Option<Box<dyn Source>>,
     pace: Pace,
 }

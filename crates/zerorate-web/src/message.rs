@@ -159,7 +159,7 @@ pub struct Download {
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS), ts(optional_fields))]
 pub struct Frame {
-    /// The number of the frame. It increases with each frame of changes; a snapshot repeats the last number.
+    /// The number of the frame. It increases with each frame for all windows; a snapshot for one repeats the number.
     pub seq: u32,
     /// True if the frame replaces everything that was shown before.
     pub snapshot: bool,
@@ -363,7 +363,7 @@ pub struct AxisNow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct Rest {
-    /// The verdict; `unjudged` if there are too few readings, or if the typical noise of the part is unknown.
+    /// The verdict; `unjudged` with too few readings, or if the part's noise or temperature coefficient is unknown.
     pub verdict: RestVerdict,
     /// The verdict in words, with its numbers.
     pub text: String,
@@ -412,7 +412,7 @@ pub struct SampleCounts {
 pub struct Notice {
     /// The code for `zerorate explain`; empty for a notice without a code.
     pub code: String,
-    /// The name of the axis, if the part has several; otherwise empty. Code and axis together name a notice.
+    /// The axis, if the notice is about one of several; else empty. Notices without a code differ in their texts.
     pub axis: String,
     /// The observation, its consequence and the remedy.
     pub text: String,

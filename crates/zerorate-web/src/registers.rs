@@ -4,8 +4,8 @@ use crate::message::{Field, Register};
 use adis16130::registers::{self, Address, ConversionTime, Meaning, RateStatus, Register as _, TempStatus};
 use adis16130::{Config, MCLK_HZ, RateCode, TempCode, Width};
 
-/// Describes every register with its fields. `config` was written before. A field that reads back differently is
-/// marked as wrong.
+/// Describes every register with its fields. `config` was written before. A field is marked as wrong if it reads back
+/// differently, or shows an alarm or another channel.
 #[must_use]
 pub fn described(config: &Config, values: &[(Address, u32)]) -> Vec<Register> {
     values.iter().map(|(address, value)| register(config, *address, *value)).collect()

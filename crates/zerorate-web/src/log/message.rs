@@ -77,7 +77,7 @@ pub enum LogInspection {
         text: String,
         /// A table to choose from: the head, then the rows.
         choices: Vec<String>,
-        /// The settings that can answer the question; one of them is enough.
+        /// The settings that the text mentions: alternatives, or answers to its two questions.
         settings: Vec<LogSetting>,
     },
     /// The log cannot be read.

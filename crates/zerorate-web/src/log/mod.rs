@@ -88,7 +88,7 @@ mod reader {
         }
 
         /// The bias over temperature, or the reason why there is none. `None` if the log has no temperature that
-        /// changes enough, and after the first call.
+        /// changes enough, and in each call but the first.
         pub fn bias(&mut self) -> Option<LogBias> {
             self.bias.take().map(|bias| bias.message(&self.path, &self.warnings))
         }

@@ -5,10 +5,10 @@ use zerorate_allan::SettingName;
 use zerorate_imu::{Combine, Format, ImuOptions, KindOptions};
 use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
-/// The names that messages use for the settings: the labels of the page's fields.
+/// The names that messages use for the settings: the label of the page's field, or else a command or an advice.
 pub const LABELS: Names = Names(label);
 
-/// A setting, its label, and its field on the page.
+/// Settings, each with its label and its field on the page. A label with “or” names two fields.
 const FIELDS: [(Setting, &str, LogSetting); 14] = [
     (Setting::Column, "“columns”", LogSetting::Columns),
     (Setting::Topic, "“topic”", LogSetting::Topic),

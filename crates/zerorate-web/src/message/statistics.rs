@@ -12,7 +12,7 @@ pub struct Statistics {
     pub duration_s: f64,
     /// The points of the Allan deviation, in order of averaging time.
     pub allan: Vec<AllanPoint>,
-    /// The noise coefficients; empty if no noise model was fitted yet.
+    /// The noise coefficients; empty without a noise model.
     pub coefficients: Vec<Coefficient>,
     /// The spectrum of the last 131 072 readings, by Welch's method.
     pub spectrum: Vec<SpectrumPoint>,
@@ -36,7 +36,7 @@ pub struct AllanPoint {
     pub lo_dps: f64,
     /// Upper end of the one-sigma interval, °/s.
     pub hi_dps: f64,
-    /// The deviation that the model predicts, °/s; null without a model.
+    /// The deviation that the model predicts, °/s; null without a model, and at times too short for the model.
     pub model_dps: Option<f64>,
 }
 
@@ -56,7 +56,7 @@ pub struct Coefficient {
     pub hi: f64,
     /// Unit of the value and its interval.
     pub unit: String,
-    /// True if the value differs significantly from zero.
+    /// True if the value differs significantly from zero; with a `caution`, false for B and K.
     pub identified: bool,
     /// Estimated time until the value differs significantly from zero if the model is right, s. Null if unknown or
     /// already identified.

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use zerorate::Scan;
 use zerorate_record::Row;
 
-/// The largest speed of simulated time, as a multiple of real time.
+/// The largest speed of simulated time that a request can set, as a multiple of real time. Speed 0 has no limit.
 const FASTEST: f64 = 1000.0;
 
 /// The `id` of a request whose command cannot be parsed.
@@ -35,8 +35,8 @@ impl Session {
         }
     }
 
-    /// Makes the answer after the owner of the device has carried out a command. If the device cannot be opened, a
-    /// calibration that waits for it ends.
+    /// Makes the answer after the owner of the device carried out a command or failed to. A failure ends a calibration
+    /// that waits for the device to be opened.
     pub fn done(&mut self, id: u32, result: Result<(), String>) -> String {
         if let Err(why) = &result
             && self.wanted.is_some()

@@ -174,7 +174,7 @@ pub fn entry(calibration: &Calibration, applied: bool) -> CalibrationEntry {
     }
 }
 
-/// Replaces characters in a name that some file systems do not allow, and limits its length.
+/// The first 60 characters of a name, with `_` for each that is not an ASCII letter, a digit, `-` or `_`.
 fn plain(name: &str) -> String {
     let allowed = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
     name.chars().take(60).map(allowed).collect()

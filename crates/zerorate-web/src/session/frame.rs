@@ -30,7 +30,7 @@ impl Session {
         encode(&self.completed(frame, SessionChanges::default()), &payload)
     }
 
-    /// Updates the statistics. This takes too long to be done with each reading.
+    /// Updates statistics, conditions and guided calibration. This takes too long to be done with each reading.
     fn recompute(&mut self) {
         if !self.live_view.changed.readings {
             return;

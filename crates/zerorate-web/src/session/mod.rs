@@ -93,11 +93,11 @@ pub struct Session {
     store: CalibrationStore,
     calibrating: Calibrating,
     guided: Option<GuidedCalibration>,
-    /// The calibration that starts with the next reading, after the device was opened again.
+    /// The requested calibration, until the device has been opened again for it.
     wanted: Option<GuidedCalibration>,
     /// The id of the calibration that was measured since the device was opened. It certainly belongs to this part.
     measured: Option<String>,
-    /// True if samples are missing right before the next one.
+    /// True if samples right before the next one did not reach the session ([`Session::missed`]).
     is_torn: bool,
     truths: Vec<Truth>,
     changed: SessionChanges,
@@ -136,8 +136,8 @@ impl Session {
         &self.live_view.about
     }
 
-    /// The session after its device was opened again. The stored calibrations, the applied one and the speed stay. A
-    /// requested calibration starts; a running one ends.
+    /// The session after its device was opened again. Speed and stored calibrations stay, and the applied one stays
+    /// applied if it fits the part. A requested calibration starts; a running one ends.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
         let Self { live_view, store, calibrating, guided, wanted, .. } = self;

@@ -27,7 +27,7 @@ struct NoticeEntry {
 pub struct NoticeText {
     /// The code for `zerorate explain`; empty for a text without a code.
     code: &'static str,
-    /// The name of the axis, if the part has several.
+    /// The name of the axis, if the notice is about one of several; otherwise empty.
     axis: String,
     text: String,
 }
@@ -83,7 +83,7 @@ impl Notices {
     }
 
     /// Replaces the conditions that hold now. A condition is counted when it starts, not at each call. Returns
-    /// whether anything changed.
+    /// whether a notice is new or changed; the notice of a condition that ended stays.
     pub fn set_conditions(&mut self, findings: &[NoticeText], at_s: f64) -> bool {
         for entry in &mut self.entries {
             entry.lasts &= findings.iter().any(|new| entry.is(new));

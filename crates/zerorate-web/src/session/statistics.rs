@@ -10,7 +10,7 @@ use zerorate_allan::{self as allan, FitOptions, Input, Options, Stream, interval
 
 /// Number of readings in the spectrum: the last 23 s at the full rate of an ADIS16130.
 const SPECTRUM: usize = 1 << 17;
-/// Number of octaves of averaging times that are computed from single readings. The page gets those below 0.7 blocks.
+/// Number of octaves of averaging times that are computed from single readings. The page gets the short ones.
 const OCTAVES: usize = 16;
 /// Number of block means at which adjacent means are merged in pairs.
 const MOST_MEANS: usize = 1 << 19;
@@ -114,7 +114,7 @@ impl Statistics {
         allan::fit(&Input::Rate(&self.means.values), self.means.rate_hz(), &FitOptions::default()).ok()
     }
 
-    /// The deviations. Averages below 0.7 blocks are of adjacent readings; longer ones are of overlapping blocks.
+    /// The deviations: below 0.7 of a mean's length from adjacent averages of readings; above, from overlapping means.
     fn allan(&self, rate_hz: f64) -> Vec<AllanPoint> {
         let scale = 1.0 / self.axis.rate.lsb_per_unit;
         let longest = self.means.length_s();
@@ -141,7 +141,7 @@ impl Statistics {
         points
     }
 
-    /// The coefficients of the model. With a `caution`, B and K are not valid: other signals are taken for slow noise.
+    /// The coefficients of the model. With a `caution`, B and K are not identified: slow noise may be other signals.
     fn coefficients(&self, caution: Option<&str>) -> Vec<Coefficient> {
         let Some(fit) = &self.fit else { return Vec::new() };
         let stated = [

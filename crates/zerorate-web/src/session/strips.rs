@@ -129,7 +129,7 @@ impl Level {
         }
     }
 
-    /// Stores a complete bin, and empty bins up to the one with the number `next`.
+    /// Stores the complete bin `at`, and empty bins for the numbers between `at` and `next`.
     fn close(&mut self, at: u64, values: Bin, next: u64) {
         if self.bins.is_empty() {
             self.first = at;

@@ -55,7 +55,7 @@ impl Temperatures {
         }
     }
 
-    /// The difference between the highest and the lowest temperature, °C.
+    /// The difference between the mean temperatures of the warmest and the coldest bin, °C; 0 for fewer than two bins.
     pub fn span_c(&self) -> f64 {
         let mut temps = self.bins.values().map(|bin| bin.temp_c / f64::from(bin.blocks));
         temps.next().zip(temps.next_back()).map_or(0.0, |(low_c, high_c)| high_c - low_c)
@@ -102,7 +102,7 @@ mod tests {
         temperatures.shown(0.04)
     }
 
-    /// The fit finds a straight line for any bins, with the uncertainty of the textbook: σ² over Σ(T − mean)².
+    /// The fit finds a straight line for any bins, and its slope has the variance σ² / Σ(T − mean)² of the textbook.
     #[test]
     fn a_line_is_found() {
         for step_c in [0.01, 0.1, 1.0] {

@@ -28,7 +28,7 @@ pub enum Next {
 
 /// A device that is being read.
 pub trait Source {
-    /// The known facts about the device. Call it again when [`Source::opened`] returns true.
+    /// The facts about the device that are known now. [`Source::opened`] tells when there are more.
     fn about(&self) -> About;
 
     /// True if the device was opened since the last call, so that more facts are known.

@@ -44,7 +44,7 @@ impl Log {
         found.as_ref().map(json).transpose()
     }
 
-    /// A `LogBias` in JSON; none if the log has no temperature that changes enough, and after the first call.
+    /// A `LogBias` in JSON; none if the log has no temperature that changes enough, and in each call but the first.
     pub fn bias(&mut self) -> Result<Option<String>, JsError> {
         self.open()?.bias().as_ref().map(json).transpose()
     }

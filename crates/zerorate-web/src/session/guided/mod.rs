@@ -29,7 +29,7 @@ trait GuidedMethod: std::fmt::Debug + Send {
     /// Processes a reading. Returns true when the procedure is complete. An error is a refusal.
     fn take(&mut self, scan: &Scan) -> Result<bool, String>;
 
-    /// Ends a recording now. Returns false if the method is not a recording that can end early.
+    /// Ends the recording now. Returns false if none is running: in another method, or before the start.
     fn end_recording(&mut self) -> Result<bool, String> {
         Ok(false)
     }
@@ -99,7 +99,7 @@ impl GuidedCalibration {
         self.procedure.take(scan)
     }
 
-    /// Ends a recording now. Returns false if the method is not a recording that can end early.
+    /// Ends the recording now, as [`GuidedMethod::end_recording`] does.
     pub fn end_recording(&mut self) -> Result<bool, String> {
         self.procedure.end_recording()
     }
@@ -134,7 +134,7 @@ impl GuidedCalibration {
     }
 }
 
-/// The data that a calibration is made from, beside the procedure itself.
+/// The facts about a measurement that its procedure does not hold, for the result.
 pub struct Measurement<'a> {
     pub info: &'a CaptureInfo,
     pub tally: &'a Tally,
