@@ -113,7 +113,7 @@ def overhead(source: Path, name: str, make: Optional[Callable[..., Any]]) -> Non
 
 
 def memory(program: str) -> None:
-    """Prints the peak memory of the commands on an hour at the full rate, and the memory that the fleet reserves."""
+    """Prints the peak memory of ``allan --fit`` on an hour at the full rate, and what the fleet reserves for it."""
     with tempfile.TemporaryDirectory() as folder:
         for ending in ("arrows", "parquet"):
             path = Path(folder) / f"hour.{ending}"

@@ -16,8 +16,8 @@ use zerorate_jobs::calibrate::{Files, OutputOptions, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
 use zerorate_view::Seconds;
 
-/// The arguments of ``zerorate.calibrate``. A setting of the plan that is None has its default value. Any other
-/// argument is None if it was not given.
+/// The arguments of ``zerorate.calibrate``. None stands for the default of a setting of the plan, or for any other
+/// argument that was not given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct CalibrateOptions {

@@ -1,7 +1,7 @@
 """Runs allantools' own tests against `zerorate.allantools_compat`: python allantools_suite.py SOURCE
 
-SOURCE is an unpacked source distribution of allantools. The script prints the names of the tests that pass, and of
-those that need a function that is not offered. It fails if any other test does not pass.
+SOURCE is an unpacked source distribution of allantools. The script prints the names of the tests that pass, that fail,
+and that are skipped, as those of functions that are not offered. It fails if a test fails, or if none passes.
 """
 
 from __future__ import annotations

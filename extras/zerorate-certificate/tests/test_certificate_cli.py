@@ -17,7 +17,7 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def fails(code: int, why: str, *arguments: str | Path) -> None:
-    """Checks that the command ends with this code and states this reason in one line."""
+    """Checks the exit code, and that the last line of the errors (for code 1, the only line) states this reason."""
     done = run(*arguments)
     assert (done.returncode, done.stdout) == (code, ""), done.stderr
     lines = done.stderr.splitlines()

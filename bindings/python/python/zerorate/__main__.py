@@ -13,7 +13,7 @@ from . import _zerorate
 
 
 def main() -> int:
-    """Runs the command line of this process. Returns the exit code: 0 done, 1 failed, 2 usage, 3 refused."""
+    """Runs this process's command line. Returns 0 done, 1 failed, 2 usage, 3 refused, 130 interrupted ``fleet``."""
     if sys.argv[1:2] == ["fleet"]:
         return run_fleet(sys.argv[2:])
     # Python handles a Ctrl-C only at its next instruction, and runs none until the native command has ended.

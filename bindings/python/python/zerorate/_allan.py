@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     Several = Union[Literal["all"], list[str], list[int], tuple[str, ...], tuple[int, ...]]
 
 ASSUMED_UNIT = "°/s"
-"""The unit of values without a name."""
+"""The unit of an array or Series if nothing states it."""
 
 
 @overload
@@ -134,10 +134,10 @@ def allan(
     scale
         The value of the number 1 in the record, in `unit`. Unless given, that of the `Capture` or log, or 1.
     unit
-        Unit of the rate and of the results: ``rad/s``, ``m/s²``, ``g`` …; for arrays, any other text as well. Unless
-        given, it is the unit that the name of a column or the log states; for values without a name, °/s.
+        Unit of the rate and of the results: ``rad/s``, ``m/s²``, ``g`` …; for values in memory, any other text too.
+        Unless given, as the column's name or the log states; else °/s for an array or Series, ``unit`` for others.
     fit
-        Fit a noise model. If false, no glitches and steps are removed from the record.
+        Fit a noise model. If false, neither glitches nor steps are removed from the record.
     glitches
         ``cut``: samples that cannot be noise are replaced before the fit. ``keep``: they stay.
     steps

@@ -36,8 +36,8 @@ _To = TypeVar("_To")
 
 
 def side_by_side(work: Callable[[_Of], _To], all_of: Sequence[_Of]) -> list[_To]:
-    """Runs work that releases the GIL, on as many threads as there are processors. Ctrl-C stops it after the tasks
-    that have begun."""
+    """Runs work that releases the GIL, on at most as many threads as there are processors. After Ctrl-C, no further
+    task begins."""
     pool = ThreadPoolExecutor(max_workers=max(1, min(len(all_of), os.cpu_count() or 1)))
     try:
         return [begun.result() for begun in [pool.submit(work, one) for one in all_of]]

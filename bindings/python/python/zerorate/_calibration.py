@@ -123,7 +123,7 @@ class NoiseRecord:
     """The noise behind the uncertainties. A source is ``measured`` or ``typical (M-04)``."""
 
     white_dps_per_rt_hz: float
-    """White noise, °/s/√Hz."""
+    """One-sided density of the white noise, °/s/√Hz."""
     white_source: str
     """Source of `white_dps_per_rt_hz`."""
     flicker_floor_dps: float

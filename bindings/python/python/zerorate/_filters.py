@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ._result import Allan
 
 Format = Literal["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
-"""The filter that reads the file."""
+"""The program that the file is for; ``ros`` gives the covariances of `sensor_msgs/Imu`."""
 
 Combine = Literal["worst", "mean"]
 """The value for several axes: the worst of their values, or the mean."""
@@ -34,7 +34,7 @@ def file(
     accept_rejected: bool,
     said: list[str],
 ) -> str:
-    """Makes the text of the file, and writes it to `path` if given. The text repeats the warnings in `said`."""
+    """Makes the text of the file, with those warnings in `said` that concern it. Writes it to `path` if given."""
     modelled = []
     for axis in axes:
         if axis._is_unit_assumed:

@@ -102,7 +102,7 @@ class Imu:
         Raises
         ------
         Refused
-            If an axis has no noise model, or a rejected one.
+            If an axis has no noise model, or a rejected one without ``accept_rejected``.
         ValueError
             For an invalid argument, or a format that does not take this number of axes.
         FileExistsError

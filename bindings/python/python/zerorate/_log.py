@@ -36,7 +36,7 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
     """Columns of a log, by their names: a number for each sample, NaN where one is missing."""
 
     columns: dict[str, NDArray[np.float64]]
-    """The numbers, in the unit that the log states."""
+    """The numbers of each column, in its unit in `units`."""
     units: dict[str, str | None]
     """The unit of each column; None if nothing states it."""
     rate_hz: float
@@ -220,7 +220,7 @@ def is_all(column: Column) -> bool:
 
 
 def is_several(column: Column | None) -> bool:
-    """True if the result has several named columns."""
+    """True if `column` is a list or ``"all"``, so that the result has its columns by name, even a single one."""
     return column is not None and (is_all(column) or not isinstance(column, (str, int, np.integer)))
 
 

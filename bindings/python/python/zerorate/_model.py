@@ -104,7 +104,7 @@ class Cleaned:
 
 @dataclass(frozen=True)
 class Detrended:
-    """A polynomial over temperature that was subtracted, by least squares over means of up to 128 parts of it.
+    """A polynomial over temperature that was subtracted: least squares over means of up to 128 parts of the record.
 
     `Fit.k` allows for the random walk that the polynomial removed, and long averages have fewer degrees of freedom.
     """

@@ -90,11 +90,11 @@ class Calibrated:
     part: str
     """The type of the sensor."""
     serial: str | None
-    """Serial number of the sensor, if the caller gave it."""
+    """Serial number of the sensor, from the caller or the replayed recording; None if neither states it."""
     device: str
     """The device from which the samples came."""
     created: str | None
-    """Time at which the samples were recorded, RFC 3339; ``SIMULATED`` for a twin."""
+    """Time at which the samples were recorded, RFC 3339; ``SIMULATED`` for a twin; None if unknown."""
     simulated: bool
     """True if the samples are from the software twin, directly or from a recording of it."""
     calibration_id: str
@@ -203,7 +203,7 @@ def calibrate(
     offset
         Length of the average that gives PBC, step 8.
     max_lost
-        Largest share of lost samples in an average, 0 … 1.
+        Largest share of lost samples, and of bit errors, in an average or recording, 0 … 1.
     max_u_btc
         Largest standard uncertainty of BTC, °/s/°C.
     earth_dps

@@ -87,8 +87,8 @@ class Allan:
     unit: str = "°/s"
     """Unit of the rate, and so of `dev` and of the coefficients."""
     warnings: list[str] = field(default_factory=list, repr=False)
-    """Warnings about the log, and without a fit the warning ``follows-temperature``. Other warnings about the noise
-    are in `Fit.warnings`."""
+    """Warnings about the log and frozen samples, and without a fit the warning ``follows-temperature``. Other warnings
+    about the noise are in `Fit.warnings`."""
     _core: _zerorate.Model | None = field(default=None, repr=False)
     _is_unit_assumed: bool = field(default=False, repr=False)
 

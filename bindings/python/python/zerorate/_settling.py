@@ -20,12 +20,12 @@ Seconds = Union[float, str]
 """Seconds as a number, or a duration as the command line takes it: ``"10m"``, ``"1h30m"``."""
 
 _OWN = "temp_c"
-"""The name of a temperature that is given beside the record."""
+"""The name of a temperature that is given beside the record, or is from a capture."""
 
 
 @dataclass(frozen=True)
 class Settling:
-    """The arguments ``temp_c``, ``detrend`` and ``skip`` of `allan`."""
+    """The arguments ``temp_c``, ``detrend`` and ``skip`` of `allan` and `imu`."""
 
     temp_c: Any = None
     detrend: int | None = None

@@ -34,15 +34,15 @@ class BiasCurve:
 
 @dataclass(frozen=True, eq=False)
 class BiasMeans:
-    """The means of the logs from which a curve comes: arrays of equal length."""
+    """The means of an axis over parts of the logs, from which its curve comes: arrays of equal length."""
 
     at_s: NDArray[np.float64]
     """Time since the first sample of the log that the mean is from, s."""
     temp_c: NDArray[np.float64]
     """Temperature, °C."""
     bias: NDArray[np.float64]
-    """Mean of the axis without the removed steps, in the unit of the axis. Of an accelerometer, it is less the curve
-    at the reference temperature."""
+    """Mean of the axis without the removed steps, in the unit of the axis. For an accelerometer, the curve's value at
+    the reference temperature is subtracted."""
     left: NDArray[np.float64]
     """The mean without the removed steps, minus the curve, in the unit of the axis."""
     is_warming: NDArray[np.bool_]
@@ -78,7 +78,7 @@ class BiasNoise:
 
 @dataclass(frozen=True, eq=False)
 class BiasAxis:
-    """The bias of an axis over temperature. All values are in `unit`."""
+    """The bias of an axis over temperature. Values are in `unit` unless another unit is stated."""
 
     name: str
     """Name of the axis."""

@@ -30,13 +30,13 @@ def trapped(folder: Path) -> Path:
 
 
 def held_until(go: Path) -> str:
-    """Lines of shell that run the commands on the first file at once. Others wait for the file `go`, at most 60 s."""
+    """Lines of shell that hold commands until `go` exists, at most 60 s, except ``--version`` and those on unit1."""
     wait = f"for i in $(seq 600); do [ -e '{go}' ] && break; sleep 0.1; done"
     return f'case "$*" in *--version*|*unit1*) ;; *) {wait};; esac'
 
 
 def in_thread(work: Callable[[], Any]) -> Callable[[], Any]:
-    """Begins `work` in a thread. Returns a function that waits for its end and returns its result."""
+    """Begins `work` in a thread. Returns a function that waits for the thread and returns the result of `work`."""
     done: list[Any] = []
     thread = threading.Thread(target=lambda: done.append(work()))
     thread.start()

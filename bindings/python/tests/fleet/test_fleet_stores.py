@@ -36,7 +36,7 @@ def is_open(port: int) -> bool:
 
 @pytest.fixture(scope="session")
 def bucket(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The address of an empty bucket on an S3 server of this machine (moto)."""
+    """The address of a bucket on an S3 server of this machine (moto), which all tests share."""
     port = free_port()
     command = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
     server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

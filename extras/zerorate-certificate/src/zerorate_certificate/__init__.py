@@ -62,7 +62,7 @@ def certificate_pdf(calibration_path: str | os.PathLike[str], lab: Lab) -> bytes
     Raises
     ------
     ImportError
-        If the libraries of Pango are missing. The error text names the package.
+        If WeasyPrint or Pango is missing, or WeasyPrint is too old. The error text says what is needed.
     ValueError
         Also if no font of this machine has a character of the certificate.
     """

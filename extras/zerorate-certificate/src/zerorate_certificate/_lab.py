@@ -18,7 +18,7 @@ EXAMPLE = Path(__file__).with_name("lab.toml")
 
 MAX_NUMBER = 80
 MAX_NAME = 240
-"""Largest number of characters of a certificate's number and of a laboratory's name, which are above each page."""
+"""Largest number of characters of a certificate's number, and of a laboratory's (on each page) or customer's name."""
 
 PLACES = {
     "laboratory": "In the laboratory",

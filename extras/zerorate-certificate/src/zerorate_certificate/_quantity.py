@@ -79,7 +79,7 @@ class Quantity:
 
     @property
     def shown(self) -> str:
-        """The value for readers, rounded to the decimal place of U."""
+        """The value for readers, rounded to the decimal place of U, or without U as `decimals` says."""
         if self.expanded is not None:
             return typeset(plain(self.value, place_of(self.expanded, digits=2)))
         place = place_of(self.value, digits=4) if self.decimals is None else -self.decimals

@@ -39,7 +39,7 @@ class AxisResult:
     """None for the only axis of a part."""
     coefficients: list[Quantity]
     t3: Quantity
-    """The temperature at which PBC holds. The file defines it, so it has no uncertainty of its own."""
+    """The temperature at which PBC holds. The calibration file defines it, so it has no uncertainty of its own."""
     covariances: list[Quantity]
     curve: list[Point]
     noise: list[Quantity]

@@ -44,7 +44,7 @@ class Statement:
     traceable: bool | None = None
     """True or False for the statement on traceability; None for all others."""
     own_words: bool = False
-    """True if the laboratory wrote the text, whose language is therefore unknown."""
+    """True if the text has words of the laboratory, whose language is unknown."""
 
 
 def method_of(calibration: Calibration) -> tuple[str, str]:

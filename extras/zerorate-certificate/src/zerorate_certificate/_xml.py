@@ -228,7 +228,7 @@ def _identification(issuer: str, value: str, name: str) -> Element:
 
 
 def _text(tag: str, text: str, language: str | None = None, *, name: str | None = None) -> Element:
-    """A text element. ``language`` is None if unknown; ``name`` is the heading of the text."""
+    """A text element. ``language`` is None if unknown, and for names; ``name`` is the heading of the text."""
     attributes = {} if language is None else {"lang": language}
     heading = [] if name is None else [_text("name", name, LANGUAGE)]
     return D(tag, *heading, D.content(text, **attributes))

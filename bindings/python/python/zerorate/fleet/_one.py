@@ -65,7 +65,7 @@ def one(url: str, out: str, recipe: Recipe = DEFAULT, *, max_memory: Optional[in
 
     Jobs of Slurm, Snakemake, Ray or Spark call this function, and so does ``zerorate fleet one``. `max_memory` (bytes)
     limits each command; without it, the limit follows from the size of the file. Raises OSError or
-    `_store.Unreachable` if the file cannot be fetched or the row cannot be written, and `NotEnoughMemory`.
+    `_store.Unreachable` if the file cannot be fetched or the row cannot be written, `NotEnoughMemory`, and `Replaced`.
     """
     _downloads.remove_left()
     try:
@@ -128,7 +128,7 @@ def put(task: Task, row: dict[str, Any]) -> None:
 
 
 def _analysed(path: str, task: Task) -> dict[str, Any]:
-    """Runs the commands of the recipe until one of them finds that the file cannot be used. Returns the row."""
+    """Runs the commands of the recipe, and none after one that failed or was killed. Returns the row."""
     row: dict[str, Any] = {"state": "ok", "code": "", "error": "", "warnings": [], "axes": []}
     if task.recipe.recalibrate is not None:
         _calibrated(row, path, task)
@@ -186,7 +186,7 @@ def _diagnosed(answer: Answer, verdict: dict[str, Any]) -> Answer:
 
 
 def _analysis(row: dict[str, Any], command: str, options: Options, path: str, task: Task) -> None:
-    """Fills in the noise of one axis, or of all axes of an IMU."""
+    """Fills in the noise of the record, or of each axis if the command finds several."""
     own = ["--fit", *_all_axes(row, options or ())] if command == "allan" else []
     answer = _asked([command, path, *own, *(options or ())], task)
     if answer.state == "failed":

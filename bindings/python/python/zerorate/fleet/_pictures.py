@@ -46,7 +46,7 @@ def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbe
 
 
 def _by_serial(rows: list[dict[str, Any]]) -> list[int]:
-    """The order of the rows by serial number: by the text before the last digits, then by the digits as a number."""
+    """The order of the rows by serial number: by the text before the last digits, then by all digits as one number."""
 
     def key(index: int) -> tuple[str, int]:
         serial = str(rows[index]["serial"] or "")

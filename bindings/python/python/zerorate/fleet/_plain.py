@@ -1,7 +1,7 @@
 """Shows names of files and other foreign texts safely: on a terminal, on a page and in a row.
 
 A file name may have any bytes but ``/`` and 0. Characters that move the cursor, change colours or turn the direction
-of writing are escaped as in the program, ``\\u{1b}``; a byte that is not UTF-8 becomes ``\\xfc``.
+of writing are escaped as in the program, ``\\u{1b}``; a byte that is not UTF-8 as ``\\xfc``.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Numbers = NDArray[np.float64]
 
-# Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993: a robust z above 3.5 is an outlier.
+# Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993: a robust z beyond ±3.5 is an outlier.
 OUTLIER = 3.5
 # The standard deviation of a normal distribution over its median absolute deviation.
 SIGMA_PER_MAD = 1.4826
@@ -27,7 +27,7 @@ def robust_z(values: Numbers) -> Numbers:
 
 @dataclass(frozen=True)
 class Trend:
-    """The slope of a straight line, fitted to values over time or over serial numbers."""
+    """The slope of a straight line, fitted to values over time."""
 
     slope: float
     u_slope: float
@@ -59,11 +59,11 @@ class Disagreement:
     difference_dps: float
     """Second correction minus first, at `temp_c`, °/s."""
     limit_dps: float
-    """Limit below which 95 % of the differences are if the sensor did not change, °/s."""
+    """95 % of the differences are within ± this limit if the sensor did not change, °/s."""
 
 
 def disagreements(rows: Sequence[dict[str, Any]]) -> list[Disagreement]:
-    """Finds pairs of calibrations of the same axis and serial number whose corrections at a temperature T disagree.
+    """Finds pairs of calibrations of one axis, from two recordings, whose corrections at a temperature T disagree.
 
     The correction at T is c = PBC + d · BTC with d = T − T3, and its variance u²(PBC) + d² u²(BTC) + 2 d cov(PBC, BTC)
     (JCGM 100:2008, 5.2.2). T is the middle of the temperatures that both calibrations cover. If they have none in

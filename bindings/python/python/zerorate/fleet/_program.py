@@ -75,7 +75,7 @@ def asked_for_part(name: str) -> Optional[dict[str, Any]]:
 
 
 def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
-    """Runs a command with ``--json``. Raises `Stopped` if the run was stopped meanwhile."""
+    """Runs a command with ``--json``. Raises `Stopped` if the run is stopped before or meanwhile."""
     if _stopping.is_set():
         raise Stopped
     limited = [*arguments, "--json", "--max-memory", f"{max(max_memory, LEAST_MEMORY) >> 20}M"]

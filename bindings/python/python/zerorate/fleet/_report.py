@@ -21,7 +21,7 @@ from ._plain import plain
 from ._population import Numbers
 from ._table import TABLE
 
-# Largest number of rows of a list on the page. The page states the number of further rows.
+# Largest number of rows of a list on the page. Except for warnings, the page states the number of further rows.
 MOST_LISTED = 50
 MOST_GROUPS = 12
 
@@ -250,7 +250,7 @@ def _drift(days: Optional[Numbers], values: Numbers, unit: str) -> str:
 
 
 def _grouped(rows: list[dict[str, Any]], values: Numbers, group: str) -> dict[str, Numbers]:
-    """The values of each group, the largest groups first."""
+    """The values of the `MOST_GROUPS` largest groups, the largest first."""
     names = [str(row[group]) for row in rows]
     common = [name for name, _ in Counter(names).most_common(MOST_GROUPS)]
     return {name: values[[index for index, own in enumerate(names) if own == name]] for name in common}

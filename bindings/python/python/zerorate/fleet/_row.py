@@ -37,6 +37,6 @@ SCHEMA = pa.schema(
 ``error`` give the reason.
 
 ``version`` distinguishes contents of the same address: the object's ETag, or a file's size and time. ``created`` is
-the time that the capture states. If a sensor has several axes, their numbers are in ``axes``, and the columns of the
-row are empty.
+the time that the capture states. If a sensor has several axes, their numbers are in ``axes``, and these columns of
+the row itself are empty.
 """

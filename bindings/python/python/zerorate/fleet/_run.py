@@ -70,7 +70,7 @@ def run(
     """Analyses every file of `source` that has no row below `out` yet.
 
     `source` is a folder, a glob or a bucket (``s3://…``, any address of fsspec), and `out` a folder or bucket.
-    `executor` is an Executor, or a function that makes one if the engine breaks when a worker dies. Without it,
+    `executor` is an Executor or, for an engine that breaks when a worker dies, a function that makes one. Without it,
     threads of this process each start the native program. `workers` is the number of tasks at once, and `max_memory`
     (bytes) the memory of all of them together [default: the executor's ``memory_bytes``, or half of the machine's].
     Rows in the states of `again`, such as ``failed``, are made anew.

@@ -37,7 +37,7 @@ class Counts:
 def table(out: str, *, pack_from: int = PACK_FROM) -> Counts:
     """Writes all rows to ``rows.parquet`` in `out`, sorted by address, and counts them.
 
-    From `pack_from` rows on, the rows that have files of their own are packed into parts first.
+    If at least `pack_from` rows have files of their own, these rows are packed into parts first.
     """
     if len(_store.row_paths(out)) >= pack_from:
         _pack(out)
