@@ -30,7 +30,7 @@ export function half(u: number | null | undefined): number | null {
   return usable(u) ? 1.959963984540054 * u : null;
 }
 
-/** A value rounded to the second digit of the half width `u` of its interval. Without `u`, it has four digits. */
+/** A value rounded to the second digit of the half width `u` of its interval; without `u`, `significant` to four. */
 export function value(value: number | null | undefined, u?: number | null): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   return usable(u) ? at(value, place(u)) : significant(value, 4);
@@ -46,7 +46,7 @@ export function both(number: number | null | undefined, u: number | null | undef
   return usable(u) ? `${value(number, u)} ± ${uncertainty(u)}` : value(number);
 }
 
-/** A value with `digits` significant digits. Powers of ten replace many zeros. */
+/** A value with `digits` significant digits, or with all digits before the point. Powers of ten replace many zeros. */
 export function significant(value: number | null | undefined, digits: number): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   if (value === 0) return "0";

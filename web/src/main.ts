@@ -19,7 +19,7 @@ import { PageFrame } from "./page-frame";
 import { named, PAGES, type PageName } from "./pages";
 import { settings } from "./settings";
 
-/** All pages but the first are loaded when they are opened. */
+/** All pages but the bench are loaded when they are first opened. */
 const MAKERS: Record<PageName, (app: App) => Promise<Page>> = {
   bench: async (app) => new Bench(app),
   calibrate: async (app) => new (await import("./calibrate/calibrate")).Calibrate(app),

@@ -15,7 +15,7 @@ export async function connectChosen(app: App, inside: Inside): Promise<void> {
   }
 }
 
-/** After a reload, reads the port that this window read before, if no other window does. */
+/** After a reload, reads the port that was read before, unless another window has it. */
 export async function connectAgain(inside: Inside): Promise<void> {
   const port = await knownPort().catch(() => null);
   if (port) await connect(inside, port).catch(() => {});

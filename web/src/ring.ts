@@ -1,4 +1,4 @@
-/** The columns of a bin, in the order of the payload. */
+/** The quantities of a bin, in the order of the payload, which has the smallest and then the largest value of each. */
 export const COLUMNS = ["rate", "corrected", "temp"] as const;
 export type Column = (typeof COLUMNS)[number];
 

@@ -1,5 +1,5 @@
 // node test/pictures.mjs [FOLDER]: makes the pictures of the page for the book and the README. With FOLDER, makes
-// every page in both themes and on a phone. The device is the twin, so that anybody can repeat the pictures.
+// every page in both themes, and two on a phone. The device is the twin, so that anybody can repeat the pictures.
 import { mkdirSync, writeFileSync } from "node:fs";
 import { LOGS } from "./logs.mjs";
 import { serveFolder } from "./static.mjs";

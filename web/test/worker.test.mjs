@@ -7,7 +7,7 @@ import { after, beforeEach, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { build } from "esbuild";
 
-/** Replaces the modules: the session's calls are in `said`. A recording named "broken" cannot be opened. */
+/** Replaces the modules. Devices and applied calibrations are in `said`. A recording "broken" cannot be opened. */
 const SESSION = `
   export default async () => {};
   export class LiveSession {

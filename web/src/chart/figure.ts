@@ -167,7 +167,7 @@ function wholeDecades(_: uPlot, __: number, least: number, largest: number): num
   return Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => 10 ** (first + k));
 }
 
-/** Labels like `10⁻³` at whole decades, and none between. */
+/** Labels at whole decades, and none between: `0.01` to `1000`, and beyond these like `10⁻³`. */
 function decadeTick(value: number | null): string {
   if (value === null) return "";
   const power = Math.log10(value);

@@ -21,7 +21,7 @@ export function palette(): Palette {
   ) as unknown as Palette;
 }
 
-/** The colour `#rrggbb` with an alpha. */
+/** The colour `#rrggbb` with an alpha. A colour in another form is returned as it is. */
 export function faint(colour: string, alpha: number): string {
   if (!/^#[0-9a-f]{6}$/i.test(colour)) return colour;
   return (

@@ -33,7 +33,7 @@ const STEPS_S = [
   7200,
 ];
 
-/** The shortest time between two changes of the numbers above a strip, ms. */
+/** The shortest time between two changes of the numbers above a strip while the pointer is on none, ms. */
 const READ_MS = 250;
 
 /** Heights of the chart and of the numbers on its time axis, px. */

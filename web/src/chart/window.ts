@@ -50,7 +50,7 @@ export class TimeWindow {
     this.span_s = span_s;
   }
 
-  /** Zooms around a time. A window that follows the newest samples keeps its right end. */
+  /** Zooms around a time, and then holds the interval. Without a time, a window that follows goes on to follow. */
   zoom(factor: number, around_s?: number): void {
     const span = Math.min(LONGEST_S, Math.max(SHORTEST_S, (this.to - this.from) * factor));
     if (!this.#held && around_s === undefined) {

@@ -58,7 +58,7 @@ export class Questions {
     );
   }
 
-  /** Asks a question that any of these settings answers. */
+  /** Asks a question, and marks the settings that it mentions. */
   ask(text: string, choices: string[], settings: LogSetting[]): void {
     say(this.#text, text);
     say(this.#choices, choices.join("\n"));

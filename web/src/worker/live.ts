@@ -33,7 +33,7 @@ function tellFrame(window: Window, bytes: Uint8Array): void {
   window.postMessage({ is: "frame", bytes: copy }, [copy]);
 }
 
-/** Loads the module of the session. The small first module is already loaded by then, and shows the twin. */
+/** Loads the module of the session. The small first module is already loaded by then, and may show the twin. */
 async function whole() {
   const live = await import("../../gen/zerorate_live");
   await live.default({ module_or_path: new URL("zerorate_live_bg.wasm", import.meta.url) });
@@ -108,7 +108,7 @@ async function open(window: Window, what: Opening): Promise<void> {
   for (const one of windows) tellFrame(one, session.snapshot());
 }
 
-/** Adds the calibrations that the page stored to the session, without damaged ones. Applies the applied one again. */
+/** Adds calibrations to a session, except those that it refuses, and applies the one that was applied before. */
 function take(open: LiveSession, calibrations: string[], applied: string | null): void {
   for (const toml of calibrations) {
     try {
