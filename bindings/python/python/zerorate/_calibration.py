@@ -198,7 +198,7 @@ class Run:
     duration_s: float
     """Time from the first sample to the last, s."""
     rate_hz: float
-    """Rate samples per second."""
+    """Rate samples read per second, without lost ones."""
     rdy_hz: float
     """Data-ready edges per second."""
     samples: int

@@ -72,7 +72,7 @@ class Calibrated:
     rdy_hz: float
     """Data-ready edges per second."""
     rate_hz: float
-    """Rate samples per second."""
+    """Rate samples read per second, without lost ones."""
     samples: int
     """Number of rate samples read."""
     lost_samples: int

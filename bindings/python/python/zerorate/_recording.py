@@ -21,7 +21,7 @@ class Captured:
     lost_samples: int
     """Number of rate samples lost."""
     rate_hz: float
-    """Rate samples per second."""
+    """Rate samples read per second, without lost ones."""
     rdy_hz: float
     """Data-ready edges per second."""
     duration_s: float

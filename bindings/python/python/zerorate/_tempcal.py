@@ -44,9 +44,9 @@ class BiasMeans:
     """Mean of the axis without the removed steps, in the unit of the axis. For an accelerometer, the curve's value at
     the reference temperature is subtracted."""
     left: NDArray[np.float64]
-    """The mean without the removed steps, minus the curve, in the unit of the axis."""
+    """The mean without the removed steps, minus the curve at the temperature that the bias follows (`lag_s`)."""
     is_warming: NDArray[np.bool_]
-    """True if the sensor was warming."""
+    """True if the sensor was warming or kept its temperature, false if it was cooling."""
 
 
 @dataclass(frozen=True)

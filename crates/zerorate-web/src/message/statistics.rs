@@ -18,7 +18,7 @@ pub struct Statistics {
     pub spectrum: Vec<SpectrumPoint>,
     /// Marked features of the spectrum.
     pub marks: Vec<SpectrumMark>,
-    /// The bias over temperature.
+    /// The mean rate over temperature, while the part was at rest.
     pub temperature: OverTemperature,
     /// A remark if the deviations contain signals other than noise, or if readings are missing; otherwise null.
     pub caution: Option<String>,
