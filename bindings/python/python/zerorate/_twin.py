@@ -34,7 +34,7 @@ class Twin:
     Raises
     ------
     ValueError
-        For a key or value that the twin does not have; the text lists the keys.
+        For a key or value that the twin does not have; the text says which are right.
 
     Examples
     --------

@@ -16,7 +16,7 @@ const OCTAVES: usize = 16;
 const MOST_MEANS: usize = 1 << 19;
 /// Smallest number of means for which coefficients are reported.
 const FEWEST_MEANS: usize = 300;
-/// Factor by which the duration grows until deviations and spectrum are computed again.
+/// Factor by which the duration grows, and by 1 s at least, until deviations and spectrum are computed again.
 const GROWN: f64 = 1.01;
 /// Factor by which the duration grows until the noise model is fitted again.
 const GROWN_FOR_FIT: f64 = 1.1;
