@@ -225,7 +225,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Calibration:
-    """A calibration, as its file holds it. Only ``part`` and ``axes`` are always present.
+    """A calibration, as its file holds it. Only ``schema``, ``part``, ``axes`` and ``id`` are always present.
 
     With one axis, ``correction``, ``measured``, ``uncertainty``, ``noise`` and ``curve`` belong to this axis. With
     several axes, take one of them as ``calibration["x"]``.

@@ -46,7 +46,7 @@ class Capture:
     metadata: dict[str, str] = field(repr=False)
     """The description of the recording in the file: device, serial number, registers, …"""
     calibration_id: str | None = None
-    """The calibration that was applied, if the file is corrected; its raw columns are unchanged."""
+    """The id of the calibration that was applied; None if the file is not corrected. The codes are always raw."""
     warning: str | None = None
     """Warnings about the file and its readings, each ``code: text``, joined by ``; ``; None if there are none."""
     axes: tuple[str, ...] = ("rate",)

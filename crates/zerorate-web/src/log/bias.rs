@@ -27,7 +27,7 @@ impl Bias {
     /// Averages the axes of a log. `None` without axes, or if the temperature is impossible or has too small a span.
     ///
     /// # Errors
-    /// Returns an error if too many samples are missing.
+    /// Returns an error if the log cannot be read, or too many samples are missing.
     pub fn of(
         path: &Path,
         open: &impl Fn() -> Input,

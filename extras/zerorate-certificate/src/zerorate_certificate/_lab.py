@@ -67,7 +67,7 @@ class Item:
     manufacturer: str
     condition: str
     serial: str | None = None
-    """Serial number of the item; None if the calibration states it."""
+    """Serial number of the item; needed only if the calibration does not state it."""
 
 
 @dataclass(frozen=True)
