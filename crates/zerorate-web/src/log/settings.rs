@@ -5,7 +5,7 @@ use zerorate_allan::SettingName;
 use zerorate_imu::{Combine, Format, ImuOptions, KindOptions};
 use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
-/// The names that messages use for the settings: the label of the page's field, or else a command or an advice.
+/// The names that messages use for the settings: the label of the page's field, or else a command or other advice.
 pub const LABELS: Names = Names(label);
 
 /// Settings, each with its label and its field on the page. A label with “or” names two fields.
