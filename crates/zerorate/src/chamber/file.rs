@@ -9,7 +9,7 @@ use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
 const SCHEMA: u32 = 1;
-/// Largest number of steps over all cycles, enough for about a week of ten-minute steps.
+/// Largest number of steps of a plan that states `cycles`, and of a saved measurement: a week of ten-minute steps.
 pub(super) const MAX_STEPS: usize = 1000;
 
 pub(super) const SET_POINTS_C: RangeInclusive<f64> = -100.0..=250.0;

@@ -5,7 +5,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// Largest distance of the air from a set point that counts as reached, °C.
+/// Largest distance of the air from a set point at which this point counts as reached, °C.
 pub(super) const REACHED_C: f64 = 3.0;
 
 /// The steps of a measurement in a chamber. `docs/formats/plan.md` specifies the file format.
@@ -28,7 +28,7 @@ pub(super) const REACHED_C: f64 = 3.0;
 pub struct ChamberPlan {
     /// Name of the plan. It is empty if the file gives none.
     pub name: String,
-    /// All steps in their order, with the steps of every cycle.
+    /// All steps in their order. A file with several cycles gives its steps once for each cycle.
     pub steps: Vec<Step>,
     /// Largest drift of the part's own temperature at a soak point, °C/min. `None` allows a drift whose effect
     /// stays below the noise of the average ([`ChamberPlan::drift_c_per_s`]).
@@ -94,11 +94,11 @@ const DRIFT_C_PER_MIN: f64 = 0.05;
 
 impl ChamberPlan {
     /// Makes a plan of timed steps from the temperatures that a chamber went through: times, s, and temperatures,
-    /// °C, in order. Each stretch where the temperature stayed within 1 °C for five minutes becomes the hold of a
-    /// step, and the time before the stretch becomes the ramp of this step.
+    /// °C, in order. Each stretch where the temperature stayed within 1 °C for at least five minutes becomes the hold
+    /// of a step, and the time before the stretch its ramp. The time after the last stretch becomes a ramp alone.
     ///
     /// # Errors
-    /// Returns an error for fewer than two rows, times that do not rise, or more than 1000 stretches.
+    /// Returns an error for fewer than two rows, times that do not rise, or more than 1000 steps.
     pub fn of_course(course: &[(f64, f64)]) -> Result<Self, ChamberPlanError> {
         let row = |index: usize| alloc::format!("row {}", index + 1);
         if let Some(index) = course.windows(2).position(|pair| pair[0].0.partial_cmp(&pair[1].0) != Some(LESS)) {
@@ -122,7 +122,7 @@ impl ChamberPlan {
     }
 
     /// Returns the set points at the beginning and the end of a step, °C. The first step begins and ends at its own
-    /// set point.
+    /// set point. After the last step, the end is `safe_c`.
     #[must_use]
     pub fn course_c(&self, step: usize) -> (f64, f64) {
         let to_c = |index: usize| self.steps.get(index).map_or(self.safe_c, |step| step.to_c);
@@ -243,8 +243,8 @@ fn stays(course: &[(f64, f64)]) -> Vec<(usize, usize)> {
     stays
 }
 
-/// Makes a ramp that arrives at a time and a temperature, and a hold after it. If the temperature does not change,
-/// the step holds for the time of the ramp as well.
+/// Makes a step with a ramp that arrives at a time and a temperature, and a hold after it. If the temperature does not
+/// change, the step holds for the time of the ramp as well. `None` if neither ramp nor hold takes time.
 fn timed((from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), hold_s: f64) -> Option<Step> {
     let (ramp_s, way_c) = (to_s - from_s, (to_c - from_c).abs());
     let is_ramp = ramp_s > 0.0 && way_c > 0.0;
@@ -299,9 +299,9 @@ mod tests {
         ChamberPlan { steps: vec![soak(15.0), soak(55.0)], ..ChamberPlan::default() }
     }
 
-    /// The best averaging time is √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04). There the Allan deviation is √(N²/τ +
-    /// floor² + K²τ/3) = 0.00189 °/s. With 0.04 °/s/°C (F-05), a drift of 0.0184 °C/min changes the bias by as much in
-    /// 154 s.
+    /// The best averaging time is √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04). There the Allan deviation is √(d²/(2τ) +
+    /// floor² + K²τ/3) = 0.00189 °/s, d = 0.0125. With 0.04 °/s/°C (F-05), a drift of 0.0184 °C/min changes the bias
+    /// by as much in 154 s.
     #[test]
     fn averages_last_to_the_lowest_allan_deviation_and_the_drift_stays_below_it() {
         let (plan, part) = (plan(), Part::ADIS16130);

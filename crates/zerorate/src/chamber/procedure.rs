@@ -34,15 +34,15 @@ pub enum ChamberAction {
 pub struct ChamberProgress {
     /// The present state.
     pub state: ChamberState,
-    /// Index of the present step, from 0.
+    /// Index of the present step, from 0. After the last step it is the number of steps.
     pub step: usize,
-    /// Number of steps of all cycles together.
+    /// Number of steps of the plan, those of every cycle included.
     pub steps: usize,
-    /// Time since the first reading, s.
+    /// Time since the first reading of this run, s.
     pub elapsed_s: f64,
     /// Least remaining time, s.
     pub left_s: f64,
-    /// Set point at the end of the step, °C.
+    /// Set point at the end of the step, °C. After the last step it is `safe_c` of the plan.
     pub to_c: f64,
     /// The part's own temperature during the last second of the record, °C. `None` if the record is empty.
     pub temp_c: Option<f64>,
@@ -69,7 +69,7 @@ enum AirApproach {
     /// The chamber has not reported an air temperature yet.
     #[default]
     Unknown,
-    /// The air was at this temperature, °C, outside of the span, during this step.
+    /// The first air temperature, °C, which is outside of the span, and the step during which it came.
     From { air_c: f64, step: usize },
     /// The air has reached the span, or the step in which it was outside is over.
     Over,
@@ -316,7 +316,7 @@ impl ChamberProcedure {
         self.offset_s + self.second as f64
     }
 
-    /// Numbers of samples, lost samples and impossible readings of the worst axis, including the earlier runs.
+    /// Numbers of samples, of lost samples, and of impossible readings on the worst axis, with the earlier runs.
     fn counts(&self) -> [u64; 3] {
         let impossible = self.axes.iter().map(|axis| axis.health.fault_counts().faulty()).max().unwrap_or(0);
         let Record { samples, lost, impossible: before, .. } = self.record;

@@ -16,7 +16,7 @@ pub enum ChamberRefusal {
     Frozen { at_s: f64, for_s: f64 },
     /// The temperature of the part was not read.
     NoTemperature { step: usize, after_s: f64, wrong_edge: bool },
-    /// Readings were beyond the range, and no second of the step had a valid rate of every axis.
+    /// Readings were beyond the range, and no second of `after_s` seconds had a valid rate of every axis.
     OutOfRange { step: usize, after_s: f64 },
     /// No reading came for `for_s` seconds.
     Silent { step: usize, for_s: f64 },

@@ -13,8 +13,8 @@ use alloc::vec::Vec;
 
 /// Number of successive air readings beyond the limits that ends the measurement. One may be a transmission error.
 const BEYOND: u32 = 2;
-/// Time in which the air must reach the set point, s, once the ramp has ended. Chambers take an hour for a hundred
-/// degrees.
+/// Time in which the air must reach the set point, s, once the ramp has ended. A shorter `settle_timeout_s` counts
+/// instead. Chambers take an hour for a hundred degrees.
 const REACH_S: f64 = 5400.0;
 /// Largest change of the temperature during an average, °C.
 const AVERAGE_MOVES_C: f64 = 1.0;
@@ -22,12 +22,12 @@ const AVERAGE_MOVES_C: f64 = 1.0;
 const MAX_DISTURBED: u32 = 3;
 /// Number of seconds after which rest is judged, except during an average.
 const REST_S: usize = 100;
-/// Least and greatest difference between the part's reading and the air, °C, by self-heating and the error of its
-/// sensor (M-03 with room for other parts).
+/// Least and greatest amount by which the part's reading may exceed the first set point, °C, by self-heating and the
+/// error of its sensor (M-03 with room for other parts).
 const SELF_HEATING_C: (f64, f64) = (-5.0, 25.0);
 /// Time without a reading after which the measurement ends, s.
 const SILENT_S: u64 = 60;
-/// Time within which a temperature of the part must be read in each state, s.
+/// Time within which each state must have a second with the part's temperature and the rates of all axes, s.
 const TEMPERATURE_S: f64 = 30.0;
 
 impl ChamberProcedure {
@@ -237,7 +237,7 @@ impl ChamberProcedure {
     }
 
     /// Judges whether the part was at rest since the last call, and returns the index of the first axis that was not.
-    /// If an axis moved, all these seconds are marked as not at rest. An axis at rest gives its white noise.
+    /// If an axis moved, all these seconds are marked as not at rest. An axis at rest for [`WHITE_S`] gives its noise.
     pub(super) fn judge_rest(&mut self) -> Option<usize> {
         let (from, len) = (self.blocks_from, self.record.len());
         let mut moving = None;
