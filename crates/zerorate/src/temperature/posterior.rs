@@ -35,7 +35,7 @@ pub(super) struct Columns {
     steps: usize,
 }
 
-/// The data that all models share.
+/// The blocks of a recording, and the assumptions that all models of it share.
 pub(super) struct Record<'a> {
     pub(super) blocks: &'a [Block],
     pub(super) basis: &'a Basis,

@@ -107,7 +107,7 @@ fn best_of(records: impl Iterator<Item = Record>) -> Option<Explained> {
     explained.max_by(|one, other| one.1.log_score.total_cmp(&other.1.log_score))
 }
 
-/// The likeliest of `others`, if its log evidence is above that of `usual` by more than `gain`.
+/// The likeliest of `others` if its log evidence is above that of `usual` by more than `gain`. Otherwise `usual`.
 fn better(others: Vec<Record>, usual: Explained, gain: f64) -> Explained {
     let scored = others.into_iter().map(|record| (search::log_evidence_like(&record, &usual.1), record));
     let likeliest = scored.max_by(|one, other| one.0.total_cmp(&other.0));
@@ -128,7 +128,7 @@ fn smoothings(logs: &[LogMeans]) -> Vec<Vec<LogMeans>> {
     [logs.to_vec()].into_iter().chain(reaches.iter().map(smoothed)).collect()
 }
 
-/// The logs for each lag of the thermometer that is tried, smoothed over the same time as in the record.
+/// The logs for each lag of the thermometer that is tried, smoothed as in the record, and at least over `REACHES[0]`.
 fn late_thermometers(logs: &[LogMeans], record: &Record) -> Vec<Vec<LogMeans>> {
     let reach = |log: &LogMeans| (log.thermometer().smoothed_s / log.block_s() / 2.0) as usize;
     let reach = record.logs.iter().map(reach).max().unwrap_or(0).max(REACHES[0]);

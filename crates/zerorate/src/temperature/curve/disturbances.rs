@@ -11,7 +11,7 @@ const GAIN: f64 = 30.0;
 const MOST_STEPS: usize = 8;
 /// Largest share of the blocks that may be left out as outliers.
 const MOST_GLITCHES: f64 = 0.05;
-/// Number of searches for the noise model, each without the disturbances that were found before.
+/// Largest number of searches for the noise model, each without the disturbances that were found before.
 const ROUNDS: usize = 3;
 
 /// The most likely disturbance of a log.

@@ -10,7 +10,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use zerorate_allan::linear::Cholesky;
 
-/// The data that all models share.
+/// The logs of one axis, and the assumptions that all models of them share.
 pub(super) struct Record {
     pub(super) logs: Vec<LogMeans>,
     pub(super) series: Series,
@@ -68,7 +68,7 @@ pub(super) struct Model {
     pub(super) weight: f64,
     /// Logarithm of the product of evidence and prior probability.
     pub(super) log_score: f64,
-    /// Logarithm of the ratio of the evidence to that of a bias that does not depend on temperature.
+    /// `log_score` less the log evidence of a bias that does not depend on the temperature.
     pub(super) log_odds: f64,
     pub(super) noise: SlowNoise,
     pub(super) following: LagAndPlay,
@@ -279,8 +279,8 @@ impl Record {
         shapes
     }
 
-    /// Logarithm of the prior probability of these spreads and of the lag of `following`. `None` for unsettled spreads
-    /// without a lag, which equal the settled ones.
+    /// Logarithm of the prior probability of these spreads, of the start, and of the lag of `following`. `None` for
+    /// unsettled spreads without a lag, which equal the settled ones.
     pub(super) fn log_prior(&self, shape: &PriorSpreads, following: &LagAndPlay) -> Option<f64> {
         let of_shape = match (following.lag_s > 0.0, shape.is_unsettled) {
             (false, false) => 0.0,

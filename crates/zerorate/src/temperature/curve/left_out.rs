@@ -9,7 +9,7 @@ const PARTS: usize = 10;
 /// Approximate number of means of the record that are compared.
 const MEANS: usize = 60;
 
-/// Returns the span of the means without a correction, and with a correction by the curve of the other parts.
+/// Returns the span of the means less the steps, without and with a correction by the model of the other parts.
 pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
     let (mut before, mut after) = (Ends::default(), Ends::default());
     let blocks: usize = record.logs.iter().map(|log| log.blocks().len()).sum();
@@ -35,7 +35,7 @@ pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
     BeforeAfter { before: before.span(), after: after.span() }
 }
 
-/// Returns the coefficients of the record without a part of one log.
+/// Returns the coefficients of the record without a part of one log, or those of `model` if these cannot be computed.
 fn without(record: &Record, model: &Model, index: usize, part: core::ops::Range<usize>) -> Vec<f64> {
     let others = record.others(index, |at| !part.contains(&at));
     let filters = others.filters(&model.noise);

@@ -80,7 +80,7 @@ pub struct MeansBuilder {
     last: f64,
     /// Smallest difference between successive samples that differ.
     quantum: f64,
-    /// The first sample. It is subtracted before summing, so that squares keep their digits.
+    /// The first sample that is a number. It is subtracted before summing, so that squares keep their digits.
     origin: Option<f64>,
     was_on: Option<bool>,
 }
@@ -146,7 +146,7 @@ impl MeansBuilder {
         self.readings_c.clear();
     }
 
-    /// Returns the means of all samples.
+    /// Returns the means over the blocks. An incomplete last block is left out.
     #[must_use]
     pub fn finish(mut self) -> LogMeans {
         self.end_part();
@@ -226,7 +226,7 @@ fn white_variance(parts: &[Part]) -> f64 {
     if count == 0 { 0.0 } else { sum / f64::from(2 * count) / MEDIAN_OF_DIFFERENCES }
 }
 
-/// Variances of the temperatures of parts, one for each block.
+/// Variances by white noise of the temperatures of parts, one for each block without gaps.
 fn white_temps(parts_c: &[f64]) -> Vec<f64> {
     let of_block = |temps_c: &[f64]| {
         // second differences, which slow changes of the temperature hardly affect
@@ -306,7 +306,7 @@ impl LogMeans {
         &self.moving_s
     }
 
-    /// Share of the blocks in which the sensor moves.
+    /// Share of the blocks in which the sensor moves, as long as no outliers were removed.
     #[must_use]
     pub fn moving_share(&self) -> f64 {
         if self.seen == 0 { 0.0 } else { 1.0 - self.blocks.len() as f64 / self.seen as f64 }
@@ -395,8 +395,8 @@ impl LogMeans {
         self.followed(following, was_on, 1.0).0
     }
 
-    /// The temperature that the bias follows, for each block, and the position of the bias in its play, from −1
-    /// while the temperature falls to 1 while it rises.
+    /// For each block the temperature that the bias follows, °C, and the place of the late temperature in a play of
+    /// ±`play_c`, from −1 while the temperature falls to 1 while it rises.
     pub(super) fn followed(&self, following: &LagAndPlay, was_on: bool, play_c: f64) -> (Vec<f64>, Vec<f64>) {
         let part_s = self.length_s / PARTS as f64;
         let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };
@@ -430,8 +430,8 @@ impl LogMeans {
         self.was_on.unwrap_or(unknown)
     }
 
-    /// Whether the sensor may have been on before a log that does not state it, and the temperature changes from the
-    /// start. False for a coarse thermometer, which does not show how the temperature starts.
+    /// Whether the log does not state if the sensor was on before, and its temperature changes from the start. False
+    /// for a coarse thermometer, which does not show how the temperature starts.
     pub(super) fn may_have_been_on(&self) -> bool {
         let ends = |(low, high): (f64, f64), c: &f64| (low.min(*c), high.max(*c));
         let (low_c, high_c) = self.parts_c.iter().fold((f64::MAX, f64::MIN), ends);
@@ -445,7 +445,7 @@ impl LogMeans {
         (self.parts_c[later] - self.parts_c[0]) / (later as f64 * part_s)
     }
 
-    /// Returns the temperature at the end of the log, and the temperature that the bias follows there, °C.
+    /// Returns the temperature at the end of the log, and the one that the bias follows there without a play, °C.
     pub(super) fn at_end(&self, following: &LagAndPlay, was_on: bool) -> Option<(f64, f64)> {
         let last_c = *self.parts_c.last()?;
         let part_s = self.length_s / PARTS as f64;

@@ -5,8 +5,8 @@
 //! temperature that it follows (`follow.rs`). Its coefficients are normal and shrink with their order. The
 //! strength of the noises, the size and the shrinkage of the series, lag and play are not known beforehand. Each
 //! combination is a model that weighs by its marginal likelihood (`evidence.rs`), and the result is the mean over
-//! all of them (`search.rs`). Half of the prior probability is on a bias without lag. Steps and outliers are found
-//! in the whitened record and removed (`disturbances.rs`).
+//! all of them (`search.rs`). Half of the prior probability is on a bias without lag, unless other axes show a lag
+//! (`lag.rs`). Steps and outliers are found in the whitened record and removed (`disturbances.rs`).
 
 mod conditions;
 mod disturbances;
@@ -50,7 +50,7 @@ pub struct LogCurve {
     /// Coefficients of the series, the constant first.
     coefficients: [f64; COEFFICIENTS],
     covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
-    /// The lag and the play of the bias behind the thermometer, as the mean over all models.
+    /// The lag and the play of the bias behind the temperature of the sensor, as the mean over all models.
     pub following: LagAndPlay,
     /// Lag of the thermometer behind the sensor, s, which is taken out of its readings.
     pub thermometer_late_s: f64,
@@ -83,8 +83,8 @@ pub struct LogCurve {
     pub log_odds: f64,
     /// Change of the bias that was still to come at the end of the last log, because the bias lags.
     pub unsettled: f64,
-    /// Cross-validation: the span of the means of the record, before and after the correction by a curve that
-    /// comes from the other parts of the record.
+    /// Cross-validation: the span of the means of the record, less the steps, before and after the correction by a
+    /// model that comes from the other parts of the record.
     pub span: BeforeAfter,
 }
 
@@ -221,7 +221,7 @@ impl LogCurve {
         cubic
     }
 
-    /// Returns `count` temperatures that are spaced evenly over the span, °C.
+    /// Returns `count` temperatures, at least two, that are spaced evenly over the span, °C.
     #[must_use]
     pub fn even_temps_c(&self, count: usize) -> Vec<f64> {
         let (low_c, high_c) = self.span_c();
@@ -229,7 +229,7 @@ impl LogCurve {
     }
 }
 
-/// Number of temperatures at which a polynomial is compared with the curve.
+/// Number of temperatures over the span at which a curve is evaluated.
 const POINTS: usize = 81;
 
 /// Smallest number of blocks for a curve.
@@ -262,7 +262,7 @@ impl AxisRecord {
         Ok(Self { record, with_lag, glitches, lag })
     }
 
-    /// The means, without outliers.
+    /// The means of the logs, without their outliers.
     #[must_use]
     pub fn logs(&self) -> &[LogMeans] {
         &self.record.logs
@@ -298,7 +298,7 @@ fn models(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     models
 }
 
-/// Share of the difference to the curve with a lag that is added to the standard uncertainty where a draught at the
+/// Share of the difference to the curve with a lag that counts as a standard uncertainty where a draught at the
 /// thermometer explains the logs nearly as well. The band of 95 % then holds the curves of both.
 const OF_LAG: f64 = 0.515;
 
@@ -313,8 +313,8 @@ impl LogCurve {
     }
 }
 
-/// Whether the logs cover more than the share [`SHARED`] of their temperatures both while the sensor warms and while
-/// it cools.
+/// Whether one log covers more than the share [`SHARED`] of all temperatures while the sensor warms, and the same or
+/// another log does while it cools.
 fn has_two_directions(logs: &[LogMeans]) -> bool {
     let temps = logs.iter().flat_map(|log| log.blocks().iter().map(|block| block.temp_c));
     let (low_c, high_c) = temps.fold((f64::MAX, f64::MIN), |(low, high): (f64, f64), c| (low.min(c), high.max(c)));
@@ -323,7 +323,7 @@ fn has_two_directions(logs: &[LogMeans]) -> bool {
     rises_c.min(falls_c) > SHARED * (high_c - low_c)
 }
 
-/// Share of the temperature span of which the logs must cover more in each direction to count as having both.
+/// Share of the temperature span of which a log must cover more in a direction for this direction to count.
 const SHARED: f64 = 0.25;
 
 fn mean(models: &[Model], of: &dyn Fn(&Model) -> f64) -> f64 {

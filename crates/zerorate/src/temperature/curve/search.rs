@@ -10,7 +10,7 @@ use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A model is relevant if its log evidence is lower than the best by less than this.
+/// A model is relevant if its log evidence, with its prior, is lower than the best by less than this.
 const NEGLIGIBLE: f64 = 6.0;
 /// Number of lattice steps in a decade of noise.
 const PER_DECADE: f64 = 4.0;
@@ -22,9 +22,9 @@ const SHORTEST_LAG_S: f64 = 3.0;
 /// Longest lag that is tried: the smaller of a time, s, and a share of the longest log. It is at least 6 s.
 const LONGEST_LAG: (f64, f64) = (600.0, 1.0 / 6.0);
 const LEAST_PLAY_C: f64 = 0.05;
-/// Largest play, as a share of the span.
+/// Largest play, as a share of the span. It is at least twice [`LEAST_PLAY_C`].
 const MOST_PLAY: f64 = 0.125;
-/// Ratio of each lag, or play, to the one before, until refinement.
+/// Largest ratio of each lag, or play, to the one before, until refinement.
 const RATIO: f64 = 1.4;
 /// Difference of the log evidence of two neighbours above which a value between them is tried.
 const TOO_COARSE: f64 = 0.7;
@@ -108,7 +108,7 @@ fn with_play(play_c: f64, other: &LagAndPlay) -> LagAndPlay {
     LagAndPlay { play_c, ..*other }
 }
 
-/// Gives each model its weight, and drops the models whose score is too low to be relevant.
+/// Gives each model its weight, and drops the models whose score is below the best by twice [`NEGLIGIBLE`] or more.
 pub(super) fn weigh(models: &mut Vec<Model>) {
     let best = models.iter().map(|model| model.log_score).fold(f64::NEG_INFINITY, f64::max);
     models.retain(|model| model.log_score > best - 2.0 * NEGLIGIBLE);
@@ -277,7 +277,8 @@ impl<'a> Search<'a> {
         scored
     }
 
-    /// Returns the relevant noises, the best first. The search goes from `start` to the neighbours of relevant noises.
+    /// Returns the relevant noises, the best first, or `start` if there are none. The search goes from `start` to the
+    /// neighbours of relevant noises.
     fn noises(&mut self, start: Place, following: &LagAndPlay) -> Vec<Place> {
         let mut scores: BTreeMap<Place, f64> = BTreeMap::new();
         let mut open = vec![start];

@@ -30,11 +30,11 @@ impl Run {
     }
 }
 
-/// Mean length of runs, in readings, above which the readings are coarse and are taken as intervals.
+/// Mean length of runs, in parts of blocks, above which the readings are coarse.
 const LONG_RUNS: usize = 3;
-/// Ratio of the length of a run to the median above which a thermometer with fine readings counts as stuck.
+/// Ratio of the length of a run to the median above which a thermometer with fine readings may be stuck.
 const STICKS: f64 = 60.0;
-/// Ratio of a jump of the temperature to the median change above which the thermometer was stuck before the jump.
+/// Ratio of a jump of the temperature to the median change above which a long run before the jump is a stuck one.
 const JUMP: f64 = 8.0;
 /// Smallest jump that shows a stuck thermometer, °C.
 const LEAST_JUMP_C: f64 = 0.5;
