@@ -25,9 +25,10 @@ pub enum Deviation {
         /// Time constant, s.
         lag_s: f64,
     },
-    /// The bias stays constant until the temperature has changed by `width_c`, and then follows that far behind.
+    /// The bias stays constant until the temperature has changed by `width_c` from the start, and then follows that
+    /// far behind.
     Hysteresis {
-        /// Change of the temperature without effect on the bias, °C.
+        /// Half width of the play, °C: after a reversal, twice this change has no effect on the bias.
         width_c: f64,
     },
     /// The base oscillates, and the sensor with it.

@@ -33,7 +33,7 @@ pub enum Warning {
     Restless,
     /// The bias hardly follows the temperature.
     Flat { btc_dps_per_c: f64, typical_dps_per_c: f64 },
-    /// The recording as a whole was not checked, because its seconds were not kept or are too few.
+    /// The measurement as a whole was not checked: its seconds were not kept or too few, or the noise is not known.
     HourUnchecked,
     /// PBC was averaged for less than half of the best time.
     ShortAverage { average_s: f64, best_s: f64 },

@@ -61,7 +61,7 @@ pub(crate) struct SearchInput {
     pub(crate) span_c: f64,
     pub(crate) t3_c: f64,
     pub(crate) noise: NoiseModel,
-    /// Spread of the curvature over units, °/s/°C². It is zero for a unit that is known to be linear.
+    /// Spread of the curvature over units, °/s/°C². Zero if not known, and in AN-1042 for a unit assumed linear.
     pub(crate) curvature_dps_per_c2: f64,
     /// Largest change of the bias with the supply, °/s/mV.
     pub(crate) supply_dps_per_mv: Option<f64>,

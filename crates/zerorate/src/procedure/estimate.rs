@@ -105,8 +105,8 @@ impl Outcome {
 pub struct Noise {
     /// White noise, flicker and random walk. White noise is always measured.
     pub model: NoiseModel,
-    /// Whether the flicker was measured. Otherwise it is the part's typical value (M-04), or for a curve close to this
-    /// value, because so short a record cannot improve it.
+    /// Whether the flicker was measured. Otherwise it is the part's typical value (M-04). For a curve it is then only
+    /// close to this value, because its record is too short to determine it.
     pub flicker_measured: bool,
     /// Whether the rate random walk was measured.
     pub walk_measured: bool,
@@ -289,7 +289,7 @@ impl Slope {
     }
 
     /// Uncertainty of BTC by a typical curvature, which makes the secant through T1 and T2 differ from the tangent
-    /// at T3, and by the two branches of the hysteresis.
+    /// at T3, and by the two branches of the hysteresis. It is zero if the plan assumes a linear bias.
     fn u_curvature(&self, seen: &Evidence<'_>, t3_c: f64) -> f64 {
         if seen.plan.assume_linear {
             return 0.0;
@@ -430,7 +430,7 @@ fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
 }
 
 /// Returns the noise of a part whose typical noise is not known: white noise as measured, and the flicker and
-/// random walk that the whole measurement shows beside the temperature.
+/// random walk that the whole measurement shows beside the temperature. These two are zero if it gives no curve.
 fn noise_of_hour(seen: &Evidence<'_>, seconds: &[Second]) -> Noise {
     let last_s = seconds.last().map_or(0.0, |second| second.at_s);
     let mut by_second = vec![(f64::NAN, f64::NAN); last_s as usize + 1];

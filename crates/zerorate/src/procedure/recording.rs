@@ -100,7 +100,7 @@ pub struct Forecast {
 impl Axis {
     /// Forecasts when a typical unit has settled and its correction reaches the standard uncertainty `target_dps`,
     /// °/s. The forecast is for `total_s`, s, if the correction does not reach that uncertainty earlier. `None` if the
-    /// noise or the self-heating is not known.
+    /// noise, the self-heating or the temperature coefficient is not known.
     #[must_use]
     pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
         let heating = self.self_heating?;
@@ -185,7 +185,7 @@ fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
     Err(Refusal::OneWay { rise_c, fall_c })
 }
 
-/// The part of a recording in which deviations of the rate are looked for.
+/// A recording in which deviations of the rate are looked for, without its seconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Searched<'a> {
     pub(crate) axis: &'a Axis,
@@ -301,7 +301,7 @@ fn curve(
     temperature::fit(&blocks, &assumed).map_err(no_curve)
 }
 
-/// Takes the uncertainties of PBC and BTC from a curve. The others were not measured, and are zero.
+/// Takes the uncertainties and the covariance of PBC and BTC from a curve. All others are zero.
 fn uncertainty_of(curve: &BiasCurve) -> Uncertainty {
     let covariance = &curve.covariance;
     Uncertainty {

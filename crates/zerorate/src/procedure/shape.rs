@@ -10,7 +10,7 @@ use core::f64::consts::PI;
 pub(crate) enum Shape {
     /// A step from 0 to 1, most likely at `at_s`, and no earlier than `from_s` or later than `to_s`.
     Step { at_s: f64, from_s: f64, to_s: f64 },
-    /// The square of the temperature less T3, °C².
+    /// The square of the difference between temperature and T3, °C².
     Curved(Series),
     /// The temperature less its low-pass filtered value with the time constant `lag_s`, °C.
     Lagged { lag_s: f64, ahead: Series },
@@ -59,8 +59,8 @@ impl Shape {
         }
     }
 
-    /// Value of the shape at a time, s, as far as it belongs to the steady bias. A level and a hysteresis belong
-    /// to it, and motion and lag do not.
+    /// Value of the shape at a time, s, as far as it belongs to the steady bias at T3. A level and a hysteresis belong
+    /// to this bias, motion and lag do not, and a curvature is zero at T3.
     pub(crate) fn bias_at(&self, time_s: f64) -> f64 {
         match self {
             Self::Step { at_s, .. } => f64::from(u8::from(*at_s < time_s)),

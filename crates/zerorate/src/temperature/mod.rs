@@ -143,7 +143,7 @@ impl BiasCurve {
         u_dps(&self.covariance, temp_c - self.correction.t3_c)
     }
 
-    /// Effect of the removed steps and base motion on the mean over a block, relative to the level at the end, °/s.
+    /// Effect of the base motion, and of the steps relative to the level at the end, on the mean over a block, °/s.
     pub(crate) fn disturbed_dps(&self, block: &Block) -> f64 {
         let stepped = |step: &Step| step.size_dps * (block.share_after(step.at_s) - 1.0);
         let motion_dps = self.base_motion.map_or(0.0, |motion| motion.at(block.middle_s()));
@@ -233,7 +233,7 @@ pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, Thermal
     if models.is_empty() { Err(ThermalError::Degenerate) } else { Ok(average(&record, assumed.axis, &models)) }
 }
 
-/// Returns the rates less their best polynomial over temperature, even if that is not significant.
+/// Returns the rates without their dependence on temperature up to order 3, significant or not. The mean rate stays.
 pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
     let basis = Basis::over(blocks);
     let mut left: Vec<f64> = blocks.iter().map(|block| block.rate_dps).collect();
@@ -247,7 +247,7 @@ pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
 }
 
 /// Finds the step that explains most of the rates in addition to a level and a polynomial over temperature, by
-/// least squares over all three. Returns the index of the block after the step, and the size of the step, °/s.
+/// least squares over all three. Returns the index of the first block after the step, and the size of the step, °/s.
 pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
     let basis = Basis::over(blocks);
     let column = |degree| blocks.iter().map(|block| basis.at(degree, block.temp_c)).collect::<Vec<f64>>();
@@ -274,8 +274,8 @@ pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
     (most.1, most.2)
 }
 
-/// Forecasts a curve before its rates are known, because its covariance does not depend on them. It assumes the
-/// typical noise and the highest order.
+/// Forecasts the covariance of a curve, which does not depend on the rates. It assumes the typical slow noises and the
+/// highest order. `None` if the part states no temperature coefficient and all rates are equal.
 pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCurve> {
     let basis = Basis::over(blocks);
     let prior_dps = prior(&assumed.axis.bias, &basis, blocks);

@@ -305,7 +305,7 @@ fn plays(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c, PLAY_RATIO)).collect()
 }
 
-/// Values from `first` up to `end`, each `ratio` times the one before.
+/// Values from `first` to below `end`, each `ratio` times the one before.
 pub(crate) fn geometric(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
 }

@@ -126,7 +126,7 @@ fn a_bend_that_orders_share_is_in_the_interval_of_btc() {
     }
 }
 
-/// A lag of 30 s is told from a curve: the self-heating has two time constants, so no polynomial fits it.
+/// A lag of 30 s is told from a curve: the self-heating has two time constants, so no polynomial imitates the lag.
 #[test]
 fn a_lag_is_found() {
     let (curve, truth) = curve_of(&Spec { lag_s: 30.0, ..Spec::from_seed(3) }, &[]);

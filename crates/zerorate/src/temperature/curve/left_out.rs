@@ -9,7 +9,7 @@ const PARTS: usize = 10;
 /// Approximate number of means of the record that are compared.
 const MEANS: usize = 60;
 
-/// Returns the span of the means less the steps, without and with a correction by the model of the other parts.
+/// Returns the span of the means without the steps, before and after a correction by the model of the other parts.
 pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
     let (mut before, mut after) = (Ends::default(), Ends::default());
     let blocks: usize = record.logs.iter().map(|log| log.blocks().len()).sum();

@@ -395,8 +395,8 @@ impl LogMeans {
         self.followed(following, was_on, 1.0).0
     }
 
-    /// For each block the temperature that the bias follows, °C, and the place of the late temperature in a play of
-    /// ±`play_c`, from −1 while the temperature falls to 1 while it rises.
+    /// For each block the temperature that the bias follows, °C, and the place of the lagging temperature in a play
+    /// of ±`play_c`, from −1 while the temperature falls to 1 while it rises.
     pub(super) fn followed(&self, following: &LagAndPlay, was_on: bool, play_c: f64) -> (Vec<f64>, Vec<f64>) {
         let part_s = self.length_s / PARTS as f64;
         let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };

@@ -83,8 +83,8 @@ pub struct LogCurve {
     pub log_odds: f64,
     /// Change of the bias that was still to come at the end of the last log, because the bias lags.
     pub unsettled: f64,
-    /// Cross-validation: the span of the means of the record, less the steps, before and after the correction by a
-    /// model that comes from the other parts of the record.
+    /// Cross-validation: the span of the means without the removed steps, before and after the correction by a model
+    /// that comes from the other parts of the record.
     pub span: BeforeAfter,
 }
 

@@ -25,7 +25,7 @@ pub enum CurveWarning {
     LongLag { longest_s: f64 },
     /// A lag of this size, s, or a draught that only the thermometer feels explains the logs. The curve has no lag.
     LagOrDraught { lag_s: f64 },
-    /// The sensor moved `times` times, first from `from_s` and last until `to_s`, s of their logs. This was left out.
+    /// The sensor moved `times` times, first from `from_s` of a log and last until `to_s` of a log. This was left out.
     Moved { from_s: f64, to_s: f64, times: usize },
     /// The logs have one direction of the temperature, so the hysteresis is not known.
     OneDirection,
