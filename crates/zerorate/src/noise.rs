@@ -34,7 +34,7 @@ impl NoiseModel {
             + k * k * tau_s / 3.0
     }
 
-    /// Averaging time with the least Allan variance, s: √3 N/K. It is infinite if K is zero and N is not.
+    /// Averaging time with the least Allan variance, s: √1.5 d/K with the white density d. Infinite if only K is 0.
     #[must_use]
     pub fn best_averaging_s(&self) -> f64 {
         libm::sqrt(1.5) * self.white_dps_per_rt_hz / self.rate_random_walk_dps_per_rt_s

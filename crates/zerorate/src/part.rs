@@ -28,7 +28,7 @@ pub(crate) const UNKNOWN_MARGIN_C: f64 = 0.5;
 /// A kind of gyroscope: its name and its axes, which share one temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Name in captures and calibrations.
+    /// Name of the kind of part in captures and calibrations.
     pub name: Cow<'static, str>,
     /// The axes, from one to [`MAX_AXES`].
     pub axes: Cow<'static, [NamedAxis]>,
@@ -41,7 +41,7 @@ pub struct Part {
 /// An axis of a [`Part`], with its names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedAxis {
-    /// Name in captures and calibrations.
+    /// Name of the axis in captures and calibrations.
     pub name: Cow<'static, str>,
     /// Column in logs, if it differs from the name.
     pub column: Option<Cow<'static, str>>,

@@ -9,8 +9,8 @@ use hours::measure;
 use zerorate::calibration::{Calibration, Origin};
 use zerorate::{Method, Part};
 
-/// Measures a unit. Returns the lines of its calibration file except checksums and warnings, and then the numbers of
-/// the warnings.
+/// Measures a unit. Returns the lines of its calibration file except header, checksums and warnings, and then the
+/// warnings as values.
 fn calibrated(spec: &Spec, method: Method) -> String {
     let (outcome, _) = measure(spec, method).expect("a unit at rest");
     let warnings: String = outcome.warnings.iter().map(|warning| format!("{warning:?}\n")).collect();

@@ -19,7 +19,7 @@ pub struct LogUnit {
     pub part: String,
     /// Serial number.
     pub serial: Option<String>,
-    /// The software that made the measurement.
+    /// The software that fitted the curves.
     pub software: String,
     /// The logs that the curves come from, as text.
     pub device: String,

@@ -45,7 +45,7 @@ pub struct Corrected {
     pub rate_dps: Option<f64>,
     /// The temperature that was used, °C. `None` before the first temperature.
     pub temp_c: Option<f64>,
-    /// Whether the temperature lies outside the span where the correction holds.
+    /// Whether the temperature lies outside the span where the correction holds. False if either is not known.
     pub extrapolated: bool,
 }
 
@@ -93,7 +93,7 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         self.temp_c
     }
 
-    /// Whether the last temperature lies outside the span where the corrections hold.
+    /// Whether the last temperature lies outside the span where the corrections hold. False if either is not known.
     #[must_use]
     pub fn is_extrapolated(&self) -> bool {
         let outside = |(validity, temp_c): (Validity, f64)| !validity.covers(temp_c);

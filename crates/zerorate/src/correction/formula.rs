@@ -183,7 +183,7 @@ pub struct TableRow {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the fields are the numbers as asked, with their units, and rows")]
 pub enum TableError {
-    /// Step or span is not above zero.
+    /// Step or span is not above zero, or not finite.
     NotPositive { step_c: f64, span_c: f64 },
     /// The span is not a whole number of steps.
     Ragged { step_c: f64, span_c: f64 },

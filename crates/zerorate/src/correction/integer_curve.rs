@@ -21,7 +21,7 @@ impl CurveForm {
     pub const ADIS16130: Self = Self::new(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp);
 
     /// Least distance from T3 that the form covers to either side, °C. [`new`](Self::new) rounds this distance up to a
-    /// power of two in codes. With T3 at 25 °C, the form covers −103 … 153 °C. Temperatures beyond are clamped.
+    /// power of two in codes. With T3 at 25 °C, it is at least −103 … 153 °C. Temperatures beyond it are clamped.
     pub const REACH_C: f64 = 128.0;
 
     /// The form for codes on these scales, of up to 32 bits each.

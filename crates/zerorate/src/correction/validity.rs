@@ -25,7 +25,7 @@ impl Validity {
         (self.temp_min_c - self.margin_c..=self.temp_max_c + self.margin_c).contains(&temp_c)
     }
 
-    /// Returns a warning if temperatures from `low_c` to `high_c` leave the span.
+    /// Returns a warning if temperatures from `low_c` to `high_c` leave the span by more than the margin.
     #[must_use]
     pub fn warning(&self, low_c: f64, high_c: f64) -> Option<Warning> {
         let Self { temp_min_c, temp_max_c, .. } = *self;

@@ -2,12 +2,12 @@
 
 use crate::part::Reading;
 
-/// Time without a change of the rate after which a part with noise counts as frozen, if [`FROZEN_READINGS`] are equal.
+/// Time without a change of the rate after which a part with noise is frozen, given [`FROZEN_READINGS`] repeats too.
 const FROZEN_NS: u64 = 100_000_000;
-/// Number of equal readings that [`FROZEN_NS`] requires. Noise gives the same code twice with a probability below
-/// 0.2, even in 16 bits and behind the filter of F-04. So this many equal codes have a probability below 10⁻²².
+/// Number of repeats of the last code that [`FROZEN_NS`] requires. Noise repeats a code with a probability below
+/// 0.2, even in 16 bits and behind the filter of F-04. So this many repeats have a probability below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
-/// Time and number of readings after which rate and temperature that have never changed count as frozen.
+/// Time and number of readings since the first after which rate and temperature that have never changed are frozen.
 const DEAD_NS: u64 = 2_000_000_000;
 const DEAD_READINGS: u64 = 100;
 /// Time after which a rate that has never changed counts as frozen, if there is no temperature.
@@ -80,7 +80,7 @@ impl Freeze {
         if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
     }
 
-    /// Judges at the end of a record, by the number of equal readings and not by their time.
+    /// Judges at the end of a record, by the number of repeats of the last code and not by their time.
     #[must_use]
     pub fn at_end(&self) -> Option<Frozen> {
         let same = self.rate.same_readings();

@@ -107,7 +107,7 @@ pub struct FaultCounts {
     pub frozen: u64,
     /// Temperatures that differ too much from those before them.
     pub impossible_temps: u64,
-    /// Rates that could not be judged: the next readings are too far away in time, or the part's limits are not known.
+    /// Rates that could not be judged: readings beside them are missing or too far in time, or limits are not known.
     pub unjudged: u64,
 }
 

@@ -12,7 +12,7 @@
 //!
 //! and L also exceeds two other numbers. One is the roughness of the four neighbours: the larger of |y₂ − 2y₁ + 2y₋₁ −
 //! y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|. The other is four times the largest L of earlier readings, which fades by 1/32 with
-//! each reading.
+//! each reading. The L of an impossible reading counts half, for the next seven.
 //!
 //! * Noise: white noise of F-02 behind the poles of F-03 gives L a standard deviation of 0.064 °/s at 175.7 µs. At
 //!   1.5, 2 and 3 times that period it is 0.104, 0.141 and 0.202 °/s. The resonance of M-08 adds an amplitude of at
@@ -67,9 +67,9 @@ struct Limits {
 
 impl Limits {
     /// Scales the numbers of the ADIS16130 (1.15 °/s and 0.35 °/s at 175.7 µs, 0.6 ms, 2 · 250 °/s · 1194/s, 1.5 °/s)
-    /// to another axis by similarity. Time scales with 1/bandwidth, motion with the range, and noise with its density
-    /// times √bandwidth, and all of them with the codes per °/s. `None` if range, bandwidth or noise is not known, or
-    /// if the codes are too wide for these sums.
+    /// to another axis by similarity. Time scales with 1/bandwidth. Motion scales with the range, noise with its
+    /// density times √bandwidth, and both with the codes per °/s. `None` if range, bandwidth or noise is not known,
+    /// or if the codes are too wide for these sums.
     fn of(axis: &Axis) -> Option<Self> {
         let (bandwidth, range) = (axis.bandwidth_hz? / 300.0, axis.range_dps? / 250.0);
         let noise = axis.noise?.white_dps_per_rt_hz / 0.0125 * libm::sqrt(bandwidth);
@@ -100,8 +100,8 @@ impl Limits {
 const ROUGHNESS: u32 = 4;
 /// Divisor of the L of a marked reading when it counts as roughness for later readings.
 const MARK_SHARE: u32 = 2;
-/// A marked reading raises the threshold of the strict judgements before this one. By then, the roughness of past
-/// readings, which lags by three readings, includes the shock.
+/// A marked reading raises the threshold of the next strict judgements, one fewer than this. After them, the
+/// roughness of past readings, which lags by three readings, includes the shock.
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the number of readings over which the roughness of past readings fades.
 const FADING: u32 = 5;
@@ -123,7 +123,7 @@ pub(crate) enum Verdict {
     Impossible,
     /// The rate is beyond the range of the converter (F-35).
     OutOfRange,
-    /// The neighbours are too far away in time to judge the rate, or the part's limits are not known.
+    /// The neighbours are missing or too far away in time to judge the rate, or the part's limits are not known.
     Unjudged,
 }
 

@@ -106,7 +106,7 @@ impl Tally {
         self.per_second(self.edges)
     }
 
-    /// Longest time between two samples, ms.
+    /// Longest time between successive samples, ms.
     #[must_use]
     pub fn longest_gap_ms(&self) -> f64 {
         self.longest_gap_ns as f64 * 1e-6

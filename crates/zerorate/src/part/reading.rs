@@ -69,7 +69,7 @@ impl Scan {
         Self { temp, ..self }
     }
 
-    /// Sets the number of readings lost before the scan.
+    /// Sets the number of scans that were lost before this one.
     #[must_use]
     #[inline]
     pub fn with_lost(self, lost: u32) -> Self {

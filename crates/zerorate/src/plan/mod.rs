@@ -54,7 +54,7 @@ pub struct Plan {
     pub offset_s: f64,
     /// Averaging time of the temperature in step 9, s.
     pub final_temp_s: f64,
-    /// Largest allowed share of lost samples in an average, 0 … 1.
+    /// Largest allowed share of lost samples, and of impossible readings, in an average or a recording, 0 … 1.
     pub max_lost: f64,
     /// Largest allowed standard uncertainty of BTC, °/s/°C.
     pub max_u_btc_dps_per_c: f64,

@@ -1,4 +1,4 @@
-//! The state of a tracker as a TOML file, with the check lines of a calibration. `docs/tracking.md` specifies it.
+//! The state of a tracker as a TOML file, with check lines as a calibration has. `docs/tracking.md` specifies it.
 
 use super::{COVARIANCES, Counts, Filter, Prior, RestPrior, STATES, Saved, TrackerConfig};
 use crate::calibration::{CalibratedAxis, Calibration, CurveRecord};

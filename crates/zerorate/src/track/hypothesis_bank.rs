@@ -75,7 +75,7 @@ type Candidate = (f32, Filter);
 pub(super) struct HypothesisBank {
     hypotheses: [Hypothesis; KEPT],
     pub(super) rest_prior: RestPrior,
-    /// Length of the quiet period, s.
+    /// Length of the quiet period as far as it was taken in, s.
     pub(super) seconds: f32,
     sure_s: f32,
     d_c: f32,

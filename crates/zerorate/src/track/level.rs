@@ -38,9 +38,9 @@ pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
 /// rotation, by its probability of either.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestPrior {
-    /// Number of rests so far, plus one. Old quiet periods count less beyond a hundred.
+    /// Number of rests so far, plus one. Beyond about a hundred quiet periods, old ones count less.
     pub rests: f32,
-    /// Number of rotations so far, plus one. Old quiet periods count less beyond a hundred.
+    /// Number of rotations so far, plus one. Beyond about a hundred quiet periods, old ones count less.
     pub rotations: f32,
 }
 
@@ -53,7 +53,7 @@ impl RestPrior {
     /// The prior before the first quiet period: one half.
     pub const EVEN: Self = Self { rests: 1.0, rotations: 1.0 };
 
-    /// Share of the quiet periods that were rests.
+    /// Probability that the next quiet period is a rest.
     pub(super) fn probability(&self) -> f32 {
         self.rests / (self.rests + self.rotations)
     }

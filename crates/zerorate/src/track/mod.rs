@@ -45,7 +45,7 @@ use filter::Drift;
 use hypothesis_bank::HypothesisBank;
 use rest::{BLOCKS_PER_S, MOST_LATE, Quiet, Seen};
 
-/// Number of windows in a mean that is learned from: 16 s.
+/// Largest number of windows in a mean that is learned from: 16 s.
 const WINDOWS_PER_MEAN: u32 = 4;
 
 /// The configuration of a tracker: the calibration, the part's noise, and the limits of the tracking.
@@ -55,11 +55,11 @@ pub struct TrackerConfig {
     pub correction: Correction,
     /// Uncertainty of the calibration.
     pub prior: Prior,
-    /// The part's noise: white as measured, flicker, and the random walk that drives the bias.
+    /// The part's noise: white noise, flicker, and the random walk that drives the bias.
     pub noise: NoiseModel,
     /// Half width of the hysteresis, °/s. It is zero if it is not known.
     pub hysteresis_dps: f64,
-    /// Component of the Earth's rotation on the axis, °/s (F-16), if the calibration has subtracted it from PBC.
+    /// Component of the Earth's rotation on the axis, °/s (F-16), if the calibration has subtracted it from the bias.
     /// Otherwise zero. It must be the same wherever the part rests.
     pub earth_dps: f64,
     /// The slowest rotation that must not be taken for bias, °/s.
@@ -71,7 +71,7 @@ pub struct TrackerConfig {
 impl TrackerConfig {
     /// Default of `least_turn_dps`, °/s. It is a choice.
     pub const LEAST_TURN_DPS: f64 = 0.02;
-    /// Default of `power_up_dps`, °/s. It is a choice, because no source states a value for the ADIS16130: six
+    /// Default of `power_up_dps`, °/s. It is a choice, because no source states a value for the ADIS16130: about six
     /// times the floor of its flicker (M-04).
     pub const POWER_UP_DPS: f64 = 0.01;
 
@@ -204,7 +204,7 @@ impl Tracker {
         Ok(new.aged(off_s))
     }
 
-    /// Ages the tracker for a part that was switched on anew, this many seconds after the calibration.
+    /// Ages the tracker for a part that was switched on anew, `since_s` seconds after the calibration or saved state.
     #[must_use]
     pub fn aged(mut self, since_s: f64) -> Self {
         self.bank.wait(since_s, &self.drift);
