@@ -226,8 +226,8 @@ impl SelfHeating {
         -self.fast_c * libm::expm1(-after_s / self.fast_s) - self.slow_c * libm::expm1(-after_s / self.slow_s)
     }
 
-    /// Time after which less than `rest_c` of the rise is left, s. It follows from the slow share alone, because the
-    /// fast share is over by then.
+    /// Time after which less than `rest_c` of the rise is left, s. It follows from the slow share alone: the fast
+    /// share is assumed to be over by then.
     #[must_use]
     pub fn settles_to_s(&self, rest_c: f64) -> f64 {
         (self.slow_s * libm::log(self.slow_c / rest_c)).max(0.0)

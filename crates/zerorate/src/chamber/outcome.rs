@@ -152,7 +152,7 @@ impl Record {
         (steps_s(found.as_ref()), motions_hz(times_s.1 - times_s.0, found.as_ref()))
     }
 
-    /// Returns the means over windows of equal length in which the part was at rest, without gaps or fast warming.
+    /// Returns the means over windows of equal length in which the part was at rest, without gaps or fast changes.
     fn blocks(&self, rates_dps: &[f64], earth_dps: f64) -> Vec<Block> {
         let length = self.len().div_ceil(MOST_BLOCKS).clamp(BLOCK_S.0, BLOCK_S.1);
         let (mut blocks, mut from) = (Vec::new(), 0);

@@ -35,7 +35,7 @@ pub struct ChamberPlan {
     pub drift_c_per_min: Option<f64>,
     /// Time over which the drift is measured, s.
     pub window_s: f64,
-    /// Time limit for settling after the set point was reached, s.
+    /// Time limit for settling, s, from the end of the ramp or of a disturbed average.
     pub settle_timeout_s: f64,
     /// How far the air may go beyond the temperatures of the plan, °C.
     pub overshoot_c: f64,
@@ -57,7 +57,7 @@ pub struct Step {
 /// The condition that ends a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepEnd {
-    /// The step ends this long after the set point was reached, s.
+    /// The step ends this long after its ramp has ended, s.
     Hold(f64),
     /// The step ends when the part has settled and was averaged for this long, s. `None` takes the time at which
     /// the Allan deviation is lowest.
@@ -65,7 +65,7 @@ pub enum StepEnd {
 }
 
 impl Default for ChamberPlan {
-    /// A plan without a name and steps, with the values that a file need not give.
+    /// A plan without a name and steps, with the defaults of the values that a file may leave out.
     fn default() -> Self {
         Self {
             name: String::new(),

@@ -7,13 +7,13 @@ const FROZEN_NS: u64 = 100_000_000;
 /// Number of repeats of the last code that [`FROZEN_NS`] requires. Noise repeats a code with a probability below
 /// 0.2, even in 16 bits and behind the filter of F-04. So this many repeats have a probability below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
-/// Time and number of readings since the first after which rate and temperature that have never changed are frozen.
+/// A rate and a temperature that never change count as frozen after this time, and this many readings after the first.
 const DEAD_NS: u64 = 2_000_000_000;
 const DEAD_READINGS: u64 = 100;
 /// Time after which a rate that has never changed counts as frozen, if there is no temperature.
 const DEAD_ALONE_NS: u64 = 10_000_000_000;
 
-/// The time since which the readings have not changed.
+/// The time since which the rate has not changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frozen {
     /// Time of the first reading with the present code of the rate, ns.

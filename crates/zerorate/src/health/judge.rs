@@ -18,7 +18,7 @@ impl Flags {
     pub const OUT_OF_RANGE: Self = Self(2);
     /// The readings have stopped changing.
     pub const FROZEN: Self = Self(4);
-    /// The temperature differs too much from those before it: a bit error.
+    /// The temperature differs too much from those before it, or the first from those after it: a bit error.
     pub const IMPOSSIBLE_TEMP: Self = Self(8);
 
     const NAMES: [(Self, &str); 4] = [
@@ -105,7 +105,7 @@ pub struct FaultCounts {
     pub out_of_range: u64,
     /// Readings after the part had stopped.
     pub frozen: u64,
-    /// Temperatures that differ too much from those before them.
+    /// Temperatures with a bit error, as in [`Flags::IMPOSSIBLE_TEMP`].
     pub impossible_temps: u64,
     /// Rates that could not be judged: readings beside them are missing or too far in time, or limits are not known.
     pub unjudged: u64,

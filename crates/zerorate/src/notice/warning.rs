@@ -25,7 +25,7 @@ pub enum Warning {
     Turning { rate_dps: f64, typical_dps: f64 },
     /// A line through two temperatures shows no curvature. The uncertainty of BTC allows for its typical size.
     CurvatureUnseen { u_dps_per_c: f64 },
-    /// The temperature changed between the average of the rate in step 8 and the average that gives T3.
+    /// From the average of step 8 to that for T3, the temperature changed enough to shift PBC by more than its noise.
     Drifting { drift_c: f64, shift_dps: f64, u_pbc_dps: f64 },
     /// The rate changed in a way that neither noise nor a line over temperature explains.
     Found(Finding),

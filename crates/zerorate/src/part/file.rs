@@ -308,7 +308,7 @@ impl Temperature {
     }
 }
 
-/// Allowed temperatures of a part, °C.
+/// Lowest and highest temperature that a part may state, °C.
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 const HOTTEST_C: f64 = 1000.0;
 

@@ -158,7 +158,7 @@ impl<'a> Search<'a> {
         self.summary(unexplained)
     }
 
-    /// The candidate that explains most, if it explains more than noise could.
+    /// The candidate that explains most beyond its [`freedom`], of those that explain more than noise could.
     fn strongest(&self) -> Option<&Candidate> {
         let gains = self.candidates.iter().map(|candidate| (candidate.gain(&self.residual), candidate));
         let beyond_doubt = gains.filter(|(gain, candidate)| *gain > alarm(&candidate.shape));

@@ -35,7 +35,7 @@ impl Evidence<'_> {
         self.axis.noise.map_or(0.0, |noise| noise.flicker_floor_dps)
     }
 
-    /// The typical curvature. It is zero for a unit that is known to be linear, and for a part that states none.
+    /// The typical curvature. It is zero if the plan assumes a linear bias, and for a part that states none.
     fn curvature_dps_per_c2(&self) -> f64 {
         if self.plan.assume_linear { 0.0 } else { self.axis.bias.curvature_dps_per_c2.unwrap_or(0.0) }
     }
@@ -139,8 +139,8 @@ impl WindowWarnings {
     }
 }
 
-/// Returns the result of a finished procedure that kept the means of all seconds. Deviations of the rate are searched
-/// for in these means.
+/// Returns the result of a finished procedure that kept the means of all seconds. If the part's noise is known,
+/// deviations of the rate are searched for in these means.
 pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
     let hour = match seen.axis.noise {

@@ -190,7 +190,7 @@ impl<S: WindowSums> Procedure<S> {
         Progress { state: self.state, elapsed_s: self.now_ns as f64 * 1e-9, total_s: self.plan.total_s() }
     }
 
-    /// The refusal that would follow if the present step ended now. `None` in the first two seconds of the step.
+    /// The refusal that would follow if the present step ended now. `None` if none would or in its first two seconds.
     #[must_use]
     pub fn pending_refusal(&self) -> Option<Refusal> {
         let mut ahead = self.clone();

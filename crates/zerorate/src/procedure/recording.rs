@@ -42,7 +42,7 @@ pub struct Reached {
 
 /// Time constant with which a typical self-heating settles, s (M-03).
 const SETTLING_S: f64 = 600.0;
-/// Time over which the slope of the temperature is taken, s.
+/// Least time over which the slope of the temperature is taken, s.
 const SLOPE_S: f64 = 60.0;
 
 impl Reached {

@@ -15,7 +15,7 @@ pub(super) struct Held {
 pub struct LagAndPlay {
     /// Time constant of the lag of the sensing element, s.
     pub lag_s: f64,
-    /// Half width of the play, °C: the temperature may change by this much before the bias follows.
+    /// Half width of the play, °C: from the middle, the temperature may change by this much before the bias follows.
     pub play_c: f64,
 }
 

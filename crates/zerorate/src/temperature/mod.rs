@@ -265,7 +265,7 @@ pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
         sums.iter_mut().zip(&columns).for_each(|(sum, column)| *sum += column[at]);
         let explained = sums.iter().zip(squares).filter(|(_, square)| *square > 0.0);
         let square = (blocks.len() - at) as f64 - explained.map(|(sum, square)| sum * sum / square).sum::<f64>();
-        // next to the ends the level explains all of the step
+        // next to an end, level and polynomial may explain nearly all of the step
         let gain = if square > 0.5 { behind * behind / square } else { 0.0 };
         if gain > most.0 {
             most = (gain, at, behind / square);

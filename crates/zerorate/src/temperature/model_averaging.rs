@@ -9,7 +9,7 @@ use crate::noise::NoiseModel;
 use crate::part::Axis;
 use alloc::vec::Vec;
 
-/// A combination is relevant if its log evidence is lower than the best by less than this.
+/// A combination is relevant if its log evidence, with its prior, is lower than the best by less than this.
 const NEGLIGIBLE: f64 = 5.0;
 /// Ratio of each lag that is tried to the one before.
 const LAG_RATIO: f64 = 1.25;
@@ -24,7 +24,7 @@ const B_RATIO: f64 = core::f64::consts::SQRT_2;
 const K_RATIO: f64 = 2.0;
 /// Number of finer lattice steps that replace a step between two plays.
 const FINER_PLAYS: i32 = 8;
-/// Number of times that plays are made finer.
+/// Largest number of times that plays are made finer.
 const FINER_ROUNDS: i32 = 2;
 /// Largest number of lattice steps of noise, up and down, that are tried.
 const NOISE_REACH: i32 = 20;

@@ -79,7 +79,7 @@ pub struct LogCurve {
     pub steps: Vec<CurveStep>,
     /// Number of blocks that were left out as outliers.
     pub glitches: usize,
-    /// Log ratio of the evidence for the best model to that for a bias that does not depend on the temperature.
+    /// Log evidence of the best model, with its prior, less that of a bias that does not depend on the temperature.
     pub log_odds: f64,
     /// Change of the bias that was still to come at the end of the last log, because the bias lags.
     pub unsettled: f64,

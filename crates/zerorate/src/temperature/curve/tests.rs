@@ -9,7 +9,7 @@ const RATE_HZ: f64 = 10.0;
 /// A log of a sensor that warms from 5 °C for 30 minutes.
 struct Simulated {
     seed: u64,
-    /// Delay of the bias behind the thermometer, s.
+    /// Time constant with which the bias lags the thermometer, s.
     lag_s: f64,
     /// Half width of the play, °C.
     play_c: f64,
