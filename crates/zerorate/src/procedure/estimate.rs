@@ -17,7 +17,6 @@ use alloc::vec;
 use alloc::vec::Vec;
 use zerorate_allan::FLOOR_PER_B;
 
-/// The data from which the result is computed.
 pub(crate) struct Evidence<'a> {
     pub(crate) axis: &'a Axis,
     pub(crate) plan: &'a Plan,

@@ -120,7 +120,6 @@ impl Record<'_> {
         self.all_solved(&filtered, columns.steps).map(|solved| solved.log_evidence).collect()
     }
 
-    /// Solves all orders, each with all spreads of its columns.
     fn all_solved(&self, filtered: &Filtered, steps: usize) -> impl Iterator<Item = Solved> {
         let has_motion = filtered.gram.len() > self.max_order + 2 + steps;
         let all =

@@ -278,7 +278,6 @@ fn local_parabolas(values: &[f64], reach: usize) -> Vec<[f64; 2]> {
     (0..values.len()).map(smoothed).collect()
 }
 
-/// Number of coefficients of a parabola.
 const PARABOLA: usize = 3;
 
 /// Returns the temperatures with gaps filled by linear interpolation, and at the ends by the nearest temperature.
