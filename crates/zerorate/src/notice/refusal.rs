@@ -32,12 +32,12 @@ pub enum Refusal {
     Overranged { window: State, count: u64, samples: u64 },
     /// The readings stopped changing.
     Frozen { at_s: f64, for_s: f64, both: bool },
-    /// Too many readings are impossible for the part. With `still_moves`, some readings are impossible, and the others
-    /// vary too much.
+    /// Too many readings are impossible for the part, or bit errors explain those out of range. With `still_moves`,
+    /// some readings are impossible, and the others vary too much.
     BitErrors { window: State, count: u64, samples: u64, still_moves: bool },
     /// Too many samples were lost, and data ready was silent in the gaps.
     Stuttering { window: State, lost: u64, samples: u64, silent_gaps: u64, gaps: u64 },
-    /// A window holds too few samples.
+    /// Too few blocks of 0.1 s in a window hold samples. `needed` counts blocks.
     TooFew { window: State, samples: u64, needed: u64 },
     /// A window holds no temperature. With `wrong_edge`, the host uses the edge of data ready before new data.
     NoTemperature { window: State, wrong_edge: bool },

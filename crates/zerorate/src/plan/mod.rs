@@ -63,8 +63,8 @@ pub struct Plan {
     pub earth_dps: Option<f64>,
     /// Whether to assume that the bias is linear in temperature, without an allowance for curvature and hysteresis.
     pub assume_linear: bool,
-    /// Ends the recording once the temperature has settled and the standard uncertainty of the correction, rms
-    /// over the temperatures seen, is no more than this, °/s. It does not apply to AN-1042.
+    /// The caller may end the recording once the temperature has settled and the standard uncertainty of the
+    /// correction, rms over the temperatures seen, is no more than this, °/s. It does not apply to AN-1042.
     pub target_dps: Option<f64>,
 }
 
