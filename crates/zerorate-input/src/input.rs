@@ -22,8 +22,8 @@ pub trait RemoteBytes: Debug + Send + Sync {
     /// The number of bytes.
     fn length(&self) -> u64;
 
-    /// Reads bytes from offset `at` on to the start of `into`. Returns the number of bytes read, which may be less
-    /// than `into` holds; 0 means the end.
+    /// Fills the start of `into` with the bytes at offset `at` and behind it. Returns the number of bytes read, which
+    /// may be less than `into` holds; 0 means the end.
     ///
     /// # Errors
     /// Returns an error if the bytes cannot be read.

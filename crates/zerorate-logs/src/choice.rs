@@ -21,10 +21,10 @@ pub enum ColumnSelection<'a> {
     One(Option<&'a str>),
     /// These columns, in this order.
     Listed(&'a [String]),
-    /// These columns, in this order, and then the other columns that `All` selects. Logs of PX4, ArduPilot and ROS
-    /// give only the columns that are named here.
+    /// These columns, in this order, and then all other numeric columns except the time. Logs of PX4, ArduPilot and
+    /// ROS give only the columns that are named here.
     First(&'a [String]),
-    /// The rates of a capture, the six quantities of a bag's IMU, or otherwise all numeric columns except the time.
+    /// The rates of a capture, the axes of an IMU of PX4, ArduPilot or ROS, or all numeric columns except the time.
     All,
     /// The columns that fit these descriptions, in this order.
     Described(&'a [ColumnSpec]),
@@ -53,7 +53,7 @@ impl ColumnSpec {
         (Quantity::of_column(&self.name).is_some() && !name.is_empty()).then_some(name)
     }
 
-    /// True if `column` is the described name followed by `_code` or a unit.
+    /// True if the name is not exact, and `column` is the name followed by `_code` or a unit.
     fn fits(&self, column: &str) -> bool {
         let rest = column.strip_prefix(&self.name).filter(|_| !self.is_exact);
         let states_unit = Unit::of_column(column).is_some() || is_celsius(column);
@@ -66,17 +66,17 @@ pub struct Columns<'a> {
     /// The names of the columns, or their numbers.
     pub names: Vec<&'a str>,
     pub numeric: Vec<bool>,
-    /// True for each column that holds times by its content or its type; empty if none does.
+    /// True for each column that holds times by its content or its type; may be empty if none does.
     pub clocks: Vec<bool>,
     pub settings: Names,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The columns with the numbers, in the requested order. If a column holds the fractions of a second that `time`
-    /// lacks, it comes last.
+    /// The columns with the numbers, in the requested order. If no time column was given, an unrequested column with
+    /// the fractions of a second that `time` lacks comes last.
     pub values: Vec<usize>,
-    /// The column with the time; `None` if no column has it, or if the rate is given and no time column is.
+    /// The time column; `None` if none was found or, as in a capture, is needed, or if only the rate is given.
     pub time: Option<usize>,
     /// The columns of the conditions that select rows.
     pub only: Vec<usize>,
@@ -192,8 +192,8 @@ impl Columns<'_> {
         blocks
     }
 
-    /// Refuses a choice of all columns if several sensors have times of their own. `given` is the time column that the
-    /// user gave.
+    /// Refuses a choice of all columns if several sensors have times of their own, unless the user gave another time
+    /// column, `given`, or a time column of the whole log is found.
     fn check_blocks(&self, given: Option<usize>) -> Result<()> {
         let blocks = self.blocks();
         let is_alone = given.is_none_or(|given| blocks.iter().all(|(time, _)| *time != given));

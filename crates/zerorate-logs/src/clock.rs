@@ -53,7 +53,7 @@ const LEAP: f64 = 0.25;
 pub struct Times {
     origin: Option<Origin>,
     since_first: Vec<f64>,
-    /// The unit that the type of the column states.
+    /// The unit, if the type of the column or the format of the file states it.
     pub unit: Option<TimeUnit>,
 }
 
@@ -280,7 +280,7 @@ impl Times {
         ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
     }
 
-    /// The sampling interval by least squares, so that delays of the first and the last row do not matter.
+    /// The sampling interval by least squares, so that delays of the first and the last row matter little.
     fn slope(&self, gaps: &[Gap]) -> f64 {
         let (mut missing, mut gaps) = (0, gaps.iter().peekable());
         let place = self.since_first.iter().enumerate().map(|(row, time)| {
@@ -355,7 +355,8 @@ pub struct TimeBase {
     pub gaps: Vec<Gap>,
     /// Root mean square deviation of the timestamps from an even clock, in intervals.
     pub jitter: f64,
-    /// The rate, Hz, if the double steps of a clock that counts in steps are lost samples. `None` for other clocks.
+    /// The other possible rate of a clock that counts in steps, Hz, if double steps are losses; `None` for other
+    /// clocks.
     pub as_losses: Option<f64>,
 }
 
@@ -551,7 +552,7 @@ mod tests {
         };
         let found = time_base((0..1000).map(time)).unwrap();
         assert!(found.gaps.is_empty() && (found.rate_hz - 1.0).abs() < 1e-9, "{:?}", found.gaps);
-        // late rows among rows of which four in ten are missing at random
+        // stamps cut to whole units, of rows of which four in ten are missing at random
         let there = |i: &i32| i % 1000 == 0 || (i * i % 1009 * 7919) % 97 < 58;
         let found = time_base((0..=10_000).filter(there).map(|i| (f64::from(i) * 2.5).floor())).unwrap();
         assert!((found.rate_hz * 2.5 - 1.0).abs() < 1e-4, "{}", found.rate_hz);

@@ -28,11 +28,11 @@ pub struct Column {
     pub quantity: Option<Quantity>,
     /// Factor from a sample to the unit in which results of the quantity are given; 1 if the unit is not known.
     pub scale: f64,
-    /// Factor from a sample to the unit of the log, if the log states one, as in `gx (0.01 dps)`; otherwise 1.
+    /// Factor from a sample to the unit of the log, if a line above the data states it, as in Gyroflow's logs; else 1.
     pub step: f64,
     /// The warnings about the column, such as an unknown unit. The first column has those about the file too.
     pub warnings: Vec<LogWarning>,
-    /// The results of the checks of the samples; `None` if the samples were changed since.
+    /// The results of the checks of the samples; `None` without checks, or if the samples were changed since.
     pub(crate) facts: Option<ColumnFacts>,
 }
 
@@ -88,7 +88,7 @@ impl Column {
         self.facts = None;
     }
 
-    /// True if the column is 0 in every row that has a value.
+    /// True if all values of the column are 0. A column of floating-point numbers must have a value.
     pub fn is_blank(&self) -> bool {
         match &self.series {
             Series::Codes(codes) => codes.iter().all(|code| *code == 0),

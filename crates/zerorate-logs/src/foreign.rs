@@ -222,7 +222,7 @@ fn logs_of_ardupilot() {
     let said = all(DATAFLASH, ColumnSelection::All, "").unwrap_err().to_string();
     assert!(said.contains("several IMUs") && said.contains("IMU[0]") && !said.contains("BARO"), "{said}");
     assert!(fails(DATAFLASH, "--column IMU[0].Nothing").contains("one of: IMU[0].GyrX"));
-    // four stray bytes between two messages, and a file that ends inside a message
+    // four stray bytes in the middle, and a file that ends inside a message
     let at = DATAFLASH.len() / 2;
     let torn = [&DATAFLASH[..at], &[0xA3, 0x95, 7, 0xA3], &DATAFLASH[at..DATAFLASH.len() - 9]].concat();
     let torn = read_file(torn, "--column IMU[0].GyrZ").unwrap();

@@ -82,7 +82,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns { stated_rate: StatedRate::among(rates), ..found })
 }
 
-/// Sorts the data sets by name, because a file lists them in any order.
+/// Finds the data sets, rates and objects of a file. Data sets are sorted by name: a file lists them in any order.
 fn content(path: &Path, input: Input, room: MemoryBudget) -> Result<Content, InputError> {
     let most = usize::try_from(room.bytes()).unwrap_or(usize::MAX) / 4;
     let options = OpenOptions::default()
@@ -301,7 +301,7 @@ impl SetColumn<'_> {
         Some(text.trim_matches(['\0', ' ']).to_owned())
     }
 
-    /// The name with the unit of the data set, unless the name states it.
+    /// The name with the unit of the data set, unless the name states it, or the column is a field of a compound.
     fn with_unit(&self) -> String {
         let stated = self.unit_text().and_then(|unit| unit.parse::<Unit>().ok());
         match stated.filter(|unit| self.field.is_none() && Unit::of_column(&self.name) != Some(*unit)) {

@@ -31,7 +31,7 @@ pub struct Body<'a> {
     bytes: &'a [u8],
     encoding: Encoding,
     big_endian: bool,
-    /// Offset of the header's stamp in `bytes`.
+    /// Offset of the header's stamp in `bytes`, once [`Self::at`] has set it.
     start: usize,
 }
 
@@ -48,7 +48,7 @@ impl<'a> Body<'a> {
         Some(Self { bytes, encoding, big_endian, start: 0 })
     }
 
-    /// The body with `start` at the stamp of an IMU that begins at this byte, behind the sequence number of ROS 1.
+    /// The body for an IMU or a temperature that begins at `start`, in ROS 1 with a sequence number before its stamp.
     pub fn at(self, start: usize) -> Option<Self> {
         let start = match self.encoding {
             Encoding::Ros1 => start.checked_add(4)?,

@@ -103,7 +103,8 @@ impl Definitions<'_> {
         Some(())
     }
 
-    /// The full name of a type. `Header` belongs to `std_msgs`, and other types to the package that names them.
+    /// The full name of a type. A name without a package is of the package that uses it or, as `Header`, of
+    /// `std_msgs`.
     fn resolve(&self, name: &str, package: &str) -> Option<String> {
         let name = short(name);
         let candidates = [name.clone(), format!("{package}/{name}"), format!("std_msgs/{name}")];
@@ -137,7 +138,7 @@ impl Many {
     }
 }
 
-/// Splits an array type into element and count: `float64[9]`, `float64[]` and `float64[<=9]`.
+/// Splits a type into the type of an element and their number: `float64`, `float64[9]`, `float64[]`, `float64[<=9]`.
 fn split_array(kind: &str) -> Option<(&str, Many)> {
     let Some((element, count)) = kind.strip_suffix(']').and_then(|kind| kind.rsplit_once('[')) else {
         return Some((kind, Many::One));

@@ -18,7 +18,7 @@ pub enum Number {
     /// An empty cell, or a word for a missing value.
     Missing,
     Integer(i64),
-    /// Any other number; it may be infinite or, as in `-nan`, NaN.
+    /// Any other number; it may be infinite, but is not NaN.
     Decimal(f64),
 }
 
@@ -137,7 +137,7 @@ const TENS: [f64; 23] = [
     1e20, 1e21, 1e22,
 ];
 
-/// Number of digits that always fit a u64.
+/// Largest number of digits that always fit an i64.
 const DIGITS: usize = 18;
 
 /// Reads a number that consists of a sign, digits and a point only, as nearly all do. An integer over a power of ten,

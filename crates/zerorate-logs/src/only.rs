@@ -17,7 +17,7 @@ pub struct RowFilter {
 pub struct Condition {
     /// The column, by its name or its number counted from 0.
     pub column: String,
-    /// The value, as it is written in the table.
+    /// The value: a word as it stands in the table, or a number equal to the one there.
     pub value: String,
 }
 

@@ -64,7 +64,7 @@ impl Log<'_> {
     }
 }
 
-/// True if the first object of a JSON file ends in the line in which it begins, as far as `start` shows.
+/// True if the first object of a JSON file is alone in its line, and ends in it, as far as `start` shows.
 fn has_object_in_line(start: &[u8]) -> bool {
     let Some(first) = start.iter().position(|byte| *byte == b'{') else { return false };
     let line = start[first..].split(|byte| *byte == b'\n').next().unwrap_or_default();

@@ -14,7 +14,7 @@ use zerorate_input::TimeUnit;
 /// Fewest rows that show that a column rises evenly.
 const FEWEST: usize = 10;
 
-/// Counts since an epoch in unusual units: the range of counts from the year 2000 to about 2100, counts per second,
+/// Counts since an epoch in unusual units: the range of counts from about the year 2000 to 2100, counts per second,
 /// and the words of the question.
 const EPOCHS: [(std::ops::Range<f64>, f64, &str); 4] = [
     (36_526.0..73_051.0, 1.0 / 86_400.0, "days, as Excel does"),

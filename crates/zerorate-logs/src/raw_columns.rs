@@ -38,7 +38,7 @@ pub struct RawColumn {
     pub values: SeriesBuilder,
     /// The quantity, and the size of a step of 1 in the unit of results, if the format of the file defines them.
     pub stated: Option<(Quantity, f64)>,
-    /// The size of a step of 1 in the unit of the log, if the log states it; otherwise 1.
+    /// The size of a step of 1 in the unit of the log, if a line above the data states it; otherwise 1.
     pub step: f64,
     pub warnings: Vec<LogWarning>,
     /// True if this is an unrequested temperature beside requested columns.

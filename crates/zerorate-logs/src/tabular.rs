@@ -60,7 +60,7 @@ pub struct TableColumns<'a> {
     pub columns: Vec<usize>,
     values: Vec<RawColumn>,
     time: Option<(String, Times)>,
-    /// The filter of rows, and the names of its columns, which are the last of `columns`; `None` reads all rows.
+    /// The filter of rows, and the names of the columns that it tests, the last of `columns`; `None` keeps all rows.
     only: Option<(&'a RowFilter, Vec<String>)>,
     sample: Vec<Sampled>,
 }
@@ -125,7 +125,7 @@ impl<'a> TableColumns<'a> {
         }
     }
 
-    /// Adds the rows of a batch, which has all columns of the table.
+    /// Adds the wanted rows of a batch, which has all columns of the table.
     pub fn take(&mut self, batch: &RecordBatch) -> Result<(), InputError> {
         let columns: Vec<ArrayRef> = self.columns.iter().map(|index| batch.column(*index).clone()).collect();
         self.sample(batch)?;
@@ -161,7 +161,7 @@ impl<'a> TableColumns<'a> {
             .map_err(|error| wrong(self.path, format_args!("raw columns"), error.to_string()))
     }
 
-    /// Adds rows, given as the arrays of `self.columns` in their order.
+    /// Adds the wanted rows of `columns`, which are the arrays of `self.columns` in their order.
     pub fn append(&mut self, columns: &[ArrayRef]) -> Result<(), InputError> {
         let columns = &self.wanted_rows(columns.to_vec())?[..];
         let Some(first) = self.values.first() else { return Ok(()) };
@@ -206,7 +206,7 @@ impl<'a> TableColumns<'a> {
     }
 }
 
-/// The error for a table that describes itself without its reader: codes must not be read without their scale.
+/// The error if a table describes itself and no reader for it is set: codes must not be read without their scale.
 pub fn needs_reader(path: &Path) -> LogError {
     LogError::Ask(format!("{} describes itself; set `described` to its reader", path.display()))
 }

@@ -39,15 +39,15 @@ pub fn is_bare_unit(name: &str) -> bool {
     name.chars().all(char::is_alphanumeric) && !name.to_lowercase().contains("time")
 }
 
-/// The time of Xsens's sensors, whose unit depends on the sensor.
+/// Name of the time column of Xsens's sensors. The unit of the times depends on the sensor.
 pub const SAMPLE_TIME_FINE: &str = "SampleTimeFine";
 
-/// True if the name of a column states that it is a time in a known unit.
+/// True if the name of a column states a time with its unit, or is [`SAMPLE_TIME_FINE`].
 pub fn states_time(name: &str) -> bool {
     !is_duration(name) && is_in_time_unit(name)
 }
 
-/// True if a column holds a duration, and not the time of its row: `latency_us`.
+/// True if a column, by its name, holds a duration and not the time of its row: `latency_us`.
 fn is_duration(name: &str) -> bool {
     let words =
         ["latency", "exposure", "age", "period", "loop", "cpu", "delay", "duration", "jitter", "timeout", "lag"];

@@ -83,7 +83,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns::new(columns, Some((name, times)), of_end.map(LogWarning::from)))
 }
 
-/// The quantity of a field, and its unit, by PX4's definition.
+/// The quantity of an IMU's field, and the size of its unit in the unit of results, by PX4's definition.
 fn stated(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     let topic = topic.split('#').next().unwrap_or(topic);
     let is_axis = |rest: &str| matches!(rest, "x" | "y" | "z" | "[0]" | "[1]" | "[2]");
@@ -91,7 +91,7 @@ fn stated(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     found.map(|(_, _, unit)| (unit.quantity(), unit.in_results()))
 }
 
-/// The quantity of a temperature field of a sensor, °C.
+/// The quantity of a sensor's temperature field, and the size of its unit: 1, for °C.
 fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     (topic.starts_with("sensor_") && field == "temperature").then_some((Quantity::Temperature, 1.0))
 }
@@ -118,8 +118,8 @@ impl<'a> Messages<'a> {
         Ok(Self { path, file })
     }
 
-    /// Calls `take` with each message until it returns false. Returns the input, from its start. `of_end` receives the
-    /// warning about an early end, or about another log that follows.
+    /// Calls `take` with each message until `take` returns false. Returns the input, from its start. `of_end` receives
+    /// the warning if a body is cut off, if `take` returned false, or if another log follows.
     fn all(
         &mut self,
         of_end: &mut Option<InputWarning>,
@@ -210,7 +210,7 @@ impl Topics {
         Some(())
     }
 
-    /// Names of topics: with the instance, if there are several.
+    /// The number of each topic by its name, which includes the instance if the topic has several: `sensor_gyro#1`.
     fn names(&self) -> BTreeMap<String, u16> {
         let several = |topic: &str| self.logged.values().filter(|(name, _)| name == topic).count() > 1;
         let named = self.logged.iter().map(|(id, (topic, instance))| match several(topic) {
@@ -327,7 +327,7 @@ impl Topics {
         several(path, asked, &survey)
     }
 
-    /// Lists the readings of IMUs. A request may name any other field as well.
+    /// Lists the fields with readings of IMUs or, without any, the topics. A request may name any other field as well.
     fn offered(&self) -> String {
         let of_topic = |(topic, id): (&String, &u16)| {
             let fields = self.fields(*id).unwrap_or_default().into_iter();

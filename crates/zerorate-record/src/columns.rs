@@ -198,7 +198,7 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// A column by its name, converted to the type of the format, since other software may have widened it.
+    /// A column by its name, converted to integers of type `T`, since other software may have changed its type.
     fn column<T: ArrowPrimitiveType<Native: TryFrom<i128>>>(
         &self,
         name: &str,

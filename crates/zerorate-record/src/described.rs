@@ -45,7 +45,7 @@ impl DescribedTable for DescribedCapture {
         self.capture.schema()
     }
 
-    /// The rates of all axes, corrected ones if there are any.
+    /// One column for each axis: its corrected rate or, in a capture without corrected rates, its codes.
     fn default_columns(&self) -> Vec<usize> {
         let schema = self.schema();
         let position = |name: String| schema.index_of(&name).ok();
@@ -135,7 +135,7 @@ impl<'a> Validation<'a> {
         Self { path, columns, axes, count: validates.then(RowCount::default) }
     }
 
-    /// Adds rows. Returns the newly validated values of each column.
+    /// Adds rows. Returns the newly validated values of each column of readings, and all new values of other columns.
     fn take(&mut self, batch: &RecordBatch, rows: &Rows) -> Result<Vec<ArrayRef>, InputError> {
         if let Some(count) = &mut self.count {
             count.take(rows);

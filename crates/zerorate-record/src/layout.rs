@@ -301,7 +301,7 @@ impl Layout {
         rates.chain([temp]).chain(corrected).chain(flags).collect()
     }
 
-    /// The metadata entries of the axes and the scales of their codes.
+    /// The metadata entries of the part, its axes, the scales of all codes, and the width of the status.
     pub(super) fn to_metadata(&self) -> impl Iterator<Item = (String, String)> {
         let scale = |key: String, unit: &str, scale: &Scale| {
             let signed = scale.signed.then(|| (format!("{key}.signed"), "true".to_owned()));
@@ -367,13 +367,13 @@ impl CodedAxis {
         format!("{}_code", self.name)
     }
 
-    /// Name of the column of the measured rate, °/s.
+    /// Name of the column of the measured rate, °/s. Only a corrected capture has this column.
     #[must_use]
     pub fn rate_column(&self) -> String {
         format!("{}_dps", self.name)
     }
 
-    /// Name of the column of the corrected rate, °/s. Only a corrected capture has it.
+    /// Name of the column of the corrected rate, °/s. Only a corrected capture has this column.
     #[must_use]
     pub fn corrected_column(&self) -> String {
         format!("{}_corrected_dps", self.name)

@@ -17,7 +17,7 @@ pub struct Block<'a> {
     pub samples: &'a [f64],
     /// The sample before the block; `None` before the first block.
     before: Option<f64>,
-    /// The facts. `None` if a sample is missing or too large, if the block is short, and for the first block.
+    /// The facts. `None` if the block is first or short, or a sample is too large or, here or right before, missing.
     pub facts: Option<Facts>,
 }
 

@@ -9,7 +9,7 @@ fn checks(samples: &[f64]) -> ColumnChecks {
     ColumnChecks::of(&Input::Rate(samples))
 }
 
-/// Plain noise, and noise with each defect that the checks look for.
+/// Plain noise, noise with defects that the checks look for, and columns that are short, empty or all missing.
 fn columns() -> Vec<Vec<f64>> {
     let with = |change: &dyn Fn(usize, f64) -> f64| -> Vec<f64> {
         noise(20_011).into_iter().enumerate().map(|(at, sample)| change(at, sample)).collect()

@@ -11,8 +11,8 @@ fn parts(line: &str) -> Option<(&str, &str)> {
     is_sum.then_some((body, sum))
 }
 
-/// A line without the checksum of a sentence, and without the `;` that some programs put at the end of a line. The `;`
-/// is kept if the line has another one, or if its comma may be decimal because it is the only one.
+/// A line without the checksum of a sentence, and without the `;` that some programs put at the end of a line. That
+/// `;` is kept if the line has another one, or neither two commas nor a comma and a point.
 pub fn without_end(line: &str) -> &str {
     let line = parts(line).map_or(line, |(body, _)| &line[..=body.len()]);
     let are_cells = |rest: &str| rest.contains(',') && rest.contains('.') || rest.matches(',').count() > 1;

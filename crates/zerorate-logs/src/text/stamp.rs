@@ -17,7 +17,7 @@ const DECIMALS: usize = 3;
 /// The time in front of a line.
 pub struct Stamp {
     pub time: Range<usize>,
-    /// The end of the time and the marks behind it.
+    /// Offset of the end of the marks behind the time.
     pub end: usize,
     /// The name of the column of these times.
     pub name: &'static str,
