@@ -16,7 +16,7 @@ pub struct StreamReader {
     path: PathBuf,
     messages: Messages<BufReader<Input>>,
     decoder: StreamDecoder,
-    /// A second handle to the same file, to search for checks after a message that is cut off.
+    /// A second handle of the same file, to search what is behind the end or a message that is cut off.
     rest: Input,
     len: u64,
     room: MemoryBudget,

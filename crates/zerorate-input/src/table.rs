@@ -16,7 +16,7 @@ pub fn describes_itself(schema: &Schema) -> bool {
 /// Prefix of the metadata keys of checks: digests of the rows, which the writer adds.
 pub const CHECKS: &str = "zerorate.check.";
 
-/// Key of the check of one batch, in the metadata of its message in an Arrow stream.
+/// Key of the check of one batch, in the metadata of its message in an Arrow stream or in a comment of CSV.
 pub const BATCH_CHECK: &str = "zerorate.check.batch";
 
 /// Key of the checks of all batches in the metadata of a Parquet file, in order and separated by blanks.
@@ -31,9 +31,9 @@ pub struct Stated {
     pub schema: SchemaRef,
     /// The check of the batch that was returned last; `None` before the first batch, and if the file has no checks.
     pub check: Option<String>,
-    /// The end statement. An Arrow stream states it only after the last batch.
+    /// The end statement. An Arrow stream and CSV state it only after the last batch.
     pub end: Option<String>,
-    /// True once the reader has met the end of the file.
+    /// True once the reader has met the end of the file. The reader of Parquet does not set it.
     pub ended: bool,
     /// True if the file is cut off before the end of its content.
     pub torn: bool,
@@ -83,7 +83,8 @@ pub trait DescribedTable {
     /// `None` for other columns.
     fn step(&self, column: usize) -> Option<(Quantity, f64)>;
 
-    /// Reads all rows and passes `columns` to `take`, batch by batch. With `validates`, invalid values are null.
+    /// Reads all rows and passes `columns` to `take`, batch by batch. With `validates`, invalid values are null, and
+    /// losses are counted.
     ///
     /// # Errors
     /// Returns an error if the table cannot be read, or if its rows contradict its statements.
@@ -98,7 +99,7 @@ pub trait DescribedTable {
 /// The statements of a [`DescribedTable`], once all rows were read.
 #[derive(Debug, Default)]
 pub struct Described {
-    /// Mean rate of the rows, Hz, lost rows included.
+    /// Mean rate of the rows, Hz, lost rows included; `None` if it is not known.
     pub rate_hz: Option<f64>,
     /// Index of each row before which rows were lost, and the number of lost rows.
     pub lost: Vec<(usize, u64)>,

@@ -7,7 +7,7 @@ use std::path::Path;
 /// A warning about the end of a file. The content before it is valid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InputWarning {
-    /// The file lacks its end. The text says what is dropped.
+    /// The file lacks its end, or a part of it cannot be read. The text says what is dropped.
     Torn(String),
     /// Bytes other than zeros follow the end of the content.
     BytesBehindEnd {

@@ -151,7 +151,7 @@ impl<'a> Messages<'a> {
 #[derive(Clone, Debug)]
 pub struct Form {
     pub name: String,
-    /// Length of all fields in bytes.
+    /// Length of the message behind its head, in bytes.
     length: usize,
     fields: Vec<Field>,
 }

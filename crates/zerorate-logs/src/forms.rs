@@ -85,7 +85,7 @@ impl Form {
 /// The format of a file in words, recognised by its start; `path` names the file in messages.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or is not a log in any supported format.
+/// Returns an error if the file cannot be read, is empty, or is of a known format that is not supported.
 pub fn kind(path: &Path, input: Input) -> Result<String, InputError> {
     let log = open::looked_at(path, input)?;
     match open::packing(&log.start) {

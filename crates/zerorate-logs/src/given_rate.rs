@@ -46,8 +46,8 @@ pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> 
     (steps > FEWEST_STEPS).then_some((rate_hz, COARSE_RATE_OFF))
 }
 
-/// The rate of stamps of which a few are wrong, from the median step, Hz. `None` if more than a tenth of the steps do
-/// not rise.
+/// The rate of stamps of which a few are wrong, from the median step, Hz. `None` if at most [`FEWEST_STEPS`] steps
+/// rise, or more than a tenth do not.
 fn median_rate_hz(rows: &[f64], unit: TimeUnit) -> Option<f64> {
     let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     let rise = steps.len() > FEWEST_STEPS && 10 * steps.len() >= 9 * (rows.len() - 1);

@@ -151,7 +151,7 @@ pub struct Quantities {
 }
 
 impl Quantities {
-    /// If the request leaves the topic open, `survey` lists the topics.
+    /// Chooses the requested quantities. If the request leaves the topic open, the error lists the topics of `survey`.
     pub fn choose(
         path: &Path,
         topics: &Sources,

@@ -191,7 +191,7 @@ const MAX_HEADER: u32 = 1 << 14;
 /// Largest depth of brackets. A usual header has at most 4: the dictionary, the list of fields, a field, its shape.
 const MAX_DEPTH: usize = 6;
 
-/// The depth of nested brackets; `None` if a backslash leaves open where a string ends.
+/// The depth of nested brackets; `None` if there is a backslash, which leaves open where a string ends.
 fn depth(header: &[u8]) -> Option<usize> {
     let (mut now, mut most, mut quote) = (0usize, 0, None);
     for byte in header {
@@ -230,7 +230,7 @@ impl Field {
         Self { name, kind, big_endian, size, offset, stride, time_unit }
     }
 
-    /// Names a column of a named array: in two dimensions, by the array's name and the column's number.
+    /// Names a column of a named array: `gyro`, in two dimensions `gyro.0`, and for a field `gyro.x`.
     fn of(self, array: &str, shape: &[u64]) -> Self {
         let name = match (shape, self.name.parse::<u64>()) {
             ([_], Ok(0)) => array.to_owned(),

@@ -23,7 +23,7 @@ pub struct ColumnOptions {
     pub topic: Option<String>,
 
     /// The column with the time of each row, which shows the rate and where samples are missing. `None` finds the
-    /// column by its name or type.
+    /// column by its name, type or content, unless `rate` is given.
     pub time_column: Option<String>,
 
     /// The rows that are read; `None` reads all rows.

@@ -6,7 +6,7 @@ use crate::options::ColumnOptions;
 pub struct ColumnQuery<'a> {
     pub wanted: ColumnSelection<'a>,
     pub args: &'a ColumnOptions,
-    /// True if the temperature of a capture is to be read in the same pass. The temperature becomes the last column.
+    /// True if the temperature of a capture is to be read in the same pass. If it was not requested, it comes last.
     pub with_temperature: bool,
 }
 

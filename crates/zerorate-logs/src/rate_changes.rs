@@ -12,7 +12,7 @@ const SPAN: usize = 128;
 /// that the median span is not affected.
 const PART: usize = 4 * SPAN;
 
-/// Number of parts that are compared.
+/// Largest number of parts that are compared.
 const PARTS: usize = 8;
 
 /// An interval of more than this many usual intervals is a gap.

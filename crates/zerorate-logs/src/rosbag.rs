@@ -185,7 +185,7 @@ impl From<io::Error> for Stop {
 
 impl Records<'_> {
     /// Calls `take` with each record, and with the records in chunks unless `skip_chunks` is set. Returns the warning
-    /// about an early end.
+    /// about an early end, or about another bag that follows.
     fn each(
         &mut self,
         skip_chunks: bool,
@@ -240,7 +240,7 @@ impl Records<'_> {
         Ok(true)
     }
 
-    /// The early end of this bag, if another bag starts at offset `here`.
+    /// The reason to stop reading, if another bag starts at offset `here`.
     fn another_bag(&self, here: u64, length: u64) -> Option<Stop> {
         let start = self.file.get_ref().bytes_at(here, ROS_BAG.len()).ok()?;
         (&start[..] == ROS_BAG).then_some(Stop::AnotherBag(length - here))

@@ -65,7 +65,7 @@ pub fn numbers(column: &Column) -> Vec<f64> {
     }
 }
 
-/// The samples of a column; `None` if a sample is missing.
+/// The samples of a column, without gaps among codes; `None` if a number is missing.
 pub fn there(column: &Column) -> Vec<Option<f64>> {
     numbers(column).into_iter().map(|number| Some(number).filter(|number| !number.is_nan())).collect()
 }

@@ -120,7 +120,7 @@ fn finer(unit: TimeUnit, rate_hz: f64) -> Option<TimeUnit> {
     }
 }
 
-/// Returns a time unit that fits the log better than `unit`, or `None` if `unit` fits or no other does.
+/// Returns a time unit that fits the log better than `unit`; `None` if dates and rate are plausible in `unit`.
 ///
 /// `rate_hz` is the rate of rows that `unit` implies. `first` is the first time as it is written.
 fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {

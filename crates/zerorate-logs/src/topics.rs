@@ -15,7 +15,7 @@ pub struct Topic {
     pub kind: String,
     pub frame: Option<String>,
     pub messages: u64,
-    /// Stamps of the first and the last message, ns.
+    /// Stamps of the first and the last message, in a bag the least and the largest stamp, ns.
     pub span_ns: Option<(i64, i64)>,
 }
 

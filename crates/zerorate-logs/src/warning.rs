@@ -49,7 +49,7 @@ pub enum LogWarning {
     ScaleAssumed(String),
     /// The number `name` beside the columns states the sample rate, which is used.
     RateTaken { path: String, name: String, rate_hz: f64 },
-    /// The rate that was given is not the rate of the stamps.
+    /// The rate that was given, or that a number in the file states, is not the rate of the stamps.
     RateContradicts { path: String, given_hz: f64, stamps_hz: f64 },
     /// Samples of a column pile up at its largest or least value, as the text says.
     Clipped { path: String, column: String, how: String },

@@ -230,7 +230,7 @@ impl Checked {
         }
     }
 
-    /// The statement at the end of the file; `None` before all rows were read, or if there is none.
+    /// The statement at the end of the file; `None` if there is none or, except in Parquet, before all rows were read.
     ///
     /// # Errors
     /// Returns an error if the statement is malformed.

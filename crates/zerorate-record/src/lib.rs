@@ -52,7 +52,8 @@ use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
 use zerorate_input::{Input, InputError, Opened};
 
-/// Writes rows to a capture. Dropping it also closes the file, but only [`CaptureWriter::finish`] reports errors.
+/// Writes rows to a capture. Dropping the writer also closes the file, but only [`CaptureWriter::finish`] reports
+/// errors.
 pub struct CaptureWriter {
     path: PathBuf,
     schema: SchemaRef,
@@ -86,7 +87,7 @@ impl CaptureWriter {
         })
     }
 
-    /// Adds a row to the open batch. A full batch is passed to the operating system at once, except in Parquet.
+    /// Adds a row. If the open batch is full, first passes the batch to the operating system, except in Parquet.
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         let misfit = |what| CaptureError::damaged(&self.path, "row to be written", what);
         self.layout.check_row(row).map_err(misfit)?;

@@ -6,7 +6,7 @@ use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_allan::Gap;
 
-/// A column that changes more often than not, and then stays the same for this many samples, has stopped.
+/// A column has stopped if it stays the same for this many samples, and changes more often than not in all others.
 const STOPPED_SAMPLES: usize = 1000;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

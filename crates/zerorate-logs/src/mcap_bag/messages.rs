@@ -49,8 +49,8 @@ impl Torn {
 const MESSAGE_HEAD: u64 = 31;
 
 impl<R: Read> Messages<R> {
-    /// Creates a reader. No record may be longer than the memory limit. The reader verifies the checksums behind the
-    /// messages of each chunk, and the checksum of all data, before the footer.
+    /// Creates a reader. No record may be longer than the memory limit. The reader verifies the checksum of each chunk
+    /// after its messages, and the checksum of all data before the footer.
     pub fn new(file: R, room: MemoryBudget) -> Self {
         let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
         let options = LinearReaderOptions::default()

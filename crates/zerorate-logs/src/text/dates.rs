@@ -15,7 +15,7 @@ pub enum DateOrder {
 /// The facts about times in a column, from its first cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DateColumn {
-    /// True if nearly all cells are times of day, with or without a date, and nearly all rise from row to row.
+    /// True if nearly all cells are times of day, with or without a date, and they rise and hardly ever fall.
     pub are_times: bool,
     pub format: DateFormat,
 }
@@ -29,7 +29,7 @@ pub struct DateFormat {
     unpadded: Option<usize>,
 }
 
-/// Share of the cells that must be times, and of the rows at which times may go back: at midnight, or out of order.
+/// Share of the cells that must be times, and of the rows, besides one, at which times may go back, as at midnight.
 const TIMES: f64 = 0.95;
 const FALLS: f64 = 0.01;
 

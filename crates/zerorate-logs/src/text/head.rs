@@ -39,9 +39,9 @@ pub struct Head {
     /// The delimiter of the lines between stamps; `None` if stamps have no lines of their own.
     pub stamps: Option<u8>,
     pub marks: Marks,
-    /// The decimal mark, if the first lines of the text show it.
+    /// The decimal mark, if it was given or the first lines of the text show it.
     pub decimal: Option<Decimal>,
-    /// True if commas seem to be decimal marks as well as delimiters, because a cell is `-0` or begins like decimals
+    /// True if commas seem to be decimal marks as well as delimiters, because a cell is `-0` or looks like decimals
     /// (`05`).
     cuts_numbers: bool,
     /// True if the first cell of a row is an index, which has no name.
@@ -142,8 +142,8 @@ impl Head {
         Ok(head)
     }
 
-    /// Reads scales from the comments and from the lines above the data that are not a header. Counts these lines as
-    /// skipped, unless they are Gyroflow's.
+    /// Reads scales from the comments and from the lines above the data that are not a header. Counts the lines that
+    /// are not comments as skipped, unless they are Gyroflow's.
     fn skip(&mut self, skipped: &[Numbered<'_>], comments: &[&str]) {
         let lines = skipped.iter().map(|(_, line)| *line).chain(comments.iter().copied());
         self.scales = Scales::of(lines, &self.names);
@@ -306,7 +306,7 @@ fn ros_names() -> Vec<String> {
     header.into_iter().chain(orientation).chain(vectors.concat()).collect()
 }
 
-/// The delimiter of the other lines, if every second line is a single number or date: the stamp of the line below it.
+/// The delimiter of the other lines, if nearly every second line is a single number, the stamp of the line below it.
 pub fn stamps(text: &str) -> Option<u8> {
     let lines = text.lines().map(str::trim_ascii).filter(|line| !line.is_empty() && !is_comment(line)).take(LINES);
     let shapes: Vec<Shape> = lines.filter_map(|line| Shape::of(line, None)).collect();

@@ -160,7 +160,7 @@ fn are_in_brackets(line: &str) -> bool {
     line.len() > 1 && line.starts_with(['(', '[']) && line.ends_with([')', ']'])
 }
 
-/// True if a line holds values. Messages that a board prints when it starts do not.
+/// True if a line may hold values. Most messages that a board prints when it starts cannot.
 fn has_cells(line: &str, delimiter: Delimiter) -> bool {
     delimiter.byte().is_none_or(|byte| line.contains(char::from(byte))) || is_value(line)
 }

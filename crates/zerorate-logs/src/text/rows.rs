@@ -303,7 +303,7 @@ fn trimmed(cell: &str) -> &str {
     }
 }
 
-/// Reads a time: a number, or a date with a time of day.
+/// Reads a time: a number, or a time of day with or without a date.
 fn read_time(numerals: &mut Numerals, cell: &str, line: u64, format: DateFormat) -> Result<Time, String> {
     let unreadable = match numerals.read(cell, line) {
         Ok(Number::Integer(time)) => return Ok(Time::Integer(time)),

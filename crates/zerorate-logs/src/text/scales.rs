@@ -64,7 +64,7 @@ impl Scales {
         }
     }
 
-    /// Gives the times their unit, if the log states the scale of their column.
+    /// Converts the times to s, if the log states the scale of their column and their unit is not known.
     pub fn give_unit(&self, name: &str, times: &mut Times) {
         let stated = self.time.filter(|(column, _)| *column == name && times.unit.is_none());
         if let Some((_, step_s)) = stated {
