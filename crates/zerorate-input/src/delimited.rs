@@ -24,7 +24,7 @@ pub struct Lines {
 pub struct Line<'a> {
     /// Line number, from 1.
     pub number: u64,
-    /// Text without the line feed and without blanks around.
+    /// The text, without the line feed and the blanks around it.
     pub text: &'a str,
     /// True if a line feed ends the line. The last line of a file may lack it.
     pub ended: bool,
@@ -47,7 +47,7 @@ impl Lines {
         self.position
     }
 
-    /// The number of the line read last, from 1. At the end of the text it is one more.
+    /// The number of the line read last, from 1. At the end of the text, the number of lines plus 1.
     pub fn number(&self) -> u64 {
         self.number
     }

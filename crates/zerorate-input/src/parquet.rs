@@ -14,8 +14,8 @@ use std::io::{self, BufReader, ErrorKind, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::vec::IntoIter;
 
-/// Rows per batch when a file is read, and per block when a capture is written. All row groups of a capture except the
-/// last consist of whole blocks.
+/// Rows per batch when a Parquet file is read, and per block when a capture is written as Parquet. All row groups of a
+/// capture except the last consist of whole blocks.
 pub const BLOCK: usize = 1 << 16;
 
 /// Maximum number of decoded batches that wait in the queue to the reader.

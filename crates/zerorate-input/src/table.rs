@@ -83,8 +83,8 @@ pub trait DescribedTable {
     /// `None` for other columns.
     fn step(&self, column: usize) -> Option<(Quantity, f64)>;
 
-    /// Reads all rows and passes `columns` to `take`, batch by batch. With `validates`, invalid values are null, and
-    /// losses are counted.
+    /// Reads all rows and passes `columns` to `take` in batches. With `validates`, nulls invalid values and counts
+    /// losses.
     ///
     /// # Errors
     /// Returns an error if the table cannot be read, or if its rows contradict its statements.

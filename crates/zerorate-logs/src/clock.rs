@@ -355,8 +355,7 @@ pub struct TimeBase {
     pub gaps: Vec<Gap>,
     /// Root mean square deviation of the timestamps from an even clock, in intervals.
     pub jitter: f64,
-    /// The other possible rate of a clock that counts in steps, Hz, if double steps are losses; `None` for other
-    /// clocks.
+    /// The other possible rate, Hz, of a clock that counts in steps: if double steps are losses. Otherwise `None`.
     pub as_losses: Option<f64>,
 }
 

@@ -103,7 +103,7 @@ impl<'a> Messages<'a> {
         Self { path, file, forms: BTreeMap::new(), skipped: 0, places: 0 }
     }
 
-    /// Calls `take` with each message but FMT until it returns false. Skips bytes outside messages.
+    /// Calls `take` with each message but FMT until `take` returns false. Skips bytes outside messages.
     pub fn all(&mut self, mut take: impl FnMut(u8, &Form, &[u8]) -> bool) -> Result<(), InputError> {
         let (mut head, mut body) = ([0; HEAD], [0; u8::MAX as usize]);
         let mut is_lost = false;

@@ -65,7 +65,7 @@ impl Source {
         if self.is_temperature { "sensor_msgs/Temperature" } else { "sensor_msgs/Imu" }
     }
 
-    /// The body of a message, starting at the header of this IMU or temperature.
+    /// The body of a message, with its start at the stamp of this IMU or temperature.
     fn body<'a>(&self, encoding: Encoding, message: &'a [u8]) -> Option<Body<'a>> {
         let body = Body::of(encoding, message)?;
         let start = self.place.as_ref().map_or(Some(0), |place| place.start(&body))?;

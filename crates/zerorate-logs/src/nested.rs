@@ -103,8 +103,7 @@ impl Definitions<'_> {
         Some(())
     }
 
-    /// The full name of a type. A name without a package is of the package that uses it or, as `Header`, of
-    /// `std_msgs`.
+    /// The full name of a type. One without a package is of the package that uses it or, like `Header`, of `std_msgs`.
     fn resolve(&self, name: &str, package: &str) -> Option<String> {
         let name = short(name);
         let candidates = [name.clone(), format!("{package}/{name}"), format!("std_msgs/{name}")];
@@ -172,7 +171,7 @@ impl Place {
     }
 }
 
-/// The offset behind these fields.
+/// The offset behind these fields, which begin at `at`.
 fn skip(fields: &[Field], body: &Body<'_>, mut at: usize) -> Option<usize> {
     for field in fields {
         at = match field {

@@ -44,7 +44,7 @@ pub struct Array {
 }
 
 impl Array {
-    /// Reads the header of an array. `length` is the file's size in bytes, and `name` the array's name in its archive.
+    /// Reads the header of an array in a file of `length` bytes. `name` is its name in an archive, or empty.
     pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, InputError> {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
         let (header, start) = header(file).map_err(|what| InputError::damaged(path, place, what))?;
@@ -208,7 +208,6 @@ fn depth(header: &[u8]) -> Option<usize> {
     Some(most)
 }
 
-/// A column of an array.
 struct Field {
     name: String,
     /// The type of the numbers; `None` if the type is not supported.

@@ -40,7 +40,7 @@ pub struct ColumnOptions {
     /// bag, or a sample rate that the file states. With a given rate, the stamps of a bag are only compared with it.
     pub rate: Option<f64>,
 
-    /// The unit of the column; `None` takes the unit that its name states, as in gyro_z_dps or `gz [rad/s]`.
+    /// The unit of the column; `None` takes the one that its name (gyro_z_dps or `gz [rad/s]`) or the log states.
     pub unit: Option<Unit>,
 
     /// The size of a step of 1 in the column, in the given unit, or else the unit that the column's name or the log

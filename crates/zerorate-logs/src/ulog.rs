@@ -342,7 +342,7 @@ impl Topics {
     }
 }
 
-/// Looks up a basic type. Returns the coding of the number, or `None` for `bool` and `char`, and the size in bytes.
+/// Looks up a basic type. Returns its coding, which `bool` and `char` do not have, and its size in bytes.
 fn basic_type(name: &str) -> Option<(Option<Coding>, usize)> {
     Some(match name {
         "int8_t" => (Some(Coding::Signed), 1),

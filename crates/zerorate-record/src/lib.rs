@@ -52,8 +52,7 @@ use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
 use zerorate_input::{Input, InputError, Opened};
 
-/// Writes rows to a capture. Dropping the writer also closes the file, but only [`CaptureWriter::finish`] reports
-/// errors.
+/// Writes rows to a capture. A drop of the writer also closes the file, but only [`Self::finish`] reports errors.
 pub struct CaptureWriter {
     path: PathBuf,
     schema: SchemaRef,

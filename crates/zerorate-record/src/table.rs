@@ -95,7 +95,6 @@ impl CheckedSink {
         Ok(())
     }
 
-    /// Writes rows that belong to one block.
     fn write_piece(&mut self, piece: &RecordBatch) -> Result<(), CaptureError> {
         let rows = Rows::from_batch(&self.path, "rows to be written", piece, &self.layout)?;
         self.chain.take(&rows, piece);

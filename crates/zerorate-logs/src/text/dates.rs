@@ -63,7 +63,7 @@ fn fraction(cell: &str) -> Option<Range<usize>> {
     (digits > 0).then_some(mark..mark + digits)
 }
 
-/// True if a cell can only be a time: 12:30 alone may be hours and minutes, or minutes and seconds.
+/// False for a cell without a colon, and for 12:30 alone: hours and minutes, or minutes and seconds.
 fn is_clear(cell: &str) -> bool {
     let has_more = |c: char| !c.is_ascii_digit() && c != ':';
     cell.matches(':').count() > 1 || cell.contains(':') && cell.contains(has_more)

@@ -193,8 +193,7 @@ impl Head {
         Ok((used, used > 0))
     }
 
-    /// The end of the lines above the data that may be names. A board may print messages between its header
-    /// and its first row.
+    /// Number of lines above the data, without the messages that a board may print between its header and first row.
     fn names_end(&self, above: &[Numbered<'_>]) -> usize {
         let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
         let is_spoken = above.last().is_some_and(|(_, line)| cells(line).len() == 1);

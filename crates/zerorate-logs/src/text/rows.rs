@@ -330,7 +330,7 @@ pub struct Broken {
 impl Broken {
     /// The text of a warning about broken lines, or an error if more lines are broken than may be skipped.
     ///
-    /// `most` is the share of the rows that may be skipped, and `option` the name of its setting.
+    /// `most` is the share of rows that may be skipped, [`MAX_BAD`] by default, and `option` the name of its setting.
     pub fn judge(self, path: &Path, most: Option<f64>, option: SettingName) -> Result<Option<String>, InputError> {
         let Self { rows, bad, first } = self;
         let Some((line, what)) = first else { return Ok(None) };

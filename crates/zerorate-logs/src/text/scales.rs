@@ -4,10 +4,10 @@
 use crate::clock::Times;
 use zerorate_input::{TimeUnit, Unit};
 
-/// The column with the time in Gyroflow's logs.
+/// Name of the column with the time in Gyroflow's logs.
 const TIME: &str = "t";
 
-/// The column with the time in LabVIEW's logs, in s, and the lines that state its quantity and its step.
+/// Names of the column with the time, s, in LabVIEW's logs, and of the lines that state its quantity and its step.
 const X_VALUE: &str = "X_Value";
 const X_DIMENSION: &str = "X_Dimension";
 const DELTA_X: &str = "Delta_X";

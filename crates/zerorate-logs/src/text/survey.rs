@@ -67,7 +67,7 @@ pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) 
 }
 
 impl Head {
-    /// Reads the first cell of a row as an index without a name.
+    /// Reads the first cell of each row as an index without a name.
     fn drop_index(&mut self) {
         self.index = true;
         self.numeric.remove(0);
