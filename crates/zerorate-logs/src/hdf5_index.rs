@@ -17,7 +17,7 @@ const FIXED_HEAD: usize = 28;
 const BLOCK_HEAD: usize = 14;
 
 /// Verifies the checksum of `bytes`, if they are the header of an array index, or a block of it that ends with a
-/// checksum. `read` reads other bytes of the file.
+/// checksum. For the header of a fixed array, also verifies its data block, which `read` reads.
 pub fn check(bytes: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) -> Result<(), Error> {
     match bytes.first_chunk() {
         Some(b"FAHD") if bytes.len() == FIXED_HEAD => {

@@ -341,8 +341,8 @@ impl Cells<'_> {
     }
 }
 
-/// Calls `take` with the index of a column and a block of its cells. Reads all columns in one pass if rows are
-/// contiguous.
+/// Calls `take` with the index of a column and a block of its cells. Reads all columns in one pass, unless the cells
+/// of a row are far apart.
 fn each(
     path: &Path,
     file: &mut BufReader<Input>,

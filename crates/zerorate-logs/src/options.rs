@@ -43,8 +43,8 @@ pub struct ColumnOptions {
     /// The unit of the column; `None` takes the one that its name (gyro_z_dps or `gz [rad/s]`) or the log states.
     pub unit: Option<Unit>,
 
-    /// The size of a step of 1 in the column, in the given unit, or else the unit that the column's name or the log
-    /// states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a capture.
+    /// The size of a step of 1 in the column, in the given unit, or else the unit that its name or the log states, or
+    /// else °/s. `None` means 1 or, for the codes of a capture without a given unit, the scale of the sensor.
     pub scale: Option<f64>,
 
     /// True if the values are increments (an angle or a velocity for each sample) in place of rates. `None` reads them

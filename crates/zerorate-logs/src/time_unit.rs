@@ -70,8 +70,8 @@ pub fn of_xsens(name: &str, times: &Times) -> Option<(TimeUnit, f64)> {
     Some(if interval < FINE { (TimeUnit::Ms, 0.1) } else { (TimeUnit::Us, 1.0) })
 }
 
-/// Checks that times in this unit, in a column of a log, make sense. `is_named` means that only the name of the
-/// column states the unit.
+/// Checks that times in this unit, in a column of a log, make sense. `is_named` means that only the name of the column
+/// or dates state the unit.
 ///
 /// # Errors
 /// Returns a question that states the rate in this unit and in the unit that fits.

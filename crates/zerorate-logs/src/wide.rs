@@ -7,7 +7,7 @@ use zerorate_input::{Input, InputError};
 
 const BUFFER: usize = 1 << 16;
 
-/// True if UTF-16 text is big endian; `None` if the text is not in UTF-16.
+/// True if UTF-16 text is big endian; `None` if the start does not show UTF-16.
 fn order(start: &[u8]) -> Option<bool> {
     let ascii = |at: usize| start[2..].iter().skip(at).step_by(2).all(|byte| (1..0x80).contains(byte));
     let zeros = |at: usize| start[2..].iter().skip(at).step_by(2).all(|byte| *byte == 0);

@@ -3,7 +3,7 @@
 
 use super::block::Block;
 
-/// Number of samples at the limit from which a warning is given, and their least share of all samples.
+/// Least number of samples at a limit for a warning, and their least share of all samples.
 const ENOUGH: u64 = 50;
 const SAID: f64 = 1e-3;
 

@@ -7,7 +7,7 @@ use super::block::{Block, WINDOW};
 /// variance of 1/12 of a step squared.
 const SAID: f64 = 0.577;
 
-/// Range of a window's samples, in steps, from which their standard deviation is above [`SAID`]: the variance of a
+/// Range of a window's samples, in steps, above which their standard deviation exceeds [`SAID`]: the variance of a
 /// window is at least 1/62 of the square of its range.
 const WIDE: f64 = 5.0;
 

@@ -11,7 +11,7 @@ const LOOKED_AT: usize = 1 << 17;
 /// Least number of samples for a meaningful share.
 const ENOUGH: usize = 500;
 
-/// Share of the samples from which a warning is given.
+/// Least share of repeated or filled-in samples at which a warning is given.
 const SAID: f64 = 0.02;
 
 /// Usual difference between samples, in steps, above which equal samples are not due to chance: of Gaussian

@@ -1,7 +1,7 @@
 //! Fuzz tests: the reader of captures gets damaged input in every format, and must not panic.
 //!
-//! Each target edits small, valid captures at random. The edits are the same on every machine, and the target sets
-//! their number. To run other edits or more:
+//! Each target edits small, valid captures at random, as often as it sets. The edits are the same on every machine. To
+//! run other edits or more:
 //!
 //! ```sh
 //! ZERORATE_FUZZ_SEED=7 ZERORATE_FUZZ_ITERATIONS=100000 cargo test -p zerorate-record --lib fuzz::
