@@ -39,7 +39,7 @@ pub struct Settings {
     pub mclk_hz: u32,
     /// Read the temperature with every n-th sample (F-55): 1 = with each sample, 0 = never.
     pub every_temp: u16,
-    /// Read on every n-th edge of RDY (F-56): 1 = on each edge.
+    /// Read on every n-th edge of RDY (F-56): 0 or 1 = on each edge.
     pub divider: u16,
     /// Width of the data registers, bits: 24 or 16.
     pub bits: u8,
@@ -219,7 +219,7 @@ pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Codes
 }
 
 /// Waits for new data. Calls `rdy` every 5 us, and returns ZERORATE_E_TIMEOUT after `timeout_us`, plus the time that
-/// the calls take. Needs `rdy` and `delay_us` of the bus.
+/// the calls take. Needs `rdy` and `delay_us` of the bus: ZERORATE_E_PIN without them.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses during the call.
@@ -280,7 +280,8 @@ pub unsafe extern "C" fn zerorate_gyro_silent(gyro: *mut Gyro, now_ns: u64) -> S
     status::of(unsafe { boundary::state(gyro) }.and_then(check))
 }
 
-/// Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, otherwise the fault.
+/// Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, and otherwise the fault,
+/// or the reason why nothing was sent.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses during the call.

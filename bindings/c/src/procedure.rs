@@ -3,7 +3,7 @@
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::gyro::Sample;
-use crate::status::{self, Status, StatusNumber, ZERORATE_E_PLAN, ZERORATE_E_STATE};
+use crate::status::{self, Status, StatusNumber, ZERORATE_E_NULL, ZERORATE_E_PLAN, ZERORATE_E_STATE};
 use zerorate::{
     Action, Axis, Event, FixedProcedure, Measured, Outcome as CoreOutcome, Plan as CorePlan, Reading, Refusal, Remedy,
     State as CoreState, Warning, WindowWarnings,
@@ -258,7 +258,8 @@ pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, in
     refused.and_then(|refusal| refusal.remedies().get(index).copied()).map_or(0, Remedy::code)
 }
 
-/// Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples.
+/// Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples. This function
+/// and the next two return the status of the refusal if the calibration is refused.
 ///
 /// # Safety
 /// `procedure` is null or points to a procedure that nothing else uses during the call.
@@ -329,6 +330,9 @@ pub unsafe extern "C" fn zerorate_procedure_progress(
     let state = unsafe { boundary::state(procedure) };
     status::of(state.and_then(|state| {
         let progress = state.procedure.progress();
+        if total_s.is_null() {
+            return Err(ZERORATE_E_NULL);
+        }
         // SAFETY: by the contract.
         unsafe { boundary::output(elapsed_s, progress.elapsed_s) }?;
         // SAFETY: by the contract.

@@ -39,7 +39,7 @@ pub const ZERORATE_E_STUCK_LOW: Status = -21;
 /// The part has been reset, for example by a dip of the supply: initialise it.
 pub const ZERORATE_E_CONFIGURATION_LOST: Status = -22;
 /// A register does not read the value that was written, or a status names the wrong channel: the line has bit errors,
-/// or the part is another one.
+/// or the part is another one, or this object did not initialise it.
 pub const ZERORATE_E_UNEXPECTED: Status = -23;
 /// The input is out of range (F-35). The link is healthy.
 pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;

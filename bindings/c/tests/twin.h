@@ -15,7 +15,7 @@ int32_t zerorate_twin_self_test(void *rig, int32_t level);
 uint64_t zerorate_twin_now_ns(void *rig);
 /* Waits for the next falling edge of RDY. Returns 1, and writes its time and number, or 0 if none comes in 0.1 s. */
 int32_t zerorate_twin_next_edge(void *rig, uint64_t *t_ns, uint32_t *seq);
-/* Sets a fault: 0 none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut. */
+/* Sets a fault: 0 or any other number none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut. */
 void zerorate_twin_set_fault(void *rig, int32_t fault);
 
 #endif

@@ -118,7 +118,7 @@ pub unsafe extern "C" fn zerorate_twin_next_edge(rig: *mut c_void, t_ns: *mut u6
     1
 }
 
-/// Sets a fault: 0 none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut.
+/// Sets a fault: 0 or any other number none, 1 SDO at zeros, 2 SDO at ones, 3 a dip of the supply, 4 RDY cut.
 ///
 /// # Safety
 /// `rig` came from [`zerorate_twin_new`], is not null, and has not been freed.

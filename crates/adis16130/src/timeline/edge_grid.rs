@@ -104,7 +104,7 @@ impl EdgeGrid {
     /// length. A regular gap is a period or, if edges announce both kinds of update, a conversion.
     pub(super) fn nearest_gap(&self, (period, temp): (i64, i64), gap: i64) -> (i64, i64) {
         let mut nearest = (period, self.period);
-        if matches!(self.pattern, Pattern::Mixed | Pattern::Each) {
+        if self.temp_fraction > 0 && matches!(self.pattern, Pattern::Mixed | Pattern::Each) {
             let nominal_temp = self.share_of_temp(self.period);
             for conversion in [(temp, nominal_temp), (period - temp, self.period - nominal_temp)] {
                 if (gap - conversion.0).abs() < (gap - nearest.0).abs() {

@@ -137,6 +137,13 @@ fn edges_of_both_kinds_teach_the_period_and_the_place_of_the_temperature() {
 }
 
 #[test]
+fn a_bounce_of_data_ready_is_not_a_conversion_of_one_channel() {
+    let grid = EdgeGrid::new((527, 0), 6_000_000, Pattern::Each);
+    let period = grid.clamped(0) / 15 * 16;
+    assert_eq!(grid.nearest_gap((period, 0), period / 8).0, period);
+}
+
+#[test]
 fn a_step_of_the_period_dies_down_as_claimed() {
     for gear in [6, 8, TOP_GEAR] {
         let mut bench = Bench::in_gear(gear);
