@@ -2,8 +2,9 @@
 
 use alloc::vec::Vec;
 
-/// Bins per octave, and the least number of bins up to half the rate: lines and a filter's edge need narrow bins.
+/// Bins per octave, where they have several coefficients.
 const PER_OCTAVE: f64 = 12.0;
+/// Such a bin is at most 1/`LINEAR` of half the rate wide: lines and a filter's edge need narrow bins.
 pub(super) const LINEAR: usize = 160;
 
 /// Adjacent coefficients of the DCT-II. The mean of c²·dt estimates the two-sided density at f = k/(2·record length).
@@ -12,7 +13,7 @@ pub(super) struct Bin {
     pub(super) first: usize,
     /// Index after the last coefficient.
     pub(super) end: usize,
-    /// χ² degrees of freedom: the number of coefficients, or less if samples or lines are missing.
+    /// χ² degrees of freedom: the number of coefficients, or less if samples are missing or lines were removed.
     pub(super) freedom: f64,
     /// Mean power, unit²/Hz.
     pub(super) power: f64,

@@ -73,7 +73,7 @@ impl Table {
         !is_below(self.rate_hz / 2.0, self.top_hz)
     }
 
-    /// Joins the rows of several records, from the lowest frequency on. No drift can be fitted to the result.
+    /// Joins the rows of several records, in order of frequency. No drift can be fitted to the result.
     pub(super) fn pooled(tables: &[&Self]) -> Self {
         let mut rows: Vec<BinRow> = tables.iter().flat_map(|table| table.rows.iter().cloned()).collect();
         rows.sort_by(|a, b| a.f_hz.total_cmp(&b.f_hz));

@@ -40,11 +40,11 @@ pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
     (above(bins, &base), base)
 }
 
-/// A line whose coefficients were removed from the bins.
+/// A line whose coefficients were removed from the bins, or a sine that was removed from the samples.
 #[derive(Clone, Debug)]
 pub(super) struct Narrow {
     pub(super) line: Line,
-    /// The first coefficient of the line, and one past its last. No bin has any of them.
+    /// The first coefficient of the line, and one past its last. No bin has any of them, unless the line is gone.
     pub(super) run: (usize, usize),
     /// Variance and frequency of the line's sines in the model, a quarter of its power each.
     pub(super) sines: [(f64, f64); 4],

@@ -183,8 +183,8 @@ fn line(run: &[(f64, Bin)], hz: f64) -> Line {
     Line { frequency_hz: at(0.5), width_hz: (at(0.75) - at(0.25)).max(narrowest), rms: libm::sqrt(total) }
 }
 
-/// Density of a resonance at frequency 0: P·w/(π(f² + w²)), with half width w and power P. Returns 0 for a line more
-/// than [`NEAR_THE_END`] octaves below half the rate.
+/// Density of a resonance at frequency 0: P·w/(π(f² + w²)), with half width w and power P. Returns 0 for a line at
+/// least [`NEAR_THE_END`] octaves below half the rate.
 ///
 /// `line.rms` includes only the power within `reach_hz`. With x = reach/w, this is the share (2/π)·atan x of P. Half
 /// of this power lies within w′ = reach/(1 + √(1 + x²)).

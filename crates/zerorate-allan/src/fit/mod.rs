@@ -146,7 +146,7 @@ pub struct Corner {
     pub damping: f64,
 }
 
-/// The glitches and steps that were removed from the record before the fit.
+/// The glitches and steps that were found in the record before the fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cleaning {
     /// Number of glitches whose samples were replaced. Adjacent samples are one glitch.
@@ -237,9 +237,9 @@ impl Fit {
 
     /// The band in which 95 % of the overlapping Allan deviations of averages of `m` samples lie in *another* record
     /// of `samples` samples of this sensor at rest. The band includes the uncertainty of the fit and the differences
-    /// between eighths of the record. `None` for averages of more than 1/[`PREDICTS`] of the record, whose steadiness
-    /// is unknown. docs/reference/allan.md states how often the band holds. For a pool the band includes neither the
-    /// unsteadiness of the records nor the spread between units.
+    /// between eighths of the record. `None` for averages of more than 1/[`PREDICTS`] of the fitted record: it is not
+    /// known how steady these are. docs/reference/allan.md states how often the band holds. For a pool the band
+    /// includes neither the unsteadiness of the records nor the spread between units.
     #[must_use]
     pub fn predicted(&self, m: u64, samples: u64) -> Option<Prediction> {
         if m as f64 > self.model.samples() / PREDICTS {

@@ -13,7 +13,7 @@ use core::f64::consts::PI;
 use realfft::FftError;
 
 /// Number of lags of the autocovariance of the short noise: white noise, quantisation, and the effect of the band
-/// shape on slow noise. A model that ends below half the rate has more, up to `MOST_LAGS`.
+/// shape on slow noise. A model that ends below half the rate, or has a slow low-pass, has up to `MOST_LAGS`.
 const LAGS: usize = 256;
 const MOST_LAGS: usize = 16_384;
 /// Number of time constants after which the response of a low-pass has died away.

@@ -74,8 +74,8 @@ fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Optio
     Some(Period { period_s: 2.0 * table.span_s / turns, k: libm::sqrt(rest.at[K2]), gain })
 }
 
-/// Fits sines to the lowest coefficients, weighed by the density in `under`, and returns what is left of them. The
-/// sines have `turns` half periods over the record, and multiples of it. `None` if the fit is singular.
+/// Fits sines to the lowest coefficients, weighed by 1/density in `under`, and returns the residuals. The first sine
+/// has `turns` half periods over the record, and the others are its harmonics. `None` if the fit is singular.
 fn left(problem: &Problem, under: &Optimum, turns: f64, harmonics: usize) -> Option<Vec<f64>> {
     let table = &problem.table;
     let rows = 0..table.singles();

@@ -157,7 +157,7 @@ const SLOW_LIMIT: f64 = 18.5;
 /// record, and so are its lines, glitches and steps.
 ///
 /// # Errors
-/// Returns [`PoolError`] if fewer than two records are alike, or if their rates differ.
+/// Returns [`PoolError`] if fewer than two records are alike, if their rates differ, or if a fit fails.
 pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
     same_rates(records)?;
     let top_hz = records.iter().map(|record| record.fit.max_freq_hz).fold(f64::INFINITY, f64::min);

@@ -53,8 +53,8 @@ pub(super) fn check(rate: &[f64]) -> Result<(), FitError> {
     if square.is_finite() && least.is_normal() { Ok(()) } else { Err(FitError::NotFinite) }
 }
 
-/// Replaces the glitches by straight lines, and returns the first sample of each. If there are too many, replaces none
-/// and returns an empty list. Both cases add a warning.
+/// Replaces the glitches by straight lines, and returns the index of the first sample of each. If there are too many,
+/// replaces none and returns an empty list. Adds a warning unless there are no glitches.
 pub(super) fn cut_glitches(rate: &mut Cow<'_, [f64]>, warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
     let power = |rate: &[f64]| {
         let pairs = rate.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan());

@@ -14,15 +14,15 @@ use core::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ModelForm {
     pub(super) cosines: usize,
-    /// Order of a low-pass in the band shape: 0, 1 (a pole) or 2 (corner and damping). Cosines follow it only slowly.
+    /// Order of a low-pass in the band shape: 0, 1 (a pole) or 2 (corner and damping). It would need many cosines.
     pub(super) poles: usize,
     pub(super) reading: Explanation,
     /// Number of Gauss–Markov terms.
     pub(super) markovs: usize,
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
-    /// Index of a squared coefficient that may be negative. The unbiased estimate of a coefficient that is zero is
-    /// negative half of the time.
+    /// Index of a squared coefficient that may be negative. The unbiased estimate of a square that is zero is negative
+    /// half of the time.
     pub(super) signed: Option<usize>,
 }
 
@@ -100,7 +100,7 @@ const DAMPINGS: (f64, f64) = (-1.0, 3.0);
 const LEAST_WHITE: f64 = 1e-6;
 /// The largest step of a parameter of the shape and of a ln T.
 const STRIDE: f64 = 1.0;
-/// Largest number of halvings of a step that would raise the deviance.
+/// Number of lengths that are tried for a step, each half of the one before, until the deviance does not rise.
 const HALVINGS: usize = 12;
 
 /// The data that all fits of a record share.
@@ -179,7 +179,7 @@ impl State {
 }
 
 impl Problem {
-    /// Descends from `start` in at most `steps` steps, while a step gains more than `least_gain`. Keeps `held` fixed.
+    /// Descends from `start` in at most `steps` steps, until a step gains less than `least_gain`. Keeps `held` fixed.
     pub(super) fn descend(
         &self,
         form: ModelForm,

@@ -77,7 +77,7 @@ pub(super) struct Other {
 
 impl Other {
     /// The candidate as another explanation. `None` if the two N² differ by a factor below [`OTHER_N`], or if neither
-    /// has a time constant.
+    /// model has a time constant.
     fn of(problem: &Problem, chosen: &Optimum, candidate: &Optimum) -> Option<Self> {
         let (own, n2) = (chosen.at[N2], candidate.at[N2]);
         if own.max(n2) < OTHER_N * own.min(n2) {
@@ -121,7 +121,7 @@ impl Selection {
         Some(Other { tau_s, n: libm::sqrt(n2 + plateau) })
     }
 
-    /// Another explanation, with an N outside the interval of `n`.
+    /// Another reading of the model's own terms, or else another model whose N is outside the interval of `n`.
     pub(super) fn other(&self, n: &Coefficient) -> Option<Other> {
         self.own_other().or_else(|| self.other.filter(|other| other.n < n.lo || other.n > n.hi))
     }
@@ -133,7 +133,7 @@ pub(super) struct PricedModel {
     pub(super) price: f64,
 }
 
-/// Selects the terms; `None` if no model has a finite likelihood. `shape_price` is the price of a cosine.
+/// Selects the terms; `None` if no sound model has a finite likelihood. `shape_price` is the price of a cosine.
 pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let ideal = Problem::new(table, 0.0).priced_at(shape_price);
     let families = families(&ideal);
@@ -251,7 +251,7 @@ fn family(problem: &Problem, markovs: usize, fewer: &[Optimum]) -> (Option<Price
     (best, all)
 }
 
-/// The most cosines that are chosen; the result has one more.
+/// The most cosines that are chosen. If any are chosen, the result has one more.
 pub(super) const MOST_CHOSEN: usize = MOST_COSINES - 1;
 
 /// Least number of cosines: a model that ends below half the rate has a shape at its upper end.
@@ -314,8 +314,8 @@ pub(super) fn level_near(table: &Table, f_hz: f64) -> f64 {
     part.iter().map(|row| row.bin.power).sum::<f64>() / part.len().max(1) as f64
 }
 
-/// The cheaper variants with a low-pass or quantisation of the angle in place of cosines, and the cheapest of all
-/// these models with each kind of drift.
+/// The variants that are cheaper than `best`, with a low-pass or quantisation of the angle in place of cosines. Also
+/// the cheapest of them (or `best`) with each kind of drift, if the record has enough low coefficients.
 fn variants(problem: &Problem, best: &PricedModel) -> Vec<PricedModel> {
     let shapes = other_shapes(problem, &best.found).into_iter().map(|found| priced(problem, found));
     let shapes: Vec<PricedModel> = shapes.filter(|other| other.price < best.price).collect();
@@ -460,8 +460,8 @@ pub(super) fn model_error(problem: &Problem, found: &Optimum) -> f64 {
     RUNS.iter().map(|run| error_of_runs(&off, *run, found.form.shape())).fold(0.0, f64::max)
 }
 
-/// The error of the means over `run` bins; `off` has the error of each bin and its degrees of freedom. An error that
-/// would reject the model must be beyond chance: few bins of few coefficients are often off by as much.
+/// The model error of a bin, from means over `run` bins; `off` has the relative deviation of each bin and its degrees
+/// of freedom. An error that would reject the model must be beyond chance: few bins are often off by as much.
 fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     let mean = |bins: &[(f64, f64)]| {
         let nu: f64 = bins.iter().map(|(_, nu)| nu).sum();
@@ -491,7 +491,7 @@ fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     if is_chance && error > MOST_ERROR { 0.0 } else { error }
 }
 
-/// χ² of the bins with their model error, and its degrees of freedom.
+/// χ² of the upper bins with their model error, and its degrees of freedom.
 pub(super) fn chi2(problem: &Problem, found: &Optimum) -> (f64, f64) {
     let error = problem.error;
     let term = |(row, density): (&super::density::BinRow, &f64)| {

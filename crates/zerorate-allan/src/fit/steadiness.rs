@@ -74,7 +74,7 @@ impl OfLength {
         (self.variance - self.chance).max(0.0)
     }
 
-    /// The excess if chance explains the variance in less than 1 of 100 steady records, otherwise 0.
+    /// The excess if fewer than 1 of 100 steady records have as large a variance by chance, otherwise 0.
     fn significant(&self) -> f64 {
         let freedom = (BLOCKS - 1) as f64;
         if self.variance / self.chance * freedom > chi2_quantile(0.99, freedom) { self.extra() } else { 0.0 }

@@ -35,7 +35,7 @@ impl Truth {
             + 2.0 * self.sigma.powi(2) * self.tau_s / (1.0 + (2.0 * PI * f_hz * self.tau_s).powi(2))
     }
 
-    /// A record of `n` samples whose cosine coefficients are the roots of the density times `draw`.
+    /// A record of `n` samples whose cosine coefficients are `draw` times the root of the density.
     fn record(&self, n: usize, mut draw: impl FnMut() -> f64) -> Vec<f64> {
         let mut pairs = vec![(0.0, 0.0); 2 * n - 1];
         for (i, pair) in pairs.iter_mut().take(n - 1).enumerate() {

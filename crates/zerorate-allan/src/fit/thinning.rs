@@ -7,13 +7,13 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// An average counts if this share of its samples is present.
+/// An average counts if at least this share of its samples is present.
 const COUNTS: f64 = 0.5;
 /// Number of lags at which the short noise may be correlated, and the longest average with a factor of its own, in
 /// samples. Longer averages have the factor of that average.
 const LAGS: usize = 128;
 const LONGEST: usize = 4096;
-/// Number of samples examined for each length, and the least and largest number of pairs of averages.
+/// For averages of m samples, at most `LOOKED_AT`/m pairs are examined. This number is limited to the range `LOOKS`.
 const LOOKED_AT: usize = 1 << 16;
 const LOOKS: (usize, usize) = (8, 512);
 

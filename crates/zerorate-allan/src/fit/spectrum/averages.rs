@@ -3,13 +3,13 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Largest number of samples in an average, and the least number of averages of more than 4 samples.
+/// The longest average that [`slot_length`] chooses, and the least number of averages of more than 4 samples.
 const SLOT: usize = 64;
 const FEWEST_SLOTS: usize = 1024;
 /// An average of less than this share of the typical number of samples is dropped: its noise would dominate.
 const FEWEST_IN_A_SLOT: f64 = 0.5;
 
-/// Number of samples in an average, a power of two.
+/// Chooses the number of samples in an average of a record: a power of two from 4 to `SLOT`.
 pub(in crate::fit) fn slot_length(samples: usize) -> usize {
     core::iter::successors(Some(SLOT), |slot| Some(slot / 2))
         .find(|slot| *slot <= 4 || samples / slot >= FEWEST_SLOTS)
@@ -48,8 +48,8 @@ pub(in crate::fit) fn centred(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value - mean).collect()
 }
 
-/// Fills gaps with straight lines, level at the ends. A line goes through the means of as many values on each side as
-/// are missing. So the line has about the slow power of the white noise or random walk that it replaces.
+/// Fills gaps with straight lines, which are level at the ends of the record. A line goes through the means of as many
+/// values on each side as are missing. So it has about the slow power of the white noise or random walk it replaces.
 pub(in crate::fit) fn fill_gaps(values: &mut [f64]) {
     let lines: Vec<(Range<usize>, Line)> = gaps(values).map(|gap| (gap.clone(), Line::across(values, &gap))).collect();
     for (gap, line) in lines {

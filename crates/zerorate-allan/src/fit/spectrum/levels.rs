@@ -14,7 +14,7 @@ use core::f64::consts::PI;
 use realfft::num_complex::Complex64;
 use realfft::{FftError, RealFftPlanner};
 
-/// The response of a mean of n samples is computed at multiples of the sample rate divided by this times n.
+/// The response of a mean of n samples is computed at multiples of the sample rate divided by n·`FINENESS`.
 const FINENESS: usize = 4;
 /// Largest number of samples that are searched for gaps.
 const LOOKED_AT: usize = 1 << 20;
@@ -41,7 +41,7 @@ impl MeasuredLevels {
     }
 }
 
-/// The means of every `step` samples; NaN is a missing one.
+/// The means of every `step` samples; a missing mean is NaN.
 pub(super) struct Level<'a> {
     pub(super) step: usize,
     pub(super) values: Cow<'a, [f64]>,
@@ -81,7 +81,7 @@ impl<'a> Level<'a> {
         self.rate_hz / self.step as f64
     }
 
-    /// The share of the samples' density at a frequency that passes a mean.
+    /// The share of the density of the samples at a frequency that is left in their means.
     pub(super) fn gain(&self, f_hz: f64) -> f64 {
         if let Some(Gaps { gain, .. }) = &self.gaps {
             return at(gain, f_hz / self.rate_hz * 2.0 * (gain.len() - 1) as f64);

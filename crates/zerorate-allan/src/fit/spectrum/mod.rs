@@ -1,9 +1,9 @@
 //! Turns a record into the bins of its spectrum.
 //!
-//! A complete record is one cosine transform. A longer record, or one with gaps, goes through levels: its samples, and
-//! means over more and more samples. Segments of a level give the upper part of its band, and the next level gives the
-//! rest. The last level is one cosine transform, which is exact for white noise and a random walk. Sines are removed
-//! from the samples before that (`search.rs`).
+//! A complete record of up to 2²⁰ samples is one cosine transform. A longer record, or one with gaps, goes through
+//! levels: its samples, and means over more and more samples. Segments of a level give the upper part of its band, and
+//! the next level gives the rest. The last level is one cosine transform, which is exact for white noise and a random
+//! walk. Sines are removed from the samples first (`search.rs`).
 
 pub(super) mod averages;
 mod levels;
@@ -27,7 +27,7 @@ pub(super) struct Spectrum {
     pub(super) bins: Vec<Bin>,
     /// The first coefficients times √dt, with their signs.
     pub(super) low: Vec<f64>,
-    /// The lines whose coefficients were removed from the bins.
+    /// The lines that were removed from the bins or from the samples.
     pub(super) narrow: Vec<Narrow>,
     /// Number of samples used, lost ones included.
     pub(super) samples: usize,

@@ -12,9 +12,9 @@ use realfft::FftError;
 
 /// A line at frequency f is examined if its power exceeds `LOUD` · f · S(f), where S is the noise density.
 const LOUD: f64 = 2.0;
-/// A line is a sine if one sine has this share of the line's power.
+/// A line is a sine if one sine has more than this share of the line's power.
 const MOST_OF_IT: f64 = 0.9;
-/// Largest number of sines that are removed in one round.
+/// Largest number of lines that are examined in one round, the strongest first.
 const MOST_SINES: usize = 16;
 /// Largest number of means in the search for slow lines.
 const MOST_MEANS: usize = 1 << 17;

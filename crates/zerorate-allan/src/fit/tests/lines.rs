@@ -46,7 +46,7 @@ fn the_power_of_a_sine_is_counted_once() {
 }
 
 /// A sine of 200 times the noise would leak all over the spectrum, so it is removed. A sine that lasts for only half
-/// of the record stays, makes N several times too large, and is reported.
+/// of the record stays, makes N more than 1.5 times too large, and is reported.
 #[test]
 fn a_line_that_drowns_the_noise_is_removed_or_reported() {
     let said = |rate: &[f64]| {
