@@ -43,9 +43,9 @@ enum Width {
 /// The bounds of the differences. The offset, which cancels in differences, keeps the running sum small.
 struct Bounds {
     offset: i64,
-    /// Largest less smallest code.
+    /// The range of the codes: the largest minus the smallest.
     codes: u128,
-    /// Upper bound of largest less smallest running sum.
+    /// An upper bound of the range of the running sum.
     sums: u128,
     /// Running sum before each piece.
     before: Vec<i64>,

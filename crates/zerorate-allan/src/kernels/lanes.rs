@@ -27,7 +27,7 @@ pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// Sum of the values less an offset.
+/// Sum of the values, each less `offset`.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
     let mut sums = [0.0; LANES];
@@ -62,7 +62,7 @@ impl Line {
 pub(super) struct Reach {
     /// The largest distance from the line.
     pub level: f64,
-    /// The largest step from one point to the next, less the slope of the line.
+    /// The largest change, from one point to the next, of the height above the line.
     pub difference: f64,
 }
 

@@ -51,8 +51,8 @@ struct Squares {
 /// Codes without gaps give exact sums of squares, rounded once. So neither an offset nor reversal of the record
 /// changes the deviations (reversal with every m-th difference: only if the averages fill the record). A rate in f64
 /// is rounded in its running sum. The deviations of 393 216 samples then differ from those of the same codes by less
-/// than 1e-14 of their values for a random walk and 1e-13 for white noise. For white noise on a ramp or a parabola of
-/// more than 1000 times its size they differ by 3e-11. The number of threads (feature `std`) does not change a bit.
+/// than 1e-14 of their values for a random walk, 1e-13 for white noise, and 3e-11 for white noise on a ramp of 1000
+/// times or a parabola of 300 times its amplitude. The number of threads (feature `std`) does not change a bit.
 ///
 /// With missing samples an average is the mean of the samples present. An average is used if at least half of its
 /// samples are present, and a difference is used if all its averages are. The inner mean of MDEV and TDEV is over the
@@ -99,7 +99,7 @@ pub(crate) fn deviations_and_missing(
     (checked.into_iter().map(|m| m.and_then(&mut finish)).collect(), missing)
 }
 
-/// Sums the squared differences for each length in `m`. All must fit. `None` if samples are missing or `m` is empty.
+/// Sums the squared differences for each length in `m`, which must fit. `None` if samples are missing or `m` is empty.
 fn whole_squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Option<Vec<Result<Squares, Reason>>> {
     if m.is_empty() {
         return None;

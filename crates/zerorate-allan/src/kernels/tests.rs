@@ -106,7 +106,7 @@ pub(crate) fn nbs14(n: usize) -> Vec<f64> {
     uniform(1_234_567_890).take(n).collect()
 }
 
-/// Sums of twelve uniform numbers: normal enough, of variance 1, and the same everywhere.
+/// Sums of twelve uniform numbers: normal enough, of variance 1, and the same on every machine.
 pub(crate) fn white(seed: u64, n: usize) -> Vec<f64> {
     let mut uniform = uniform(seed).skip(1).map(|value| value - 0.5);
     (0..n).map(|_| uniform.by_ref().take(12).sum()).collect()
