@@ -22,7 +22,7 @@ pub enum Averaging {
         /// Fitted deviation at `tau_s`, in the unit of the rate.
         dev: f64,
     },
-    /// The curve still falls at its longest averaging time.
+    /// The record identifies neither a rise nor a floor, so the curve counts as falling to its longest averaging time.
     Falling {
         /// Longest averaging time, s.
         tau_s: f64,

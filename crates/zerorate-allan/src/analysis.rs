@@ -164,7 +164,7 @@ fn check(rate_hz: f64, options: &Options) -> Result<(), AnalysisError> {
     }
 }
 
-/// The requested averaging lengths, ascending. A time that is not positive gets the length 0, which has no deviation.
+/// The requested averaging lengths, ascending. A time below half a sample, or NaN, gets the length 0 (no deviation).
 fn requests(input: &Input<'_>, rate_hz: f64, options: &Options) -> Vec<Request> {
     let mut requests: Vec<Request> = match &options.taus {
         Taus::List(times) => {

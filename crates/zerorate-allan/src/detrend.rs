@@ -84,7 +84,7 @@ impl core::error::Error for DetrendError {}
 
 /// Detects whether a rate follows the temperature that was read with it. NaN marks a missing value. A part of the
 /// record without any temperature takes the mean of the part before. `None` if the rate does not follow the
-/// temperature, if the temperature is constant, or for too few data.
+/// temperature, if the temperature is constant, for too few data, or if the slices differ in length.
 ///
 /// The likelihoods of two models are compared, with and without a line over temperature, each with its best mixture of
 /// white noise and random walk. So a random walk is not mistaken for a dependence on temperature.
@@ -264,7 +264,7 @@ fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
 }
 
 /// The shares of a random walk that are left after its projection onto the basis is removed: of its Allan
-/// variance at 1, 2 … parts, and of its variance.
+/// variance at 1, 2, 4 … parts, and of its variance.
 fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     let (all, constant) = (walk(basis), walk(&basis[..1]));
     let octaves = (0..).map(|k| 1usize << k).take_while(|m| 2 * m <= basis[0].len());

@@ -3,7 +3,7 @@
 use super::{Gap, Input};
 use alloc::vec::Vec;
 
-/// Largest number of points in a run.
+/// Largest number of points in [`Run::Points`].
 const BLOCK: usize = 4096;
 const LANES: usize = 8;
 

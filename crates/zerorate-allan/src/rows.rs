@@ -24,7 +24,7 @@ macro_rules! rows {
     }) => {
         #[allow(unused_variables, reason = "not every part of a row uses every field of its variant")]
         impl $name {
-            /// The codes of the rows, in their order; several rows may share one.
+            /// The codes that are literals, in the order of the rows. Several rows may share a code.
             pub fn codes() -> impl Iterator<Item = &'static str> {
                 [$($crate::rows!(@literal $code)),+].into_iter().flatten()
             }

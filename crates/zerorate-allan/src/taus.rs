@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::str::FromStr;
 
-/// A set of averaging times. All but [`Taus::List`] end at the longest for which the statistic can be computed.
+/// A set of averaging times. All but [`Taus::List`] end at or below the longest that the statistic allows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Taus {
     /// 1, 2, 4, 8 … samples.

@@ -9,8 +9,8 @@ use core::fmt;
 /// The longest practical record, s: a thousand hours.
 pub const LONGEST_RECORD_S: f64 = 3.6e6;
 
-/// A warning about a valid result. `Display` states in one line what was seen and what to do, with `unit` for
-/// the unit of the rate.
+/// A warning about a curve or a noise model. `Display` states in one line what was seen and what to do, with `unit`
+/// for the unit of the rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
@@ -50,7 +50,7 @@ pub enum AllanWarning {
     Leakage { frequency_hz: f64, share: f64 },
     /// The measured deviations differ from the model by more than 10 %, beyond chance, at `octaves` averaging times.
     OffCurve { tau_s: f64, ratio: f64, octaves: usize },
-    /// The model is rejected: it is wrong by the share `error`, and the limit is `most`.
+    /// The model is rejected. `error` is its relative error, and `most` the largest error that is accepted.
     Rejected { error: f64, most: f64, misfit: crate::Misfit },
     /// The slow rate follows the temperature: `explained` is the share of its variance, `slope` its change per °C.
     FollowsTemperature { explained: f64, slope: f64, span_c: f64 },

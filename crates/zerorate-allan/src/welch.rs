@@ -18,7 +18,7 @@ pub struct Density {
 const SEGMENTS: usize = 4;
 /// Shortest and longest segment, samples.
 const LENGTHS: core::ops::RangeInclusive<usize> = 64..=1 << 20;
-/// Frequencies per decade.
+/// Largest number of points per decade. Low frequencies have fewer, since coefficients are farther apart.
 const PER_DECADE: f64 = 60.0;
 /// First Fourier coefficient in use. Subtracting the mean makes coefficient 0 too small, and the window also makes
 /// coefficient 1 too small.
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::kernels::tests::white;
 
-    /// White noise of variance 1 at 100 Hz, density 0.01, and a sine of this rms at 12.5 Hz.
+    /// White noise of variance 1 at 100 Hz, density 0.01, and a sine of the rms `sine` at 12.5 Hz.
     fn record(sine: f64) -> Vec<f64> {
         let noise = white(1, 40_000).into_iter();
         noise.enumerate().map(|(i, noise)| 5.0 + noise + sine * SINE * libm::sin(PI * i as f64 / 4.0)).collect()
