@@ -58,7 +58,7 @@ const FULL_SCALES_G: [f64; 8] = [2.0, 4.0, 8.0, 16.0, 3.0, 6.0, 12.0, 24.0];
 const CODES: f64 = 32768.0;
 
 /// A hint at the unit or scale of the three axes of an accelerometer at rest, which measures gravity. `None` if there
-/// are not three axes, or if no usual unit or full scale fits.
+/// are not three axes, or if neither a unit nor a usual full scale of integer codes fits.
 pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String> {
     let ([x, y, z], names) = (axes, log.names) else { return None };
     let mean = |axis: &Column| axis.facts().mean() * log.per_second(axis.rate_hz);

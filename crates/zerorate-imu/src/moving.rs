@@ -1,5 +1,5 @@
-//! Finds the times of motion in a record without a valid noise model. During motion, the samples spread far more than
-//! at rest.
+//! Finds the times of motion in a record that has no valid noise model, or many glitches. During motion, the samples
+//! spread far more than at rest.
 
 /// Length of a window, s, and its least number of samples.
 const WINDOW_S: f64 = 10.0;

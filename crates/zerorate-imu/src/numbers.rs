@@ -21,7 +21,7 @@ pub enum Rule {
     /// the model. `None` takes a third of the record, but at most the limit for the use in the program that reads the
     /// file.
     Covers(Option<f64>),
-    /// N and K are those of the model.
+    /// N and K are those of the model, or their upper limits if they are not identified.
     AsFitted,
 }
 
@@ -101,9 +101,9 @@ pub struct Numbers {
 
 /// The axes of one kind.
 pub struct Sensor {
-    /// N for all axes, combined by the rule.
+    /// N for all axes of the kind, by [`Combine`].
     pub n: SourcedNumber,
-    /// K for all axes, combined by the rule.
+    /// K for all axes of the kind, by [`Combine`].
     pub k: SourcedNumber,
     pub axes: Vec<AxisNumbers>,
 }
@@ -124,12 +124,12 @@ impl SourcedNumber {
 }
 
 pub struct AxisNumbers {
-    /// White noise N by the rule, rad/√s or m/s/√s.
+    /// White noise N by the [`Rule`], rad/√s or m/s/√s.
     pub n: SourcedNumber,
     /// N as it was fitted, or its upper limit if it is not identified, for programs whose noise model has no random
     /// walk K.
     pub fitted_n: SourcedNumber,
-    /// Random walk K of the bias, rad/s/√s or m/s²/√s.
+    /// Random walk K of the bias by the [`Rule`], rad/s/√s or m/s²/√s.
     pub k: SourcedNumber,
     /// Standard deviation of the bias as a Gauss–Markov process, rad/s or m/s².
     pub sigma: f64,
@@ -266,9 +266,9 @@ impl Numbers {
 }
 
 impl CorrelationTime {
-    /// The geometric mean of the correlation times of the Gauss–Markov terms. Without such terms, the correlation
-    /// time of a process whose Allan deviation peaks at the longest averaging time that all models cover. If there
-    /// are gyroscopes, only they count: accelerometers often have other correlation times.
+    /// The geometric mean of the correlation times of the largest Gauss–Markov term of each axis. Without such terms,
+    /// the correlation time of a process whose Allan deviation peaks at the longest averaging time that all models
+    /// cover. If there are gyroscopes, only they count: accelerometers often have other correlation times.
     fn of(axes: &[Axis<'_>]) -> Self {
         let kind = axes.iter().map(|axis| axis.kind).find(|kind| *kind == Kind::Gyroscope);
         let of_kind = || axes.iter().filter(|axis| kind.is_none_or(|kind| axis.kind == kind));

@@ -13,7 +13,7 @@ use zerorate_logs::{Column, LogError, LogWarning, Names, Quantity};
 
 /// A column of a log with its results.
 pub struct Record {
-    /// The path of the log.
+    /// The path of the log, or `pool` for the record with a common model.
     pub file: PathBuf,
     /// The name of the column.
     pub column: String,
@@ -47,7 +47,7 @@ pub struct Record {
 
 /// The data for plots of a record over time and of its spectrum.
 pub struct PlotData {
-    /// The samples as they were read.
+    /// The analysed samples, with their glitches and steps.
     pub envelope: Envelope,
     /// The spectrum without the glitches and steps that the fit removed.
     pub spectrum: Vec<Density>,
@@ -70,7 +70,7 @@ pub struct AnalysisOptions {
     pub is_phase: bool,
     /// True if gaps are closed, as if no time had passed in them.
     pub closes_gaps: bool,
-    /// The options of the deviations, in the unit of the column.
+    /// The options of the deviations. Their `scale` is not used.
     pub deviations: Options,
     /// True if plots have more averaging times than `deviations` requests.
     pub draws_finely: bool,

@@ -156,7 +156,7 @@ impl fmt::Display for Jumps<'_> {
     }
 }
 
-/// The first moments in words, and the number of those that follow.
+/// The first [`NAMED`] moments in words, and the number of those that follow.
 struct Named<'a>(&'a [Moment]);
 
 const NAMED: usize = 1;

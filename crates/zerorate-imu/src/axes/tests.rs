@@ -9,8 +9,8 @@ fn read(head: &str, rows: impl Iterator<Item = String>, options: &ImuOptions) ->
     Axes::read(Path::new("imu.csv"), parts, options)
 }
 
-/// `rostopic echo -p` writes the covariance of an angular velocity beside it. They are not axes, unless the user lists
-/// them.
+/// `rostopic echo -p` writes the covariance of an angular velocity beside it. Such columns are not axes, unless the
+/// user lists them.
 #[test]
 fn columns_beside_the_axes_are_left_out() {
     let head = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping";

@@ -4,7 +4,7 @@ use crate::Record;
 use zerorate_allan::{self as allan, Averaging, span};
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
-/// The advice of the fit, one sentence each. A rejected fit gives none.
+/// The advice of the fit, one sentence each. Empty for a rejected fit, and for a rate that follows the temperature.
 pub fn advice(record: &Record) -> Vec<String> {
     let Some(advice) = record.model().and_then(allan::advice) else { return Vec::new() };
     let at_rest = |dev: f64| in_words(record, dev);

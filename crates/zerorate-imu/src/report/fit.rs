@@ -25,7 +25,7 @@ pub struct FitReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub r: Option<CoefficientReport>,
-    /// Relative error ε of the model, from the scatter of the spectrum about the model; `None` without a model.
+    /// Relative error ε of the model, from the spectrum or the Allan curve; `None` without a model.
     pub model_error: Option<f64>,
     /// The ratio of the standard deviation in loud windows of ten seconds to that in quiet windows, if the sensor
     /// moves.
