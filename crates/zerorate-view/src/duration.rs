@@ -39,7 +39,8 @@ impl FromStr for Seconds {
     }
 }
 
-/// Formats the duration so that [`Seconds::from_str`] can read it back: `2m30s`. NaN is written as `NaN`.
+/// Formats the duration, limited to 0 s to ten years, so that [`Seconds::from_str`] can read it back: `2m30s`.
+/// From 1 s on it is rounded to 1 ms. NaN is written as `NaN`.
 impl fmt::Display for Seconds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0.is_nan() {

@@ -3,7 +3,7 @@
 use crate::plot::{number, superscript};
 use core::fmt;
 
-/// A value with its uncertainty, in the same unit. It is shown with two significant digits of `half`:
+/// A value with its uncertainty, in the same unit. Both have the decimals that show two significant digits of `half`:
 /// `+0.2578 ± 0.0053`. If `half` is not finite or not above zero, only the value is shown, with five decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlusMinus {
@@ -31,7 +31,7 @@ impl fmt::Display for PlusMinus {
     }
 }
 
-/// A value with limits that may be asymmetric, in the same unit. All three numbers are shown with two
+/// A value with limits that may be asymmetric, in the same unit. All three numbers have the decimals that show two
 /// significant digits of half the interval: `0.5591 [0.5543, 0.5639]`. If both limits are equal, only the value
 /// is shown, as by [`number`]. With an infinite limit, each number is shown as by [`number`].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,12 @@
 //! Makes foreign text printable in pages and plots. A browser ignores most control characters, but a terminal that
 //! prints the file obeys them, and XML forbids them.
 
-/// Replaces all control characters.
+/// Replaces all control characters, U+FFFE and U+FFFF.
 pub fn line(text: &str) -> String {
     text.chars().map(|c| if is_known(c) { c } else { UNKNOWN }).collect()
 }
 
-/// Replaces all control characters except line breaks, which our pages contain.
+/// Replaces the same characters as [`line`], except line breaks, which our pages contain.
 pub fn page(text: &str) -> String {
     text.chars().map(|c| if c == '\n' || is_known(c) { c } else { UNKNOWN }).collect()
 }

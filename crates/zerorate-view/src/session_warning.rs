@@ -16,8 +16,8 @@ pub enum SessionWarning {
     WideLoop(String),
     /// Frames of a bridge arrived damaged: their number.
     Damaged(u64),
-    /// A serial number is missing, so it is uncertain whether the calibration belongs to the device or the capture
-    /// `name`. `advice` says how to state the serial number.
+    /// The device or the capture `name` states no serial number, so the calibration may belong to another. `advice`
+    /// says how to state the serial number.
     UnknownSerial { cal: String, calibrated: String, name: String, advice: &'static str },
     /// The calibration does not state the serial number of its sensor.
     NoSerial { cal: String },

@@ -1,5 +1,5 @@
 //! Parameters of flight controllers: the bias of three axes as polynomials about a reference temperature, in rad/s.
-//! The firmware subtracts them.
+//! The firmware subtracts the bias.
 
 use super::{Export, InvalidOptions};
 use anyhow::{Result, bail, ensure};

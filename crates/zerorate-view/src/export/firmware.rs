@@ -15,7 +15,7 @@ type Entries = Vec<(&'static str, String)>;
 
 /// The templates for a language, and the form of values in it.
 struct Language {
-    /// The template for the only axis of an ADIS16130.
+    /// The template for the only axis of an ADIS16130 with a linear correction.
     one: &'static str,
     /// The templates for any sensor: `common` is written once, and `axis` once for each axis.
     common: &'static str,
@@ -281,7 +281,7 @@ fn circumstances(calibration: &Calibration) -> String {
 const MIDDLE_MOST: i64 = 1 << 50;
 
 /// The entries for step, span and number of rows, which the tables of all axes share. Returns an error if the step is
-/// too fine for the integers of the firmware.
+/// too fine for the integers of the firmware, or step or span is not a whole number of millionths of a °C.
 fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
     let Export { layout, tables, .. } = export;
     let (rows, temp) = (tables[0].len(), &axes[0].codes.temp);

@@ -15,7 +15,7 @@ const MOST_STEPS: u32 = 512;
 /// (M-03), and T3 is the temperature at the end of the warm-up.
 const ASSUMED_C: f64 = 9.0;
 
-/// Step size and span of a table, and the temperature range that it should cover.
+/// Step size and span of a table, and the temperature range that the table should cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     pub(super) step_c: f64,
@@ -27,8 +27,8 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Uses the given step and span. If one is missing, it is chosen so that every axis's table covers the calibrated
-    /// range, with steps not finer than one temperature code.
+    /// Uses the given step and span. A missing span is chosen so that the table of every axis covers the valid range.
+    /// A missing step is at least one temperature code, but at most 5 °C.
     pub(super) fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
         let valid = valid_range(calibration);
         let reach_c = calibration.axes.iter().map(|axis| reach(&valid, axis.correction.t3_c)).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// The longest prefix. All names then stay below the 63 significant characters of C99.
+/// The longest prefix. Names without an axis name then stay below the 63 significant characters of C99.
 const LONGEST: usize = 31;
 
 /// A prefix of names: a C identifier that no standard reserves.

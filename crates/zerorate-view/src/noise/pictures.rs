@@ -86,7 +86,7 @@ impl<'a> Group<'a> {
         self.records.iter().map(|record| name(self.is_of_one_log, record)).collect()
     }
 
-    /// The kind of sensor that the records come from.
+    /// The heading: the kind of sensor that the records come from, if their unit tells it.
     #[must_use]
     pub fn heading(&self) -> &'static str {
         match self.records.first().and_then(|record| record.quantity) {
@@ -263,7 +263,7 @@ fn curve(record: &Record) -> Curve {
     Curve { label: record.label(), points, model, predicted, laws, minimum, remarks: Vec::new() }
 }
 
-/// The coefficients that are drawn as lines: for Allan deviations only, and only values above zero.
+/// The coefficients that [`curve`] draws as lines: for Allan deviations only, and only values above zero.
 fn drawn(record: &Record) -> Vec<Named<'_>> {
     valid_coefficients(record).into_iter().filter(|named| named.coefficient.value > 0.0).collect()
 }

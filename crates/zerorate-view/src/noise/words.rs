@@ -79,8 +79,8 @@ pub struct TermRow {
     pub remark: String,
 }
 
-/// All terms of the model, the coefficients first. Of a rejected model these are only the lines, which are no result
-/// of the model, but may explain why none fits.
+/// All terms of the model, the coefficients first. Of a rejected model these are only the lines, which are not a
+/// result of the model, but may explain why no model fits.
 #[must_use]
 pub fn term_rows(report: &AllanReport) -> Vec<TermRow> {
     let Some(fit) = report.model() else { return Vec::new() };

@@ -1,6 +1,6 @@
 //! Converts values to pixels and chooses readable ticks.
 
-/// The smallest distance between two ticks of a linear axis, pixels.
+/// The smallest distance between two ticks of a linear axis at least twice as long, pixels.
 const ROOM: f64 = 24.0;
 
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl Axis {
         Self { low: round_125(low / widen, f64::floor), high: round_125(high * widen, f64::ceil), span, log: true }
     }
 
-    /// A linear axis between exactly these values.
+    /// A linear axis between exactly these values; from `low` to `low` + 1 if `high` is not above `low`.
     pub fn linear(low: f64, high: f64, span: (f64, f64)) -> Self {
         Self { low, high: if high > low { high } else { low + 1.0 }, span, log: false }
     }
@@ -130,7 +130,7 @@ pub fn round_step(least: f64) -> (f64, usize) {
     (step, usize::try_from(-exponent(step)).unwrap_or(0))
 }
 
-/// Formats a number with three significant digits: 0.0123 or 1.23·10⁻⁵. From 1000 to 99 900, all digits before
+/// Formats a number with three significant digits: 0.0123 or 1.23·10⁻⁵. From 1000 to 99 949, all digits before
 /// the decimal point are written.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {

@@ -81,7 +81,7 @@ impl Lines {
         x.is_finite() && y.is_finite() && (!self.is_log || *y > 0.0)
     }
 
-    /// The range of all points and the reference value, with space for the panels' names.
+    /// The ranges of all points and the reference value; on linear vertical axes with space for the panels' names.
     fn ranges(&self) -> ((f64, f64), (f64, f64)) {
         let points = || {
             let points = self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());

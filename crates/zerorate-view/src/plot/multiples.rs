@@ -18,7 +18,7 @@ const COLUMNS: usize = 3;
 const HEIGHT: f64 = 250.0;
 const NAME: f64 = 24.0;
 
-/// Draws the plot as SVG, three panels in a row. The size in `options` is ignored.
+/// Draws the plot as SVG, up to three panels in a row. The size in `options` is ignored.
 #[must_use]
 pub fn allan_multiples(curves: &[Curve], options: &Options) -> String {
     let curves: Vec<Curve> = curves.iter().map(drawable).collect();

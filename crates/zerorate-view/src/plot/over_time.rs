@@ -10,7 +10,7 @@ use super::stack::Stack;
 pub struct Series {
     /// The name, with the unit.
     pub name: String,
-    /// Time, s, and value of each point. Points that are not finite are left out.
+    /// Time, s, and value of each point. Points whose value is not finite are left out.
     pub points: Vec<(f64, f64)>,
 }
 

@@ -12,9 +12,9 @@ use zerorate::{Calibration, Correction};
 
 /// The largest number of rows of the look-up table.
 const ROWS: f64 = 16.0;
-/// Extent of the plot beyond the measured temperatures, or around T3 if none are stated, °C.
+/// Extent of the plot beyond the measured temperatures, or of plot and table around T3 if none are stated, °C.
 const BEYOND_C: f64 = 5.0;
-/// Number of points of the plotted curve.
+/// Number of steps between the points of the plotted curve.
 const POINTS: u32 = 80;
 
 #[derive(Template)]

@@ -12,7 +12,7 @@ pub struct Course {
     pub moments: Vec<Moment>,
 }
 
-/// Means over a few seconds. NaN if there was no sample.
+/// Means over a few seconds. A mean without samples is NaN.
 #[derive(Clone, Debug)]
 pub struct Moment {
     /// Mid-time, s after the first sample.
@@ -39,7 +39,7 @@ pub(super) fn picture(course: &Course, calibration: &Calibration, axis: &Calibra
     Some(over_time("The measurement over time", &all, &windows_s(calibration)))
 }
 
-/// Start and end of the averages of steps 4, 6 and 8, s. Empty for a curve, which uses the whole record.
+/// Start and end of the averages of steps 4, 6 and 8, s. Empty without a run, and for a curve, which uses all samples.
 fn windows_s(calibration: &Calibration) -> Vec<(f64, f64)> {
     let Some(run) = calibration.run.as_ref().filter(|_| calibration.axes.iter().all(|axis| axis.curve.is_none()))
     else {

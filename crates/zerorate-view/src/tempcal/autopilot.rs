@@ -14,7 +14,7 @@ struct Triad<'a> {
 /// The parameter file of PX4: TC_Gn and TC_An.
 ///
 /// # Errors
-/// Returns an error if a sensor does not have three axes, or has no device id, by which PX4 identifies it.
+/// Returns an error if a sensor does not have three axes, has no device id, or has a number without parameters in PX4.
 pub fn px4(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
     let mut text = head("thermal compensation of PX4");
     text += "# The offset X0 + X1 d + X2 d^2 + X3 d^3, rad/s or m/s^2, with d = TEMP - TREF, is subtracted.\n\
@@ -38,7 +38,7 @@ pub fn px4(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
 /// The parameter file of ArduPilot: INS_TCALn.
 ///
 /// # Errors
-/// Returns an error if a sensor does not have three axes.
+/// Returns an error if a sensor does not have three axes, or an IMU has a number beyond those of ArduPilot.
 pub fn ardupilot(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
     let mut text = head("temperature calibration of ArduPilot");
     text += "# P = (1 d + 2 d^2 + 3 d^3) * 1e-6 rad/s or m/s^2 with d = TEMP - 35 is subtracted, less its value at\n\

@@ -22,7 +22,7 @@ pub struct UnitNames {
 /// Makes a calibration of the gyroscopes. Error texts refer to the settings by `names`.
 ///
 /// # Errors
-/// Returns an error if there are no gyroscopes, or more than a calibration can hold.
+/// Returns an error if there are no gyroscopes, more than a calibration can hold, or two that get the same name.
 pub fn calibration(
     axes: &[AxisCurve],
     curves: &[LogCurve],

@@ -43,7 +43,7 @@ pub struct Measured<'a> {
     pub device_id: Option<i64>,
 }
 
-/// The bias of an axis over temperature. All values are in `unit`.
+/// The bias of an axis over temperature, in `unit`.
 #[derive(Clone, Debug, Serialize)]
 pub struct AxisCurve {
     /// Name of the axis.
@@ -58,7 +58,7 @@ pub struct AxisCurve {
     /// The device id by which PX4 identifies the sensor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub device_id: Option<i64>,
-    /// The unit of all values: °/s or m/s².
+    /// The unit of the bias: °/s or m/s².
     pub unit: &'static str,
     /// The reference temperature, °C.
     pub reference_c: f64,
@@ -250,7 +250,7 @@ impl<'a> Level<'a> {
     }
 }
 
-/// The means of an axis, prepared for plots.
+/// The means of an axis over blocks of its logs, prepared for plots.
 #[derive(Clone, Debug, Default)]
 pub struct Points {
     /// The means of all logs.
@@ -268,7 +268,7 @@ pub struct MeanPoint {
     pub value: f64,
     /// Residual: the value minus the curve at the temperature that the bias follows.
     pub left: f64,
-    /// True if the sensor was warming.
+    /// True unless the sensor was cooling.
     pub is_warming: bool,
 }
 

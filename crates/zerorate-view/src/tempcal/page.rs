@@ -19,7 +19,7 @@ pub struct TempcalPage<'a> {
     pub warnings: &'a [String],
     /// The curve of each axis.
     pub axes: &'a [AxisCurve],
-    /// The means of each axis.
+    /// The means of each axis over blocks of its logs, which the plots show as dots.
     pub points: &'a [Points],
 }
 

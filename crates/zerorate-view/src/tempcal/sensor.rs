@@ -52,7 +52,7 @@ impl Sensors {
     ///
     /// # Errors
     /// Returns an error if too many samples are missing. The inner result is an error text if the log has other axes
-    /// than the earlier logs.
+    /// than the earlier logs, or the samples of one of them.
     pub fn take(&mut self, log: &Path, imus: Vec<ImuColumns>) -> Result<std::result::Result<(), String>> {
         for mut imu in imus {
             for column in std::mem::take(&mut imu.columns) {

@@ -115,5 +115,5 @@ pub fn lines(group: &Group<'_>) -> Table {
     }
 }
 
-/// Lines closer than this share of their frequency are shown as one.
+/// Lines closer than this share of their frequency share a row. Wide lines may be farther apart.
 const BESIDE: f64 = 0.01;
