@@ -273,7 +273,7 @@ fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     (octaves.map(share).collect(), (trace(&all) / trace(&constant)).clamp(0.01, 1.0))
 }
 
-/// Covariance of a random walk of unit steps less its projection: (1 − QQᵀ) C (1 − QQᵀ) with C = min(i, j).
+/// Covariance of what the basis Q leaves of a random walk of unit steps: (1 − QQᵀ) C (1 − QQᵀ) with C = min(i, j).
 fn walk(basis: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = basis[0].len();
     let mut matrix: Vec<Vec<f64>> = (0..count).map(|i| (0..count).map(|j| i.min(j) as f64 + 1.0).collect()).collect();

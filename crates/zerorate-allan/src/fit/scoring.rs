@@ -14,7 +14,7 @@ use core::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ModelForm {
     pub(super) cosines: usize,
-    /// Order of a low-pass in the band shape: 0, 1 (a pole) or 2 (corner and damping). It would need many cosines.
+    /// Order of a low-pass in the band shape: 0, 1 (a pole) or 2 (corner and damping). Few cosines cannot follow one.
     pub(super) poles: usize,
     pub(super) reading: Explanation,
     /// Number of Gauss–Markov terms.

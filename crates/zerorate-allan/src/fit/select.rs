@@ -43,7 +43,7 @@ pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
 const ERROR_ABOVE: f64 = 1.0 / 64.0;
 /// Numbers of adjacent bins that may share one model error.
 const RUNS: [usize; 5] = [1, 2, 4, 8, 16];
-/// A model has an error if χ² of its upper bins is above the expected value by this many standard deviations.
+/// An error is sought if χ² of the upper bins is above its expected value by this many standard deviations.
 const ERROR_LIMIT: f64 = 3.0;
 /// Added to the limit, because χ² of few bins is skew.
 const SKEW: f64 = 2.0;

@@ -29,7 +29,7 @@ pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<
     m.iter().map(|m| next(m).map(|sum| squares(sum, *m)).ok_or(Reason::NotFinite)).collect()
 }
 
-/// The number of bits that the differences need.
+/// The size of the differences, which decides the number of bits of the sums.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Width {
     /// Below 2^28.

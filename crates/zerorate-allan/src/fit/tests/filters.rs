@@ -188,7 +188,7 @@ fn a_low_pass_of_all_noise_leaves_the_coefficients() {
     }
 }
 
-/// Cosines alone follow a second-order filter slowly: N was 14 % off, and 15 of 16 intervals excluded the true N.
+/// With cosines alone, without a corner, N was 14 % off, and 15 of 16 intervals excluded the true N.
 #[test]
 fn a_slow_low_pass_of_the_second_order_leaves_n() {
     let mut inside = 0;
