@@ -49,7 +49,7 @@ impl Format {
         matches!(self, Self::KfGins | Self::Ros)
     }
 
-    /// The use of N and K in the program that reads the file: in a filter, or in a batch estimate.
+    /// The use of N and K in the program that reads the noise file: in a filter, or in a batch estimate.
     #[must_use]
     pub(super) const fn usage(self) -> Usage {
         match self {
@@ -226,8 +226,8 @@ impl Text {
         self.0.push('\n');
     }
 
-    /// Writes the comments at the head of the file: the program that reads it, the meaning and choice of the numbers,
-    /// and warnings.
+    /// Writes the comments at the head of a noise file: the program that reads it, the meaning and choice of the
+    /// numbers, and warnings.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
         let NoiseFileOptions { log, combine, rule, inflate, names, warnings, .. } = &numbers.choice;

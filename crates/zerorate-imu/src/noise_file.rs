@@ -36,7 +36,7 @@ impl Format {
         Ok(())
     }
 
-    /// The text of the file. With `accept_rejected` the models may be rejected, and the file says so.
+    /// The text of the noise file. With `accept_rejected`, the models may be rejected, and the noise file says so.
     ///
     /// # Errors
     /// Returns the reason why no file can be written.

@@ -17,9 +17,9 @@ pub enum Combine {
 /// The rule that derives N and K from a noise model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// N and K cover the noise from 1 s to this horizon, s. For a batch estimate, only K is raised, and N is that of
-    /// the model. `None` takes a third of the record, but at most the limit for the use in the program that reads the
-    /// file.
+    /// N and K cover the noise from 1 s to this horizon, s. For a batch estimate, only K is raised, and N is as in
+    /// `AsFitted`. `None` takes a third of the record, but at most the limit for the use in the program that reads the
+    /// noise file.
     Covers(Option<f64>),
     /// N and K are those of the model, or their upper limits if they are not identified.
     AsFitted,
@@ -51,9 +51,9 @@ pub struct NoiseFileOptions {
     pub rule: Rule,
     /// Factor on all noise; 1 by default.
     pub inflate: f64,
-    /// The names of the options, for the comments in the file.
+    /// The names of the options, for the comments in the noise file.
     pub names: Names,
-    /// The warnings that matter to the reader of the file, each `code: text`.
+    /// The warnings that matter to the reader of the noise file, each `code: text`.
     pub warnings: Vec<String>,
 }
 
@@ -73,7 +73,7 @@ impl Default for NoiseFileOptions {
 }
 
 impl NoiseFileOptions {
-    /// The warnings that matter to the reader of the file: all but those with a code in `BESIDE`.
+    /// The warnings that matter to the reader of a noise file: all but those with a code in `BESIDE`.
     pub fn mattering(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
         // the name of an axis may stand before the code
         let matters = |line: &String| !line.split(": ").take(2).any(|word| BESIDE.contains(&word));
@@ -81,10 +81,10 @@ impl NoiseFileOptions {
     }
 }
 
-/// Codes of warnings that do not concern the numbers in the file.
+/// Codes of warnings that do not concern the numbers in a noise file.
 const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "not-identified"];
 
-/// The numbers of the file, in rad, m and s.
+/// The numbers of a noise file, in rad, m and s.
 pub struct Numbers {
     pub choice: NoiseFileOptions,
     pub usage: Usage,
@@ -112,7 +112,7 @@ pub struct Sensor {
 pub struct SourcedNumber {
     /// The number, in rad, m and s.
     pub value: f64,
-    /// The source of the number, for the file: the axis or axes, and the rule.
+    /// The source of the number, for a comment in the noise file: the axis or axes, and the rule.
     pub from: String,
 }
 
@@ -304,7 +304,7 @@ impl Sensor {
 }
 
 impl Rule {
-    /// Describes how N and K follow from the noise model, for the head of the file.
+    /// Describes how N and K follow from the noise model, for the head of the noise file.
     #[must_use]
     pub fn words(self, usage: Usage, names: Names) -> String {
         let (horizon, as_fitted) = (names.of(Setting::Horizon), names.of(Setting::AsFitted));
@@ -337,7 +337,7 @@ impl Combine {
         }
     }
 
-    /// Describes how the numbers of several axes were combined, for the head of the file.
+    /// Describes how the numbers of several axes were combined, for the head of the noise file.
     #[must_use]
     pub fn words(self, names: Names) -> String {
         let taken = self.name();
