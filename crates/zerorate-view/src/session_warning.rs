@@ -35,7 +35,7 @@ pub enum SessionWarning {
     NotRemoved { id: String, why: String },
     /// An error ended the recording. The text is the error.
     NotRecorded(String),
-    /// The libiio port is in use by another server.
+    /// The libiio port cannot be opened; another server may use it. `why` is the error.
     LibiioUnserved { address: SocketAddr, why: String },
     /// The calibration cannot be applied for libiio clients. The text is the reason.
     LibiioUncorrected(String),

@@ -1,6 +1,6 @@
 //! Converts values to pixels and chooses readable ticks.
 
-/// The smallest distance between two ticks of a linear axis at least twice as long, pixels.
+/// The smallest distance between two ticks of a linear axis, pixels. Ticks are closer if two distances do not fit.
 const ROOM: f64 = 24.0;
 
 #[derive(Clone, Debug)]

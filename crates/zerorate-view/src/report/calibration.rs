@@ -109,8 +109,8 @@ pub fn calibration_page(calibrations: &[(Calibration, String)], course: Option<&
     Ok(printable::page(&Page { title, software: zerorate::SOFTWARE, comparison, units }.render()?))
 }
 
-/// The temperature at which calibrations are compared, °C: the mean of all T3, or the nearest to it that all of them
-/// measured, if there is one.
+/// The temperature at which calibrations are compared, °C: the mean of all T3, limited to the range that all stated
+/// ranges share, if they share one.
 fn common_c(calibrations: &[(Calibration, String)]) -> f64 {
     let t3_c = || calibrations.iter().flat_map(|(one, _)| &one.axes).map(|axis| axis.correction.t3_c);
     let mean_c = t3_c().sum::<f64>() / t3_c().count().max(1) as f64;
