@@ -179,7 +179,7 @@ impl Case {
             .sum()
     }
 
-    /// s_x: covariance of two points of the phase that are t τ apart, averaged over τ/F, up to a constant factor.
+    /// s_x: covariance of two averages of the phase over τ/F, which are t τ apart, up to a constant factor.
     fn sx(&self, t: f64, filter: f64) -> f64 {
         if filter.is_infinite() {
             return sw(t, self.alpha + 2);

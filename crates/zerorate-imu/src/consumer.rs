@@ -146,7 +146,7 @@ fn openvins(file: &mut Text, numbers: &Numbers) {
     file.line(OPENVINS_REST);
 }
 
-/// Standard gravity, m/s². The file asks the user to put in the local gravity.
+/// Standard gravity, m/s². The noise file for VINS asks the user to put in the local gravity.
 const G_NORM: &str = "9.80665";
 
 fn vins(file: &mut Text, numbers: &Numbers) {

@@ -13,7 +13,7 @@ use zerorate_logs::{Column, LogError, LogWarning, Names, Quantity};
 
 /// A column of a log with its results.
 pub struct Record {
-    /// The path of the log, or `pool` for the record with a common model.
+    /// The path of the log, or `pool` for the common model of several records.
     pub file: PathBuf,
     /// The name of the column.
     pub column: String,
@@ -80,7 +80,7 @@ pub struct AnalysisOptions {
     pub draws: bool,
     /// True if the rate is kept for a model of several records.
     pub keeps_rate: bool,
-    /// The preparation: the removal of the dependence on temperature.
+    /// The removal of the dependence on temperature; without an order, only its detection.
     pub detrending: Detrending,
 }
 

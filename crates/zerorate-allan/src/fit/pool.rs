@@ -86,7 +86,7 @@ pub enum Differs {
     },
     /// The slower noise of the record differs: flicker, random walk, Gauss–Markov terms.
     Slow {
-        /// The gain in −2 ln L from the record's own slow terms over those of the median record that was still in the
+        /// The gain in −2 ln L from the record's own slow terms over the median of all records that were still in the
         /// pool.
         gain: f64,
     },

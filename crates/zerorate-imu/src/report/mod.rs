@@ -20,13 +20,13 @@ use zerorate_logs::Quantity;
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct AllanReport {
-    /// The path of the log.
+    /// The path of the log, or `pool` for the common model of several records.
     pub file: String,
     /// The name of the column.
     pub column: String,
     /// Samples per second, Hz.
     pub rate_hz: f64,
-    /// Samples from the first to the last, including missing ones.
+    /// Number of samples from the first to the last, including missing ones.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
     /// Number of missing samples.
@@ -119,7 +119,7 @@ pub struct UnavailableReport {
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CleanedReport {
-    /// Glitches whose samples were replaced.
+    /// Number of glitches whose samples were replaced.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub glitches: u64,
     /// Steps of the level that were removed.
