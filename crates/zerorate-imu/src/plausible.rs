@@ -10,7 +10,7 @@ const GRAVITY_M_S2: f64 = 9.8;
 /// Largest relative error of gravity: scales are off by up to 3 %, and an axis of the MPU-6050 has a bias of up to 0.8
 /// m/s².
 const WITHIN: f64 = 0.2;
-/// If the mean acceleration is below this, m/s², gravity has been subtracted.
+/// If the mean acceleration is below this, m/s², gravity seems to have been subtracted, or its unit to be wrong.
 const SUBTRACTED_M_S2: f64 = 0.3;
 /// No gyroscope has a bias above this, °/s: the data sheet of the MPU-6050 allows 20, and most allow less.
 const NO_BIAS_DPS: f64 = 50.0;

@@ -276,12 +276,12 @@ const STEP_LIMIT: f64 = 5.0;
 pub enum FitError {
     /// Fewer than [`FEWEST_SAMPLES`] samples are present.
     TooShort {
-        /// Samples that are present.
+        /// Number of samples that are present.
         samples: u64,
     },
     /// More than three quarters of the samples are missing.
     Gaps {
-        /// Samples that are present.
+        /// Number of samples that are present.
         present: u64,
         /// Number of samples, missing ones included.
         samples: u64,

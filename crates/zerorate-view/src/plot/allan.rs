@@ -26,7 +26,7 @@ pub struct Curve {
     pub remarks: Vec<String>,
 }
 
-/// A deviation with its interval, all in [`Options::unit`].
+/// An averaging time, with the deviation and its interval in [`Options::unit`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Averaging time, s.

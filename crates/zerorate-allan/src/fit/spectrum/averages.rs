@@ -16,7 +16,7 @@ pub(in crate::fit) fn slot_length(samples: usize) -> usize {
         .unwrap_or(4)
 }
 
-/// The mean over every `slot` samples of those present, and their number; NaN and 0 if too few are present.
+/// For every `slot` samples, the mean and the number of those present; NaN and 0 if too few are present.
 pub(in crate::fit) fn averages(rate: &[f64], slot: usize) -> (Vec<f64>, Vec<usize>) {
     let mean = |slot: &[f64]| {
         let sum: f64 = slot.iter().sum();
