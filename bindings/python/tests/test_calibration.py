@@ -73,7 +73,18 @@ def test_the_report_has_the_keys_of_the_command_line(unit: tuple[zerorate.Calibr
         "sway_probability",
     }
     assert not report.keys() & of_curves
-    assert report.keys() | of_curves | {"truth", "calibration"} == set(vars(found))
+    assert report.keys() | of_curves | {"truth", "calibration", "axes"} == set(vars(found))
+
+
+def test_a_sensor_with_several_axes_has_a_result_of_each() -> None:
+    found = zerorate.calibrate("twin:axes=3", average="2s", warmup="20s", settle="20s", offset="5s", max_u_btc=1.0)
+    assert list(found.axes) == [axis.name for axis in found.calibration.axes] and len(found.axes) == 3
+    for name, axis in found.axes.items():
+        assert axis.pbc_dps == found.calibration[name].correction.pbc_dps
+        assert len(axis.curve) == 9 and axis.truth is not None and axis.samples == found.samples
+    with pytest.raises(AttributeError, match=r"pbc_dps belongs to one axis of .*result\.axes\["):
+        found.pbc_dps  # noqa: B018
+    assert "the axes" in repr(found)
 
 
 def test_the_file_is_the_calibration(unit: tuple[zerorate.Calibrated, Path]) -> None:

@@ -128,7 +128,7 @@ fn an_axis_that_is_not_read_is_missed() {
         Scan::new(u64::from(k) * 175_667, k, &[wiggle, wiggle]).unwrap().with_temp(Some(wiggle))
     };
     let refusal = (0..20_000).find_map(|k| procedure.handle(Event::Reading(&two(k))).err()).expect("refused");
-    assert!(matches!(refusal.refusal, Refusal::TooFew { samples: 0, .. }), "{refusal:?}");
+    assert!(matches!(refusal.refusal, Refusal::TooFew { tenths: 0, .. }), "{refusal:?}");
     assert_eq!(refusal.axis.as_deref(), Some("z"));
 }
 

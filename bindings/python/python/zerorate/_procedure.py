@@ -135,6 +135,9 @@ class Calibrated:
     """Contributions to the uncertainties: ``of`` (PBC or BTC), ``source``, ``u``, ``share`` of the variance."""
     file: str | None = None
     """The file to which the calibration was written; None without ``output``."""
+    axes: dict[str, Calibrated] = field(default_factory=dict, repr=False)
+    """The result of each axis of a sensor with several, by its name; empty for a sensor with one. The sensor then has
+    only what its axes share, and an axis has its own warnings as well."""
 
     def __repr__(self) -> str:
         half = self.coverage_factor
@@ -249,13 +252,37 @@ def calibrate(
     arguments = locals()
     read = _device.options(device, part, every_temp, divider, realtime)
     report, core = _zerorate.calibrate(read, arguments, _device.showing(progress))
+    calibration = Calibration._of(core)
+    axes = report.pop("axes", None)
+    return _of_axis(report, calibration) if axes is None else _Several(report, calibration, axes)
+
+
+def _of_axis(report: dict[str, Any], calibration: Calibration) -> Calibrated:
     truth = report.pop("truth", None)
     if truth is not None:
         truth["curve"] = [CurvePoint(**point) for point in truth["curve"]]
     curve = [CurvePoint(**point) for point in report.pop("curve")]
-    return Calibrated(
-        **report,
-        curve=curve,
-        calibration=Calibration._of(core),
-        truth=None if truth is None else Truth(**truth),
-    )
+    truth = None if truth is None else Truth(**truth)
+    return Calibrated(**report, curve=curve, calibration=calibration, truth=truth)
+
+
+class _Several(Calibrated):
+    """The result of a sensor with several axes, without what belongs to one axis."""
+
+    def __init__(self, report: dict[str, Any], calibration: Calibration, axes: list[dict[str, Any]]) -> None:
+        all_axes = {}
+        for axis in axes:
+            name = axis.pop("name")
+            notes = {key: [*report[key], *axis[key]] for key in ("warnings", "remarks")}
+            all_axes[name] = _of_axis({**report, **axis, **notes}, calibration)
+        for key, value in {**report, "calibration": calibration, "axes": all_axes}.items():
+            object.__setattr__(self, key, value)
+
+    def __getattribute__(self, name: str) -> Any:
+        if name in Calibrated.__dataclass_fields__ and name not in vars(self):
+            example = f"result.axes[{next(iter(self.axes))!r}].{name}"
+            raise AttributeError(f"{name} belongs to one axis of {', '.join(self.axes)}: take it as {example}")
+        return super().__getattribute__(name)
+
+    def __repr__(self) -> str:
+        return f"<Calibrated by {self.method} on {self.device}: the axes {', '.join(self.axes)}>"

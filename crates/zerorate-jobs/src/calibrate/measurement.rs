@@ -216,13 +216,13 @@ impl Words {
 
     fn text(self, refusal: &AxisRefusal) -> String {
         let Self { names, is_recording } = self;
-        let (Refusal::TooFew { window, samples, needed }, true) = (refusal.refusal, is_recording) else {
+        let (Refusal::TooFew { window, tenths, needed }, true) = (refusal.refusal, is_recording) else {
             return refusal.with(names).to_string();
         };
         let axis = refusal.axis.as_ref().map_or(String::new(), |axis| format!("axis {axis}: "));
         format!(
-            "{axis}the recording has only {samples} samples during {window}, at least {needed} are needed; average \
-             longer ({}) or record faster",
+            "{axis}the recording has samples in only {tenths} tenths of a second of {window}, at least {needed} are \
+             needed; average longer ({}) or record faster",
             names(Setting::Average)
         )
     }
@@ -234,11 +234,15 @@ mod tests {
 
     #[test]
     fn a_recording_has_no_wires_to_check() {
-        let refusal = Refusal::TooFew { window: State::FirstAverage, samples: 12, needed: 30 };
+        let refusal = Refusal::TooFew { window: State::FirstAverage, tenths: 12, needed: 30 };
         let refusal = AxisRefusal { axis: Some("z".to_owned()), refusal };
         let text = |is_recording| Words { names: Setting::name, is_recording }.text(&refusal);
         assert!(text(false).contains("wire"), "{}", text(false));
         assert!(!text(true).contains("wire") && text(true).contains("average longer (average_s)"), "{}", text(true));
-        assert!(text(true).starts_with("axis z: the recording has only 12 samples during"), "{}", text(true));
+        assert!(
+            text(true).starts_with("axis z: the recording has samples in only 12 tenths of a second of"),
+            "{}",
+            text(true)
+        );
     }
 }

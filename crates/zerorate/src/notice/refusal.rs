@@ -38,7 +38,7 @@ pub enum Refusal {
     /// Too many samples were lost, and data ready was silent in the gaps.
     Stuttering { window: State, lost: u64, samples: u64, silent_gaps: u64, gaps: u64 },
     /// Too few blocks of 0.1 s in a window hold samples. `needed` counts blocks.
-    TooFew { window: State, samples: u64, needed: u64 },
+    TooFew { window: State, tenths: u64, needed: u64 },
     /// A window holds no temperature. With `wrong_edge`, the host uses the edge of data ready before new data.
     NoTemperature { window: State, wrong_edge: bool },
     /// The recording is too short for a bias over temperature.
@@ -170,9 +170,11 @@ rows_with_remedies!(match Refusal {
         ),
         remedies: &[Remedy::CheckDataReady],
     },
-    Self::TooFew { window, samples, needed } => Row {
+    Self::TooFew { window, tenths, needed } => Row {
         code: "too-few-samples",
-        text: format_args!("{window} has only {samples} samples, and at least {needed} are needed"),
+        text: format_args!(
+            "{window} has samples in only {tenths} tenths of a second, and at least {needed} are needed"
+        ),
         remedies: &[Remedy::CheckDataReady, Remedy::SmallerDivider, Remedy::LongerAverage],
     },
     Self::NoTemperature { window, wrong_edge } => Row {

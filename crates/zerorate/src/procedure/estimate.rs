@@ -381,7 +381,7 @@ fn u_offset_noise(seen: &Evidence<'_>, noise: &NoiseModel) -> f64 {
 
 fn means(seen: &Evidence<'_>, state: State) -> Result<(f64, f64), Refusal> {
     let summary = seen.window(state);
-    let rate_dps = summary.rate_dps.ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
+    let rate_dps = summary.rate_dps.ok_or(Refusal::TooFew { window: state, tenths: 0, needed: 1 })?;
     Ok((rate_dps, summary.temp_c.ok_or(seen.tally.no_temperature(state))?))
 }
 

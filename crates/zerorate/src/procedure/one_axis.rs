@@ -335,8 +335,9 @@ impl<S: WindowSums> Procedure<S> {
             return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }
         let needed = libm::ceil(0.8 * (seen.end_s - seen.start_s) / BLOCK_S) as u64;
-        if (seen.rates.count as u64) < needed {
-            return Err(Refusal::TooFew { window, samples, needed });
+        let tenths = seen.rates.count as u64;
+        if tenths < needed {
+            return Err(Refusal::TooFew { window, tenths, needed });
         }
         if lost as f64 > limit * (lost + samples) as f64 {
             return Err(self.lost(window, lost, samples));
@@ -435,6 +436,6 @@ mod tests {
         assert_eq!(procedure.next(), Action::Read);
         assert!(procedure.handle(Event::Time { t_ns: 9_000_000_000 }).is_ok());
         let refusal = procedure.handle(Event::Time { t_ns: 10_000_000_005 }).unwrap_err();
-        assert!(matches!(refusal, Refusal::TooFew { window: State::FirstAverage, samples: 0, .. }));
+        assert!(matches!(refusal, Refusal::TooFew { window: State::FirstAverage, tenths: 0, .. }));
     }
 }

@@ -150,6 +150,9 @@ def _one_file(args: argparse.Namespace) -> int:
     except _one.NotEnoughMemory as error:
         _complain(f"{args.url} has no row: {error}")
         return FAILED
+    except _one.Replaced:
+        _complain(f"{args.url} has no row: it changed while it was read; start again")
+        return FAILED
     print(json.dumps(row, ensure_ascii=False, indent=1))
     return EXIT_CODES.get(str(row["state"]), FAILED)
 
