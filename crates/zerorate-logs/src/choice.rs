@@ -111,7 +111,7 @@ impl Columns<'_> {
             self.check_blocks(time)?;
         }
         let time = match (wanted, default) {
-            (ColumnSelection::First(_), _) if is_open => self.time(&first),
+            (ColumnSelection::First(_), []) if is_open => self.time(&first),
             (ColumnSelection::All, []) if is_open => self.time(&[]),
             // a column whose name merely suggests a time may be the wanted column
             (ColumnSelection::One(None), []) if is_open => self.stated_time(&[]),

@@ -18,7 +18,7 @@ use zerorate_allan::Gap;
 use zerorate_input::cells::{floats, integers};
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::table::{BatchSource, Described, DescribedTable, Source, describes_itself};
-use zerorate_input::{InputError, InputWarning};
+use zerorate_input::{InputError, InputWarning, Quantity};
 
 pub fn read(
     path: &Path,
@@ -91,12 +91,15 @@ impl<'a> TableColumns<'a> {
         }
         // with a time column, a described table is read like any other
         let described = described.filter(|_| time.is_none());
-        let column = |index: &usize| {
+        let column = |index: &usize| -> Result<RawColumn> {
             let mut series = SeriesBuilder::sharing(room, wanted);
             series.reserve(0, schema.field(*index).data_type().is_integer());
             let stated = described.and_then(|table| table.step(*index));
+            if stated.is_some_and(|(quantity, _)| quantity != Quantity::Temperature) {
+                asked.args.leaves_scale(path, names[*index])?;
+            }
             let is_beside = beside == Some(*index);
-            RawColumn { stated, is_beside, ..RawColumn::new(names[*index].to_owned(), series) }
+            Ok(RawColumn { stated, is_beside, ..RawColumn::new(names[*index].to_owned(), series) })
         };
         let time_column = time.map(|time| {
             let mut times = Times::new();
@@ -105,7 +108,7 @@ impl<'a> TableColumns<'a> {
         });
         Ok(Self {
             path,
-            values: values.iter().map(column).collect(),
+            values: values.iter().map(column).collect::<Result<_>>()?,
             columns: values.iter().copied().chain(time).chain(only.iter().copied()).collect(),
             only: asked.args.only.as_ref().map(|of| (of, only.iter().map(|at| names[*at].to_owned()).collect())),
             sample: Vec::new(),

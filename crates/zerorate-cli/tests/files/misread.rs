@@ -238,6 +238,17 @@ fn scales_above_a_header_are_used_or_named() {
     assert!(!said.contains("scale-unused"), "{said}");
 }
 
+#[test]
+fn the_scale_of_a_capture_is_not_lost_to_a_unit_or_a_name() {
+    let bench = Bench::new();
+    bench.zerorate("capture --device twin:seed=3 --duration 20s -o rest.arrows").ok();
+    bench
+        .zerorate("allan rest.arrows --unit dps")
+        .fails(2, &["states the scale of the codes in `rate_code`", "leave --unit out, or give --scale as well"]);
+    let of = |line: &str| n(&bench.zerorate(line).ended_with(0).json());
+    assert_eq!(of("imu rest.arrows --gyro rate_code --json"), of("imu rest.arrows --json"));
+}
+
 /// A wrong unit of time gives an absurd rate or year, and the message proposes the right unit. A given rate may
 /// contradict the timestamps.
 #[test]
