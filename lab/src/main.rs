@@ -134,7 +134,7 @@ enum Task {
     Endurance(endurance::EnduranceArgs),
     /// Look for undefined behaviour and data races: Miri, AddressSanitizer, UBSan, ThreadSanitizer, valgrind
     ///
-    /// The first, second and third need nightly Rust, `miri` and `tsan` with its components miri and rust-src. `asan`
+    /// `miri`, `asan` and `tsan` need nightly Rust, `miri` and `tsan` with its components miri and rust-src. `asan` also
     /// needs clang, `valgrind` the wheel's environment of `cargo xtask python`. A part whose tools are missing says so
     /// and passes. All parts take most of an hour on one core.
     Proofs(proofs::ProofsArgs),

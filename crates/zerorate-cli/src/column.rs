@@ -26,7 +26,7 @@ pub struct LogArgs {
     #[arg(long, value_enum, value_name = "MARK")]
     decimal: Option<Decimal>,
 
-    /// The share of broken lines in a text file that are skipped and counted; a file with more is refused
+    /// The largest share of broken lines in a text file that are skipped and counted; a file with more is refused
     /// [default: 0.01].
     #[arg(long, value_name = "SHARE", value_parser = share)]
     max_bad: Option<f64>,
@@ -112,7 +112,7 @@ pub struct ColumnArgs {
     column: Option<String>,
 
     /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s, rpm, m/s², g, mg, ug, cm/s² or mm/s²
-    /// [default: the one that its name states, as in gyro_z_dps or `gz [rad/s]`].
+    /// [default: the one that the log or the name of the column states, as in gyro_z_dps or `gz [rad/s]`].
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
 

@@ -8,7 +8,7 @@ use zerorate_input::plain;
 
 const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 
-/// The program that reads the file.
+/// The program that reads the noise file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Format {
@@ -20,7 +20,7 @@ pub enum Format {
     Vins,
     /// ORB-SLAM3: the IMU's part of the settings, continuous densities.
     Orbslam3,
-    /// KF-GINS: its `imunoise`, by axis, the bias as a Gauss–Markov process.
+    /// KF-GINS: the section `imunoise` of its settings, by axis, the bias as a Gauss–Markov process.
     KfGins,
     /// Covariances of `sensor_msgs/Imu` of ROS.
     Ros,

@@ -8,9 +8,9 @@ use zerorate_logs::{Names, Setting};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Combine {
-    /// The largest.
+    /// The largest value of the axes.
     Worst,
-    /// Their mean.
+    /// The mean of the axes.
     Mean,
 }
 

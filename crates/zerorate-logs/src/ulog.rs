@@ -13,7 +13,7 @@ use crate::raw_columns::{RawColumn, RawColumns};
 use crate::setting::Setting;
 use crate::warning::LogWarning;
 use std::collections::BTreeMap;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 use zerorate_input::{Input, InputError, InputWarning, Quantity, TimeUnit, Unit};
 
@@ -129,10 +129,16 @@ impl<'a> Messages<'a> {
         let torn = |why| InputWarning::Torn(format!("{}: {why}; the rest is dropped", self.path.display()));
         let (mut body, mut end) = (Vec::new(), HEAD as u64);
         loop {
+            if self.file.fill_buf().map_err(failed)?.is_empty() {
+                break;
+            }
             let mut head = [0; 3];
             match self.file.read_exact(&mut head) {
                 Ok(()) => {}
-                Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => break,
+                Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                    *of_end = Some(torn("it ends inside a message"));
+                    break;
+                }
                 Err(error) => return Err(failed(error)),
             }
             let length = u16::from_le_bytes([head[0], head[1]]).into();

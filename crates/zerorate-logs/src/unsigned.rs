@@ -42,7 +42,7 @@ pub fn unwrap_others(path: &Path, columns: &mut [Column]) {
     for column in columns.iter_mut().filter(|column| wrapped(column).is_none()) {
         let high = full * (1.0 - END)..full;
         let are_high = match &column.series {
-            Series::Codes(codes) => codes.iter().all(|code| high.contains(&f64::from(*code))),
+            Series::Codes(codes) => !codes.is_empty() && codes.iter().all(|code| high.contains(&f64::from(*code))),
             Series::Numbers(_) => false,
         };
         if are_high {

@@ -46,7 +46,7 @@ enum Part {
     Mcap,
     /// Files of Arrow that crashed readers, and whole ones; `git clone https://github.com/apache/arrow-testing`
     Arrow,
-    /// The same of Parquet; `git clone https://github.com/apache/parquet-testing`
+    /// Files of Parquet that crashed readers, and whole ones; `git clone https://github.com/apache/parquet-testing`
     Parquet,
 }
 

@@ -32,7 +32,7 @@ pub struct ProofsArgs {
 enum Part {
     /// Tests of driver, core and C interface in Miri, on a processor of 32 bits
     Miri,
-    /// The C library with AddressSanitizer and its callers with UBSan: examples, and random calls of each function
+    /// The C library and its callers with AddressSanitizer, the callers with UBSan too: examples, and random calls
     Asan,
     /// Tests of the hub, its queues, the libiio server and the page's server with ThreadSanitizer
     Tsan,

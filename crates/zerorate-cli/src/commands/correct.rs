@@ -36,7 +36,7 @@ use zerorate_view::SessionWarning;
 ///
 /// A calibration of `zerorate tempcal` corrects the gyroscope of any log of that unit. The result is a table (.csv)
 /// with t_s at the mean rate, temp_c, and NAME_dps and NAME_corrected_dps of each axis. The correction follows the
-/// temperature with the lag of the calibration; at its start, the sensor counts as warmed through.
+/// temperature with the lag of the calibration; at the start of the log, the sensor counts as warmed through.
 #[derive(Args, Debug)]
 pub struct CorrectArgs {
     /// The capture, in any form, or the log.

@@ -11,7 +11,8 @@ pub struct EarthArgs {
     #[arg(long, value_name = "X", help_heading = "Procedure")]
     earth_dps: Option<f64>,
 
-    /// The same for an axis that points straight up, by the latitude: 0.00418 °/s × sin(DEG), north positive.
+    /// The Earth's rotation to subtract for an axis that points straight up, by the latitude: 0.00418 °/s × sin(DEG),
+    /// north positive.
     #[arg(long, value_name = "DEG", conflicts_with = "earth_dps",
           value_parser = latitude, help_heading = "Procedure")]
     latitude: Option<f64>,

@@ -124,8 +124,9 @@ fn cycles(root: Entry<'_>, cycles: Option<u32>, steps: usize) -> Result<usize, E
     root.require(steps > 0, || {
         "there is no [[step]]; give at least two, each with to_c = the temperature of the chamber in °C".into()
     })?;
+    root.require(steps <= MAX_STEPS, || format!("there are {steps} [[step]]; a plan has at most {MAX_STEPS}"))?;
     let (count, most) = (cycles.unwrap_or(1) as usize, MAX_STEPS / steps);
-    let fits = cycles.is_none() || (1..=most).contains(&count);
+    let fits = (1..=most).contains(&count);
     root.at("cycles")
         .require(fits, || format!("cycles is {count}; give a number from 1 to {most} ({steps} steps each)"))?;
     Ok(count)
@@ -175,5 +176,8 @@ mod tests {
             let seen = ChamberPlan::parse(text).unwrap_err().to_string();
             assert!(seen.contains(expected), "{text:?}: {seen}");
         }
+        let long = ["schema = 1\n", &"[[step]]\nto_c = 5\n".repeat(1001)].concat();
+        let seen = ChamberPlan::parse(&long).unwrap_err().to_string();
+        assert!(seen.contains("there are 1001 [[step]]; a plan has at most 1000"), "{seen}");
     }
 }

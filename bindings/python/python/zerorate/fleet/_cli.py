@@ -79,7 +79,7 @@ def _add_run(commands: Any) -> None:
     run.add_argument("--workers", type=_count, metavar="N", help="tasks at once [default: one for each core]")
     run.add_argument("--dask", metavar="ADDRESS", help="a Dask scheduler, tcp://…, or `local` for processes here")
     states = ["failed", "killed", "refused", "ok"]
-    again = "make the rows of this state anew; may be repeated"
+    again = "make the rows in this state anew; give the option once for each state"
     run.add_argument("--again", action="append", default=[], choices=states, help=again)
     run.set_defaults(run=_run_all)
 

@@ -83,7 +83,7 @@ pub struct AllanArgs {
     #[arg(long, conflicts_with = "keep_glitches", help_heading = "Noise model")]
     cut_glitches: bool,
 
-    /// Keep such samples.
+    /// Keep samples that cannot be noise.
     #[arg(long, help_heading = "Noise model")]
     keep_glitches: bool,
 

@@ -61,7 +61,7 @@ pub struct PlanArgs {
 enum MethodArg {
     /// Two temperatures by self-heating and the line through them, as in AN-1042.
     An1042,
-    /// A curve through every sample of the same time.
+    /// A curve fitted to every sample of a recording of the same length.
     Warmup,
     /// The same curve while the sensor is heated and cooled, by hand or by a chamber.
     Cycle,
