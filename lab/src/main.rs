@@ -134,8 +134,8 @@ enum Task {
     Endurance(endurance::EnduranceArgs),
     /// Look for undefined behaviour and data races: Miri, AddressSanitizer, UBSan, ThreadSanitizer, valgrind
     ///
-    /// `miri`, `asan` and `tsan` need nightly Rust, `miri` and `tsan` with its components miri and rust-src. `asan` also
-    /// needs clang, `valgrind` the wheel's environment of `cargo xtask python`. A part whose tools are missing says so
+    /// `miri`, `asan` and `tsan` need nightly Rust, `miri` and `tsan` with its components miri and rust-src. `asan`
+    /// also needs clang, `valgrind` the wheel's environment of `cargo xtask python`. A part whose tools are missing says so
     /// and passes. All parts take most of an hour on one core.
     Proofs(proofs::ProofsArgs),
     /// Make docs/ a book; run its commands, follow its links

@@ -14,8 +14,8 @@
  *            zerorate_gyro without masking it.
  * Errors     Functions return ZERORATE_OK, a positive number that says something harmless, or a negative one that says
  *            what failed. Results are written only where the return value is ZERORATE_OK, except for
- *            zerorate_table_look_up. Null pointers are an error, and so are objects that were not set up, provided
- *            that their memory was zero.
+ *            zerorate_table_look_up. Null pointers are an error, unless a function allows them. So are objects that
+ *            were not set up, provided that their memory was zero.
  * Clocks     Times are in ns of one clock that runs evenly and does not go back. The library reads no clock itself.
  *
  * What is where, in the order of use:
@@ -424,7 +424,7 @@ typedef struct zerorate_settings {
    */
   uint16_t every_temp;
   /**
-   * Read on every n-th edge of RDY (F-56): 1 = on each edge.
+   * Read on every n-th edge of RDY (F-56): 0 or 1 = on each edge.
    */
   uint16_t divider;
   /**
@@ -914,7 +914,7 @@ typedef struct zerorate_tracked {
 
 /**
  * A register does not read the value that was written, or a status names the wrong channel: the line has bit errors,
- * or the part is another one.
+ * or the part is another one, or this object did not initialise it.
  */
 #define ZERORATE_E_UNEXPECTED -23
 
@@ -1151,7 +1151,7 @@ zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro, struct zerorate_c
 
 /**
  * Waits for new data. Calls `rdy` every 5 us, and returns ZERORATE_E_TIMEOUT after `timeout_us`, plus the time that
- * the calls take. Needs `rdy` and `delay_us` of the bus.
+ * the calls take. Needs `rdy` and `delay_us` of the bus: ZERORATE_E_PIN without them.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */
@@ -1187,7 +1187,8 @@ zerorate_status zerorate_gyro_sample(struct zerorate_gyro *gyro,
 zerorate_status zerorate_gyro_silent(struct zerorate_gyro *gyro, uint64_t now_ns);
 
 /**
- * Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, otherwise the fault.
+ * Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, and otherwise the fault,
+ * or the reason why nothing was sent.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */
@@ -1223,7 +1224,8 @@ zerorate_status zerorate_procedure_next(struct zerorate_procedure *procedure);
 uint8_t zerorate_procedure_remedy(struct zerorate_procedure *procedure, size_t index);
 
 /**
- * Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples.
+ * Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples. This
+ * function and the next two return the status of the refusal if the calibration is refused.
  *
  * Required: `procedure` is null or points to a procedure that nothing else uses during the call.
  */

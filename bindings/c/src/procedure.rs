@@ -258,8 +258,8 @@ pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, in
     refused.and_then(|refusal| refusal.remedies().get(index).copied()).map_or(0, Remedy::code)
 }
 
-/// Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples. This function
-/// and the next two return the status of the refusal if the calibration is refused.
+/// Tells the procedure that the part was initialised at the time `t_ns`, ns, by the clock of the samples. This
+/// function and the next two return the status of the refusal if the calibration is refused.
 ///
 /// # Safety
 /// `procedure` is null or points to a procedure that nothing else uses during the call.
