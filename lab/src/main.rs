@@ -135,8 +135,8 @@ enum Task {
     /// Look for undefined behaviour and data races: Miri, AddressSanitizer, UBSan, ThreadSanitizer, valgrind
     ///
     /// `miri`, `asan` and `tsan` need nightly Rust, `miri` and `tsan` with its components miri and rust-src. `asan`
-    /// also needs clang, `valgrind` the wheel's environment of `cargo xtask python`. A part whose tools are missing says so
-    /// and passes. All parts take most of an hour on one core.
+    /// also needs clang, `valgrind` the wheel's environment of `cargo xtask python`. A part whose tools are missing
+    /// says so and passes. All parts take most of an hour on one core.
     Proofs(proofs::ProofsArgs),
     /// Make docs/ a book; run its commands, follow its links
     ///
