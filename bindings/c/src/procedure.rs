@@ -19,7 +19,7 @@ pub struct Procedure {
 
 pub struct State {
     procedure: FixedProcedure,
-    /// The refusal that ended the calibration early. Its status answers each later event, `next` and `outcome`.
+    /// The refusal that ended the calibration early. Each later event, `next` and `outcome` return its status.
     refused: Option<Refusal>,
 }
 

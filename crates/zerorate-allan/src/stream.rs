@@ -2,7 +2,7 @@ use super::kernels::Deviation;
 use core::fmt;
 
 /// Allan deviation computed as samples arrive, for averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples. It allocates
-/// nothing and takes 48 bytes per octave, and 16 more.
+/// nothing, and takes at most 48 bytes per octave and 16 more.
 ///
 /// The averages cover samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record. So the streams
 /// of two adjacent pieces can be joined: [`Stream::merge`] gives exactly the stream of both. A stream from sample 0

@@ -31,7 +31,7 @@ const SQRT_2: f64 = std::f64::consts::SQRT_2;
 /// µg in 1 m/s².
 const MICRO_G: f64 = 1e6 / STANDARD_GRAVITY;
 
-/// Units of the random walk N: 1 °/√s = 60 °/√h. The one-sided noise density is √2·N.
+/// Units of the angle or velocity random walk N: 1 °/√s = 60 °/√h. The one-sided density of the white noise is √2·N.
 const N: Units = Units {
     rate: &[("°/√h", 60.0), ("°/√s", 1.0), ("°/s/√Hz, one-sided", SQRT_2)],
     acceleration: &[("m/s/√h", 60.0), ("m/s/√s", 1.0), ("µg/√Hz, one-sided", SQRT_2 * MICRO_G)],

@@ -35,8 +35,8 @@ impl Quantity {
 /// Standard gravity, m/s² (CGPM 1901).
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// Makes [`Unit`] from a row for each: its variant, its symbol, its quantity, its size in °/s or m/s², all accepted
-/// names in the spelling of [`plain`], and the endings of column names that state it without a slash.
+/// Makes [`Unit`] from a row for each unit: its variant, its symbol, its quantity, its size in °/s or m/s², all
+/// accepted names in the spelling of [`plain`], and the endings without a slash by which a column name states it.
 macro_rules! units {
     ($($(#[$doc:meta])* $unit:ident $symbol:literal $quantity:ident $size:expr, $names:expr, $endings:expr;)*) => {
         /// A unit of angular rate or of acceleration.

@@ -129,7 +129,7 @@ struct Page {
     to_bridge: VecDeque<u8>,
     /// Number of the bridge's next messages that are lost.
     to_lose: u32,
-    /// The time during which the window with the port passes no bytes on, ms.
+    /// The time during which the browser window that holds the serial port passes no bytes on, ms.
     blocked_ms: Range<f64>,
     /// The bytes that wait in the blocked window.
     held: Vec<u8>,

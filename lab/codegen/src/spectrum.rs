@@ -89,7 +89,7 @@ impl Setup {
         Ok((samples.iter().map(|sample| f64::from(sample.rate.to_dps())).collect(), rate_hz))
     }
 
-    /// The expected density: white noise behind the poles (F-02, F-03, F-04) with aliased noise, °/s/√Hz.
+    /// The expected density at `hz`, °/s/√Hz: white noise filtered by two poles (F-02, F-03, F-04), with its aliases.
     fn expected(&self, hz: f64, rate_hz: f64) -> f64 {
         let pole_hz = match self.roa {
             Roa::Open => POLE_HZ,

@@ -28,7 +28,7 @@ pub struct EnduranceArgs {
     /// Run as a step of the test: three minutes of the sensor's time
     #[arg(long, conflicts_with_all = ["hours", "program"])]
     check: bool,
-    /// The unit of the twin that all parts read
+    /// Seed of the simulated sensor that every stage of the run reads
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The program, instead of building it

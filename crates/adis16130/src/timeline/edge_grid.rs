@@ -52,8 +52,9 @@ impl EdgeGrid {
         Self { period, temp_fraction: 0, margin: period >> 1, pattern: Pattern::Divided }
     }
 
-    /// With both channels, the longest time in which this many edges come if nothing is read, plus 3/4 of the shorter
-    /// conversion, in whole ns. After a read of both, these edges take one conversion longer.
+    /// With both channels, the longest time in which this many edges come while nothing is read, plus 3/4 of the
+    /// shorter conversion, in whole ns. After a read of rate and temperature, these edges take one conversion longer,
+    /// because the first one comes after two conversions (F-56).
     pub(crate) fn unread_ns(&self, edges: u32) -> u64 {
         let (period, temp) = (self.period >> FRACTION_BITS, self.share_of_temp(self.period) >> FRACTION_BITS);
         let shorter = temp.min(period - temp);

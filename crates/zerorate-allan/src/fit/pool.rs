@@ -110,7 +110,7 @@ pub enum PoolError {
     },
     /// Fewer than two records have an accepted model and similar white noise.
     NothingInCommon,
-    /// A record has no spectrum, or the common model no likelihood.
+    /// A record cannot be fitted, or no common model has a finite likelihood.
     Fit(FitError),
 }
 

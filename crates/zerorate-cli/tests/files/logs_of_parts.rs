@@ -115,7 +115,8 @@ fn facts_that_a_log_lacks_are_asked_for() {
     asks("imu.bag", PART.to_owned(), "a message of sensor_msgs/Imu holds no temperature");
 }
 
-/// Without `-o`, the result of a real part is saved under its own name, with a message. `--no-save` saves nothing.
+/// Without `-o`, the result of a real part is saved under its own name, with a message. `--no-save` saves no
+/// calibration.
 #[test]
 fn a_finished_hour_is_kept() {
     let bench = Bench::new();

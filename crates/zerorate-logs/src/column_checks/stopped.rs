@@ -45,7 +45,7 @@ impl Changes {
         }
     }
 
-    /// The number of samples that are missing among numbers.
+    /// The number of missing samples of a column of numbers, which are NaN. Those of integer codes are in the gaps.
     pub fn missing(&self) -> usize {
         self.total - self.len
     }

@@ -96,7 +96,7 @@ pub fn reason(cell: &str) -> Option<&'static str> {
     })
 }
 
-/// The tenths of a time that Excel shows as `mm:ss.0`.
+/// The tenths of a time in Excel's form `mm:ss.0`; `None` for any other cell.
 fn minutes(cell: &str) -> Option<&str> {
     let (minutes, seconds) = cell.split_once(':')?;
     let (seconds, tenths) = seconds.split_once(['.', ','])?;

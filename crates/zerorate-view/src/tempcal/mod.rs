@@ -264,7 +264,7 @@ pub struct MeanPoint {
     pub at_s: f64,
     /// Temperature, °C.
     pub temp_c: f64,
-    /// The mean, less the steps and less the level that is subtracted from the curve.
+    /// The mean without the earlier steps of its log, less the level that is subtracted from the curve, °/s or m/s².
     pub value: f64,
     /// Residual: the value minus the curve at the temperature that the bias follows.
     pub left: f64,

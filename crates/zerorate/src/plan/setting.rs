@@ -15,7 +15,8 @@ pub struct Bounds {
     pub unit: &'static str,
 }
 
-/// Makes [`Setting`] from a row for each: its variant, its word, its field, and the bounds of a number.
+/// Makes [`Setting`] from a row for each setting: its variant, its word, its field and, if the plan bounds it, the
+/// least and the largest value and their unit.
 macro_rules! settings {
     ($($setting:ident $word:literal $field:literal $($least:expr, $most:expr, $unit:literal)?;)*) => {
         /// A setting of a measurement, for which each front end has its own name.

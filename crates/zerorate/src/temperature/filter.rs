@@ -44,7 +44,7 @@ struct Step {
 pub(super) struct White {
     /// The innovations in units of their standard deviations.
     values: Vec<f64>,
-    /// Estimate of the random walk at the end from this series.
+    /// Estimate, from this series alone, of the random walk at the last block.
     walk: f64,
 }
 
@@ -61,7 +61,7 @@ pub(super) struct Filtered {
     pub(super) gram: Vec<Vec<f64>>,
     /// Logarithm of the determinant of the blocks' covariance.
     pub(super) log_determinant: f64,
-    /// Estimate of the random walk at the end from each series.
+    /// Estimate, from each series alone, of the random walk at the last block.
     pub(super) walk: Vec<f64>,
     /// Variance of the random walk at the end for a known model, (°/s)².
     pub(super) walk_variance: f64,

@@ -112,9 +112,9 @@ fn intervals_are_honest() {
     assert!((0.4..1.7).contains(&mean), "{mean}");
 }
 
-/// In these simulated units, quadratic and cubic models explain the bend about equally well, so the line has more
-/// evidence than each of them. With the line as the estimate and an interval from the variance alone, BTC would be off
-/// by 4.7, 3.3 and 3.6 u.
+/// In these simulated units, quadratic and cubic models explain the bend about equally well and share its probability,
+/// so the line is more probable than each of them. If the line were the estimate, with the interval of the line, BTC
+/// would be off by 4.7, 3.3 and 3.6 u.
 #[test]
 fn a_bend_that_orders_share_is_in_the_interval_of_btc() {
     for (seed, curvature_dps_per_c2, most) in [(226, -0.001, 4.0), (22, 0.0005, 3.0), (246, 0.0005, 3.0)] {

@@ -57,7 +57,8 @@ pub fn code(line: &str) -> &str {
 /// The code whose lines are all shown, because their causes and remedies differ.
 const EACH: &str = "implausible";
 
-/// The first line of each code, with the number of different further lines. Lines of the code [`EACH`] are all kept.
+/// The first line of each warning code, with the number of other lines of the code. Of the code [`EACH`], each line is
+/// kept. Repeated lines count once.
 pub fn first_of_each(lines: &[String]) -> Vec<String> {
     let mut firsts: Vec<(&String, Vec<&String>)> = Vec::new();
     for line in lines {

@@ -56,7 +56,7 @@ pub struct CalibrateArgs {
     #[arg(long, value_name = "FILE", help_heading = "Result")]
     log: Option<PathBuf>,
 
-    /// Save nothing. Otherwise, without -o, the calibration of a real part goes to calibration-<id>.toml.
+    /// Do not save the calibration. Without this and -o, the calibration of a real part goes to calibration-<id>.toml.
     #[arg(long, conflicts_with = "output", help_heading = "Result")]
     no_save: bool,
 }

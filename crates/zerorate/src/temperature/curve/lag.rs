@@ -7,7 +7,8 @@ use alloc::vec::Vec;
 
 /// Probability that an axis has the lag of the other axes.
 const COMMON: f64 = 0.9;
-/// Exponent of the likelihoods of other axes, which are too sharp, because they assume the best noise alone.
+/// Exponent that flattens the likelihoods of other axes. They are too sharp, because each is computed under the noise
+/// of the best model alone.
 const TRUST: f64 = 0.5;
 /// Lower limit of the log likelihoods, relative to that of the best lag.
 const FLOOR: f64 = -30.0;

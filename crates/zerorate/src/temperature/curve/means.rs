@@ -22,9 +22,9 @@ const CHANGES: f64 = 0.01;
 const OUTLIER_C: f64 = 2.0;
 /// Ratio of the code step to the deviation of samples above which rounding remains in the means.
 const ROUNDED: f64 = 2.0;
-/// Share of the usual variance below which the samples count as constant.
+/// The samples of a block count as constant if their variance is at most this share of the median over the blocks.
 const STANDS: f64 = 1e-6;
-/// Ratio of the variance within a block to the median above which the sensor counts as moving.
+/// The sensor counts as moving in a block whose variance is more than this many times the median over the blocks.
 const MOVES: f64 = 4.0;
 
 /// The means of one log for one axis.
