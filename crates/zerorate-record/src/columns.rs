@@ -4,9 +4,9 @@ use super::CaptureError;
 use super::layout::{CodedAxis, Layout};
 use super::row::Row;
 use super::succession::Mark;
-use arrow_array::builder::Int64Builder;
-use arrow_array::types::{Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
-use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, Int64Array, PrimitiveArray, RecordBatch, UInt32Array};
+use arrow_array::builder::{PrimitiveBuilder, UInt32Builder};
+use arrow_array::types::{Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
+use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, Int32Array, PrimitiveArray, RecordBatch, UInt32Array};
 use arrow_buffer::ScalarBuffer;
 use arrow_schema::{ArrowError, DataType, Field};
 use std::path::Path;
@@ -25,22 +25,21 @@ pub(crate) struct OpenBatch {
     fields: Vec<Field>,
     t_ns: Vec<u64>,
     edge_seq: Vec<u32>,
-    codes: Vec<Int64Builder>,
-    status: Int64Builder,
-    temp_code: Int64Builder,
+    codes: Vec<CodeBuilder>,
+    status: UInt32Builder,
+    temp_code: CodeBuilder,
     lost: Vec<u32>,
 }
 
 impl OpenBatch {
     pub fn new(layout: &Layout) -> Self {
-        let builder = || Int64Builder::with_capacity(MAX_ROWS);
         Self {
             fields: layout.raw_fields(),
             t_ns: Vec::with_capacity(MAX_ROWS),
             edge_seq: Vec::with_capacity(MAX_ROWS),
-            codes: layout.axes().iter().map(|_| builder()).collect(),
-            status: builder(),
-            temp_code: builder(),
+            codes: layout.axes().iter().map(|axis| CodeBuilder::new(&axis.scale)).collect(),
+            status: UInt32Builder::with_capacity(MAX_ROWS),
+            temp_code: CodeBuilder::new(layout.temp()),
             lost: Vec::with_capacity(MAX_ROWS),
         }
     }
@@ -59,19 +58,20 @@ impl OpenBatch {
     pub fn push(&mut self, row: &Row) {
         self.t_ns.push(row.t_ns);
         self.edge_seq.push(row.edge_seq);
-        self.codes.iter_mut().zip(row.codes()).for_each(|(column, code)| column.append_value(*code));
-        self.status.append_option(row.status.map(i64::from));
-        self.temp_code.append_option(row.temp_code);
+        self.codes.iter_mut().zip(row.codes()).for_each(|(column, code)| column.append(Some(*code)));
+        self.status.append_option(row.status);
+        self.temp_code.append(row.temp_code);
         self.lost.push(row.lost);
     }
 
     /// Returns the rows as columns, and empties the batch.
     pub fn close(&mut self) -> Result<Vec<ArrayRef>, ArrowError> {
-        let before = [column::<UInt64Type>(&mut self.t_ns), column::<UInt32Type>(&mut self.edge_seq)];
-        let codes = self.codes.iter_mut().chain([&mut self.status, &mut self.temp_code]);
-        let codes = codes.map(|codes| -> ArrayRef { Arc::new(codes.finish()) });
-        let lost = column::<UInt32Type>(&mut self.lost);
-        typed(before.into_iter().chain(codes).chain([lost]), &self.fields)
+        let ends = [column::<UInt64Type>(&mut self.t_ns), column::<UInt32Type>(&mut self.edge_seq)];
+        let codes = self.codes.iter_mut().map(CodeBuilder::finish);
+        let status: ArrayRef = Arc::new(self.status.finish());
+        let status = narrowed(&status, &self.fields)?;
+        let after = [status, self.temp_code.finish(), column::<UInt32Type>(&mut self.lost)];
+        Ok(ends.into_iter().chain(codes).chain(after).collect())
     }
 }
 
@@ -83,33 +83,94 @@ where
     Arc::new(PrimitiveArray::<T>::new(values.into(), None))
 }
 
-/// Converts raw columns, in their order in the file, to the types of their fields.
-fn typed(columns: impl Iterator<Item = ArrayRef>, fields: &[Field]) -> Result<Vec<ArrayRef>, ArrowError> {
-    let one = |(column, field): (ArrayRef, &Field)| -> Result<ArrayRef, ArrowError> {
-        Ok(match field.data_type() {
-            DataType::UInt8 => Arc::new(integers::<UInt8Type>(&column)?),
-            DataType::UInt16 => Arc::new(integers::<UInt16Type>(&column)?),
-            DataType::UInt32 => Arc::new(integers::<UInt32Type>(&column)?),
-            DataType::Int32 => Arc::new(integers::<Int32Type>(&column)?),
-            _ => column,
-        })
-    };
-    columns.zip(fields).map(one).collect()
+/// Converts the status to the type of its column.
+fn narrowed(status: &ArrayRef, fields: &[Field]) -> Result<ArrayRef, ArrowError> {
+    let field = fields.iter().find(|field| field.name() == "status");
+    Ok(match field.map(Field::data_type) {
+        Some(DataType::UInt8) => Arc::new(integers::<UInt8Type>(status)?),
+        Some(DataType::UInt16) => Arc::new(integers::<UInt16Type>(status)?),
+        _ => status.clone(),
+    })
 }
 
-/// The value in a row; `None` for a null.
-#[inline]
-fn get<T: ArrowPrimitiveType>(column: &PrimitiveArray<T>, row: usize) -> Option<T::Native> {
-    column.is_valid(row).then(|| column.value(row))
+enum CodeBuilder {
+    Unsigned(PrimitiveBuilder<UInt32Type>),
+    Signed(PrimitiveBuilder<Int32Type>),
 }
 
-/// The raw columns of a batch. Their values are checked.
+impl CodeBuilder {
+    fn new(scale: &Scale) -> Self {
+        if scale.signed {
+            Self::Signed(PrimitiveBuilder::with_capacity(MAX_ROWS))
+        } else {
+            Self::Unsigned(PrimitiveBuilder::with_capacity(MAX_ROWS))
+        }
+    }
+
+    /// Appends a code. The conversion is exact, because codes have at most 32 bits.
+    fn append(&mut self, code: Option<i64>) {
+        match self {
+            Self::Unsigned(codes) => codes.append_option(code.map(|code| code as u32)),
+            Self::Signed(codes) => codes.append_option(code.map(|code| code as i32)),
+        }
+    }
+
+    fn finish(&mut self) -> ArrayRef {
+        match self {
+            Self::Unsigned(codes) => Arc::new(codes.finish()),
+            Self::Signed(codes) => Arc::new(codes.finish()),
+        }
+    }
+}
+
+enum Codes {
+    Unsigned(UInt32Array),
+    Signed(Int32Array),
+}
+
+impl Codes {
+    #[inline]
+    fn get(&self, row: usize) -> Option<i64> {
+        match self {
+            Self::Unsigned(codes) => codes.is_valid(row).then(|| codes.value(row).into()),
+            Self::Signed(codes) => codes.is_valid(row).then(|| codes.value(row).into()),
+        }
+    }
+
+    /// The code in a row. The column must not have a null there.
+    #[inline]
+    fn value(&self, row: usize) -> i64 {
+        match self {
+            Self::Unsigned(codes) => codes.value(row).into(),
+            Self::Signed(codes) => codes.value(row).into(),
+        }
+    }
+
+    fn to_array(&self) -> ArrayRef {
+        match self {
+            Self::Unsigned(codes) => Arc::new(codes.clone()),
+            Self::Signed(codes) => Arc::new(codes.clone()),
+        }
+    }
+
+    /// The first value that is outside of the scale's codes; `None` if all are inside.
+    fn misfit(&self, scale: &Scale) -> Option<i64> {
+        let (first, last) = scale.codes();
+        let outside = |code: &i64| !(first..=last).contains(code);
+        match self {
+            Self::Unsigned(codes) => codes.iter().flatten().map(i64::from).find(outside),
+            Self::Signed(codes) => codes.iter().flatten().map(i64::from).find(outside),
+        }
+    }
+}
+
+/// The raw columns of a batch. Their values are checked and have the types of the format.
 pub struct Rows {
     t_ns: ScalarBuffer<u64>,
     edge_seq: ScalarBuffer<u32>,
-    codes: Vec<Int64Array>,
+    codes: Vec<Codes>,
     status: UInt32Array,
-    temp_code: Int64Array,
+    temp_code: Codes,
     lost: ScalarBuffer<u32>,
     fields: Vec<Field>,
 }
@@ -153,10 +214,11 @@ impl Rows {
     pub fn row(&self, i: usize) -> Row {
         let mut codes = [0; MAX_AXES];
         codes.iter_mut().zip(&self.codes).for_each(|(code, column)| *code = column.value(i));
+        let status = self.status.is_valid(i).then(|| self.status.value(i));
         Row::with_codes(self.t_ns[i], self.edge_seq[i], codes, self.codes.len())
             .with_lost(self.lost[i])
-            .with_status(get(&self.status, i))
-            .with_temp_code(get(&self.temp_code, i))
+            .with_status(status)
+            .with_temp_code(self.temp_code.get(i))
     }
 
     /// All rows in order.
@@ -167,9 +229,10 @@ impl Rows {
     /// The readings of one axis, in order, without building whole rows. Empty if the layout has no such axis.
     pub fn readings<'a>(&'a self, layout: &'a Layout, axis: usize) -> impl Iterator<Item = Reading> + use<'a> {
         let column = layout.axes().get(axis).zip(self.codes.get(axis));
-        let readings = move |(axis, codes): (&'a CodedAxis, &'a Int64Array)| {
+        let readings = move |(axis, codes): (&'a CodedAxis, &'a Codes)| {
             self.marks().enumerate().map(move |(i, mark)| {
-                layout.reading_of(axis, codes.value(i), get(&self.temp_code, i), get(&self.status, i), mark)
+                let status = self.status.is_valid(i).then(|| self.status.value(i));
+                layout.reading_of(axis, codes.value(i), self.temp_code.get(i), status, mark)
             })
         };
         column.map(readings).into_iter().flatten()
@@ -177,17 +240,17 @@ impl Rows {
 
     /// The raw columns, in the order and with the types of the format.
     pub fn columns(&self) -> Result<Vec<ArrayRef>, ArrowError> {
+        let status: ArrayRef = Arc::new(self.status.clone());
         let before: [ArrayRef; 2] = [
             Arc::new(PrimitiveArray::<UInt64Type>::new(self.t_ns.clone(), None)),
             Arc::new(PrimitiveArray::<UInt32Type>::new(self.edge_seq.clone(), None)),
         ];
         let after: [ArrayRef; 3] = [
-            Arc::new(self.status.clone()),
-            Arc::new(self.temp_code.clone()),
+            narrowed(&status, &self.fields)?,
+            self.temp_code.to_array(),
             Arc::new(PrimitiveArray::<UInt32Type>::new(self.lost.clone(), None)),
         ];
-        let codes = self.codes.iter().map(|codes| -> ArrayRef { Arc::new(codes.clone()) });
-        typed(before.into_iter().chain(codes).chain(after), &self.fields)
+        Ok(before.into_iter().chain(self.codes.iter().map(Codes::to_array)).chain(after).collect())
     }
 }
 
@@ -220,10 +283,13 @@ impl Batch<'_> {
         Ok(column.values().clone())
     }
 
-    fn codes(&self, name: &str, scale: &Scale) -> Result<Int64Array, CaptureError> {
-        let codes = self.column::<Int64Type>(name)?;
-        let (first, last) = scale.codes();
-        match codes.iter().flatten().find(|code| !(first..=last).contains(code)) {
+    fn codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
+        let codes = if scale.signed {
+            Codes::Signed(self.column::<Int32Type>(name)?)
+        } else {
+            Codes::Unsigned(self.column::<UInt32Type>(name)?)
+        };
+        match codes.misfit(scale) {
             Some(code) => {
                 let bits = scale.width_bits;
                 Err(self.damaged(format!("{name} {code} is not a code of {bits} bits, as the metadata states")))
@@ -233,9 +299,9 @@ impl Batch<'_> {
     }
 
     /// Like [`Self::codes`], but a null is an error.
-    fn required_codes(&self, name: &str, scale: &Scale) -> Result<Int64Array, CaptureError> {
+    fn required_codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
         let codes = self.codes(name, scale)?;
-        self.check_whole(name, codes.null_count())?;
+        self.check_whole(name, codes.to_array().null_count())?;
         Ok(codes)
     }
 
