@@ -73,8 +73,8 @@ impl Changes {
             self.grow(0);
         } else {
             self.len += 1;
-            if self.before.is_some_and(|before| before != sample) {
-                self.count += 1;
+            if self.before != Some(sample) {
+                self.count += usize::from(self.before.is_some());
                 self.run = Run { start: self.total, ..Run::default() };
             }
             self.before = Some(sample);

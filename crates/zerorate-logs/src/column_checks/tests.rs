@@ -25,6 +25,7 @@ fn columns() -> Vec<Vec<f64>> {
         with(&|at, sample| if (500..1500).contains(&at) { f64::NAN } else { sample }),
         with(&stands(0..1400)),
         with(&stands(700..1900)),
+        with(&|at, sample| if at < 600 { f64::NAN } else { stands(600..2000)(at, sample) }),
         with(&stands(5000..6023)),
         with(&stands(18_000..30_000)),
         with(&|at, sample| if at >= 15_000 { [f64::NAN, 1.0][at % 2] } else { sample }),
