@@ -184,6 +184,16 @@ fn facts_that_a_log_lacks_are_asked_for() {
 }
 
 #[test]
+fn a_scale_that_is_not_above_zero_is_asked_for() {
+    let gyro = LogSettings { gyro_scale: Some(0.0), ..LogSettings::default() };
+    let accel = LogSettings { accel_scale: Some(-1.0), ..LogSettings::default() };
+    for (said, setting) in [(gyro, LogSetting::GyroScale), (accel, LogSetting::AccelScale)] {
+        let LogInspection::Question { settings, .. } = look(&table(HEAD, 2_000), &said).0 else { panic!() };
+        assert_eq!(settings, [setting]);
+    }
+}
+
+#[test]
 fn other_files_are_refused_with_a_reason() {
     for bytes in [&b"SQLite format 3\0............"[..], b"", b"PAR1 and then nothing", b"\x93NUMPY\x01\x00\xff\xff"] {
         let looked = LogReader::look("x", || Input::from(bytes.to_vec()), &LogSettings::default()).0;

@@ -8,30 +8,32 @@ use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, LogError, Names, Setti
 /// The names that messages use for the settings: the label of the page's field, or else a command or other advice.
 pub const LABELS: Names = Names(label);
 
-/// Settings, each with its label and its field on the page. A label with “or” names two fields.
-const FIELDS: [(Setting, &str, LogSetting); 14] = [
-    (Setting::Column, "“columns”", LogSetting::Columns),
-    (Setting::Topic, "“topic”", LogSetting::Topic),
-    (Setting::Where, "“only the rows with”", LogSetting::Where),
-    (Setting::Skip, "“leave out before”", LogSetting::Skip),
-    (Setting::Until, "“leave out after”", LogSetting::Until),
-    (Setting::Rate, "“sample rate”", LogSetting::RateHz),
-    (Setting::TimeColumn, "“time column”", LogSetting::TimeColumn),
-    (Setting::TimeUnit, "“unit of time”", LogSetting::TimeUnit),
-    (Setting::TempColumn, "“temperature column”", LogSetting::TempColumn),
-    (Setting::GyroUnit, "“gyroscope unit”", LogSetting::GyroUnit),
-    (Setting::AccelUnit, "“accelerometer unit”", LogSetting::AccelUnit),
-    (Setting::Decimal, "“decimal mark”", LogSetting::Decimal),
-    (Setting::Unit, "“gyroscope unit” or “accelerometer unit”", LogSetting::GyroUnit),
-    (Setting::Scale, "“gyroscope scale” or “accelerometer scale”", LogSetting::GyroScale),
+/// The fields of the page, each with the setting that it alone stands for, if there is one, and with its label.
+const FIELDS: [(Option<Setting>, &str, LogSetting); 14] = [
+    (Some(Setting::Column), "“columns”", LogSetting::Columns),
+    (Some(Setting::Topic), "“topic”", LogSetting::Topic),
+    (Some(Setting::Where), "“only the rows with”", LogSetting::Where),
+    (Some(Setting::Skip), "“leave out before”", LogSetting::Skip),
+    (Some(Setting::Until), "“leave out after”", LogSetting::Until),
+    (Some(Setting::Rate), "“sample rate”", LogSetting::RateHz),
+    (Some(Setting::TimeColumn), "“time column”", LogSetting::TimeColumn),
+    (Some(Setting::TimeUnit), "“unit of time”", LogSetting::TimeUnit),
+    (Some(Setting::TempColumn), "“temperature column”", LogSetting::TempColumn),
+    (Some(Setting::GyroUnit), "“gyroscope unit”", LogSetting::GyroUnit),
+    (Some(Setting::AccelUnit), "“accelerometer unit”", LogSetting::AccelUnit),
+    (Some(Setting::Decimal), "“decimal mark”", LogSetting::Decimal),
+    (None, "“gyroscope scale”", LogSetting::GyroScale),
+    (None, "“accelerometer scale”", LogSetting::AccelScale),
 ];
 
 fn label(setting: Setting) -> SettingName {
-    let field = FIELDS.iter().find(|(of, ..)| *of == setting);
+    let field = FIELDS.iter().find(|(of, ..)| *of == Some(setting));
     SettingName::text(match setting {
         Setting::ForceUnit => "rename the column",
         // on the page, one field has the columns of both kinds
         Setting::Gyro | Setting::Accel => "“columns”",
+        Setting::Unit => "“gyroscope unit” or “accelerometer unit”",
+        Setting::Scale => "“gyroscope scale” or “accelerometer scale”",
         Setting::Detrend => "`zerorate allan --detrend temp`",
         Setting::GyroRange => "`zerorate imu --gyro-range`",
         Setting::AccelRange => "`zerorate imu --accel-range`",
@@ -47,9 +49,8 @@ fn label(setting: Setting) -> SettingName {
 
 /// The page's fields that a message mentions, in the order of the message.
 pub fn asked_for(text: &str) -> Vec<LogSetting> {
-    let own = FIELDS.iter().filter(|(_, label, _)| !label.contains(" or "));
     let mut named: Vec<(usize, LogSetting)> =
-        own.filter_map(|(_, label, field)| Some((text.find(label)?, *field))).collect();
+        FIELDS.iter().filter_map(|(_, label, field)| Some((text.find(label)?, *field))).collect();
     named.sort_by_key(|(place, _)| *place);
     named.into_iter().map(|(_, field)| field).collect()
 }
