@@ -18,10 +18,12 @@ pub fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     ends.reduce(|(low, high), (value, _)| (low.min(value), high.max(value)))
 }
 
-/// The range of the values, with shares of its width added below and above; −1 to 1 if it has no width.
+/// The range of the values, with shares of its width added below and above. A single value is in the middle of a range
+/// from or to 0; without a value, or for 0, the range is −1 to 1.
 pub fn range_with_margins(values: impl Iterator<Item = f64>, below: f64, above: f64) -> (f64, f64) {
     match range(values) {
         Some((low, high)) if low < high => (low - below * (high - low), high + above * (high - low)),
+        Some((only, _)) if only.is_normal() => (only - only.abs(), only + only.abs()),
         _ => (-1.0, 1.0),
     }
 }
@@ -212,6 +214,12 @@ mod tests {
             assert!((axis.value(pixel) / value - 1.0).abs() < 1e-5);
         }
         assert!(axis.at(0.0) < 0.0 && axis.at(1e30) > 700.0, "outside, but finite");
+    }
+
+    #[test]
+    fn a_constant_is_in_the_middle_of_its_range() {
+        let ends = |value: f64| range_with_margins([value; 2].into_iter(), 0.05, 0.3);
+        assert_eq!([25.0, -4.0, 0.0].map(ends), [(0.0, 50.0), (-8.0, 0.0), (-1.0, 1.0)]);
     }
 
     #[test]
