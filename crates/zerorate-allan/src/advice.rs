@@ -15,14 +15,14 @@ pub enum Averaging {
         /// Fitted deviation at `tau_s`, in the unit of the rate.
         dev: f64,
     },
-    /// Longer averages gain less than 5 %. This record does not show where the curve rises again.
+    /// Longer averages gain less than 5 %. The record does not identify where the curve rises again.
     Flat {
         /// Averaging time, s.
         tau_s: f64,
         /// Fitted deviation at `tau_s`, in the unit of the rate.
         dev: f64,
     },
-    /// The record identifies neither a rise nor a floor, so the curve counts as falling to its longest averaging time.
+    /// The curve falls to its longest averaging time, and the record does not identify a floor.
     Falling {
         /// Longest averaging time, s.
         tau_s: f64,
@@ -40,7 +40,7 @@ pub struct Advice {
     pub an1042: [Option<f64>; 2],
 }
 
-/// An average is long enough if its deviation is within this factor of the deviation of the longest average.
+/// An average is long enough if its deviation is within this factor of the least deviation.
 const FLAT_WITHIN: f64 = 1.05;
 /// An average counts as filtered if its deviation is below this share of the white noise N/√τ.
 const FILTERED_BELOW: f64 = 0.9;
@@ -59,14 +59,16 @@ pub fn advice(fit: &Fit) -> Option<Advice> {
 }
 
 fn averaging(fit: &Fit) -> Averaging {
-    let last = fit.span_s.1;
-    let (least_s, last_dev) = (least(fit), deviation(fit, last));
+    let (least_s, last) = (least(fit), fit.span_s.1);
+    let last_dev = deviation(fit, last);
+    let least_dev = deviation(fit, least_s).min(last_dev);
+    let has_minimum = least_dev < last_dev;
     let moves = |term: &Term| matches!(term, Term::GaussMarkov { .. } | Term::WarmUp { .. });
     let rises = fit.k.identified || fit.r.is_some() || fit.terms.iter().any(moves);
-    let done_s = taus(fit).find(|tau_s| deviation(fit, *tau_s) <= FLAT_WITHIN * last_dev).unwrap_or(last);
-    if rises && least_s < last {
-        Averaging::Minimum { tau_s: least_s, dev: deviation(fit, least_s) }
-    } else if fit.b.identified && done_s < last {
+    let done_s = taus(fit).find(|tau_s| deviation(fit, *tau_s) <= FLAT_WITHIN * least_dev).unwrap_or(last);
+    if rises && has_minimum {
+        Averaging::Minimum { tau_s: least_s, dev: least_dev }
+    } else if (has_minimum || fit.b.identified) && done_s < last {
         Averaging::Flat { tau_s: done_s, dev: deviation(fit, done_s) }
     } else {
         Averaging::Falling { tau_s: last, dev: last_dev }
