@@ -87,7 +87,9 @@ statistics! {
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
     /// Total deviation: the overlapping Allan deviation with x continued by reflection through both of its ends. The
-    /// middle point i+m is every point but the first and the last (NIST SP 1065 equation 25).
+    /// middle point i+m is every point but the first and the last (NIST SP 1065 equation 25). In a record of length T
+    /// its square is below the Allan variance by the share a·τ/T, with a = 0.481 for flicker noise of the rate and
+    /// 0.75 for its random walk. Neither the deviation nor its limits are corrected for that.
     Totdev {
         name: "totdev", title: "total deviation",
         kernel: Kernel::Reflected, divisor: 2.0, is_times_s: false, has_total_edf: true,
