@@ -7,7 +7,7 @@ use adis16130_twin::{Means, Motion, Spec};
 use zerorate::chamber::{
     ChamberAction, ChamberPlan, ChamberProcedure, ChamberRefusal, ChamberState, Disturbance, Record, Step, StepEnd,
 };
-use zerorate::{Axis, Part, Scan, Warning};
+use zerorate::{Axis, NamedAxis, Part, Scan, Warning};
 
 const PART: Part = Part::ADIS16130;
 
@@ -170,6 +170,21 @@ fn a_part_that_turns_too_fast_is_refused_for_its_rate() {
         }
     };
     assert!(matches!(refusal, ChamberRefusal::OutOfRange { step: 1, .. }), "{refusal}");
+}
+
+/// A rate of 2¹⁸ codes, 11 °/s, for one reading at the full rate is a bit error. The axes y and z have one each.
+#[test]
+fn impossible_readings_are_counted_on_the_worst_axis() {
+    let axis = |name: &'static str| NamedAxis { name: name.into(), ..PART.axes[0].clone() };
+    let part = Part { axes: ["x", "y", "z"].map(axis).to_vec().into(), ..PART };
+    let mut procedure = ChamberProcedure::new(&part, plan(&[soak(25.0)]), 0.001).expect("a plan that fits");
+    procedure.begin(0);
+    for k in 0..20_u32 {
+        let rate = if k == 10 { 1 << 18 } else { k as i32 % 3 };
+        let scan = Scan::new(u64::from(k) * 175_667, k, &[k as i32 % 3, rate, rate]).expect("three axes");
+        procedure.take(&scan).expect("the first second is not over");
+    }
+    assert_eq!(procedure.finished_steps().0.impossible, 1);
 }
 
 #[test]
