@@ -203,6 +203,12 @@ mod tests {
     }
 
     #[test]
+    fn the_capture_of_a_report_is_a_foreign_file() {
+        let report = Cli::try_parse_from(["zerorate", "report", "unit.toml", "--capture", "rest.csv"]);
+        assert_eq!(report.expect("a report").foreign_files(), [Path::new("rest.csv")]);
+    }
+
+    #[test]
     fn every_command_is_in_one_group_and_on_one_line() {
         let cli = Cli::command();
         let mut commands: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
