@@ -19,7 +19,7 @@ from fleet_helpers import PLAN, RECIPE, UNITS, Wrap, trapped
 
 import zerorate
 from zerorate import fleet
-from zerorate.fleet import _store
+from zerorate.fleet import _cli, _store
 from zerorate.fleet._program import version
 
 
@@ -250,6 +250,22 @@ def test_a_file_that_is_replaced_while_it_is_read(
     assert fleet.run(str(captures), str(out), RECIPE).states == {"ok": UNITS}
     assert rows_of(out)["unit1.arrows"]["serial"] == "SN2"
     assert fleet.run(str(captures), str(out), RECIPE).states == {"there": UNITS}
+
+
+def test_one_file_that_changes_while_it_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fetch, log = _store.fetch, tmp_path / "log.csv"
+    log.write_text(noise())
+
+    def grown(file: _store.File, folder: str) -> str:
+        log.write_text(noise(2001))
+        return fetch(file, folder)
+
+    monkeypatch.setattr(_store, "fetch", grown)
+    assert _cli.main(["one", str(log), str(tmp_path / "out")]) == 1
+    assert "log.csv has no row: it changed while it was read; start again" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_packed_rows_are_the_same_table(captures: Path, tmp_path: Path) -> None:
