@@ -356,3 +356,15 @@ fn the_parameters_of_px4_remove_the_bias_of_all_sensors() {
         }
     }
 }
+
+/// The calibrated gyroscope is on the second topic.
+#[test]
+fn a_correction_reads_every_topic_that_is_given() {
+    let bench = Bench::new();
+    let sensors = [("sensor_accel", 0), ("sensor_gyro", 0), ("sensor_gyro", 1)];
+    bench.write("log.ulg", ulog(&sensors, readings().into_iter().take(600)));
+    let of_logs = super::AXES.replace("[temperature]", "method = \"tempcal\"\n[temperature]");
+    bench.write("unit.toml", of_logs.replace("name = \"", "name = \"sensor_gyro_1."));
+    let line = "correct log.ulg --topic sensor_accel --topic sensor_gyro#1 --cal unit.toml -o out.csv";
+    bench.zerorate(line).ended_with(0).saying(&["out.csv: 600 samples"]);
+}
