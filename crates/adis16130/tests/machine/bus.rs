@@ -69,21 +69,26 @@ impl Bus {
         Self { spi: twin.spi(), twin: twin.clone(), ahead: ahead.clone() }
     }
 
-    /// Carries out one operation. Trouble stops it in the middle, or sets a fault there. The frame of a reset is not
-    /// split: trouble within it happens before its first byte.
+    /// Carries out one operation. Trouble stops it in the middle, or sets a fault there. The frame of a reset goes on
+    /// whole, so a fault within it sets in before its first byte.
     fn carry_out(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), ErrorKind> {
         let [operation] = operations else { panic!("one operation per transaction: {operations:?}") };
-        let (length, splits) = match operation {
-            Operation::Write(bytes) => (bytes.len(), false),
-            Operation::TransferInPlace(bytes) => (bytes.len(), true),
+        let length = match operation {
+            Operation::Write(bytes) => bytes.len(),
+            Operation::TransferInPlace(bytes) => bytes.len(),
             other => panic!("{other:?}"),
         };
         let Some((before, trouble)) = self.ahead.strike(length) else {
             return self.transact(operations);
         };
-        let before = if splits { before } else { 0 };
-        if let Operation::TransferInPlace(bytes) = operation {
-            self.transact(&mut [Operation::TransferInPlace(&mut bytes[..before])])?;
+        match operation {
+            Operation::TransferInPlace(bytes) => {
+                self.transact(&mut [Operation::TransferInPlace(&mut bytes[..before])])?
+            }
+            Operation::Write(bytes) if matches!(trouble, Trouble::Cut) => {
+                self.transact(&mut [Operation::Write(&bytes[..before])])?
+            }
+            _ => {}
         }
         let Trouble::Fault(fault) = trouble else { return Err(ErrorKind::Other) };
         self.twin.set_fault(fault);
