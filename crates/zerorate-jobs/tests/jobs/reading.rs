@@ -4,15 +4,19 @@ use super::bench::{
     Folder, StreamLog, calibration, cells, codes, corrected, has, open, record, refusal, replay, sampled, streamed,
 };
 use std::path::Path;
+use zerorate::calibration::Notes;
 use zerorate::health::{Flags, Health};
 use zerorate::{Calibration, Setting, Validity};
-use zerorate_host::Sampling;
+use zerorate_host::{Pace, Sampling, Setup, Stop};
 use zerorate_imu::{AnalysisOptions, Record};
 use zerorate_jobs::acquisition::Acquisition;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
 use zerorate_jobs::capture::read_capture;
+use zerorate_jobs::output::Outputs;
 use zerorate_jobs::probe::{Findings, probe};
+use zerorate_jobs::record::{Length, RecordOptions};
 use zerorate_logs::ColumnOptions;
+use zerorate_record::Format;
 use zerorate_view::Seconds;
 
 fn line() -> Calibration {
@@ -188,6 +192,25 @@ fn a_frozen_part_is_never_trusted() {
     assert_eq!(refusal(&ended.unwrap_err()), Some("frozen"));
     assert!(streamed.rows.len() < 25 && streamed.rows.last().unwrap().flags.has(Flags::FROZEN), "it ends soon after");
     assert_eq!(refusal(&analysed(&file).err().unwrap()), Some("frozen"));
+}
+
+/// The twin warns of its ambient temperature with its first sample, and the stop comes with the warning.
+#[test]
+fn only_a_recording_that_is_too_short_was_interrupted() {
+    let folder = Folder::new();
+    for (samples, interrupted) in [(1, false), (2, true)] {
+        let stop = Stop::default();
+        let asked = stop.clone();
+        let device = "twin:ambient_c=100".parse().unwrap();
+        let mut acquisition =
+            Acquisition::open(&device, Setup::default(), Pace::Free, &stop, Box::new(move |_| asked.ask())).unwrap();
+        let (output, length) = (folder.path("f.csv"), Length::Samples(samples));
+        let options = RecordOptions { output, format: Format::Csv, length, serial: None, notes: Notes::default() };
+        let (mut outputs, names) = (Outputs::new(true), Setting::name);
+        let report = zerorate_jobs::record::record(&mut acquisition, &mut outputs, &options, names, &mut |_| {});
+        let report = report.unwrap();
+        assert_eq!((report.samples, report.interrupted), (1, interrupted));
+    }
 }
 
 /// F-35: with CLAMP = 0 a code wraps at 357 °/s, and 360 °/s reads as −354 °/s.
