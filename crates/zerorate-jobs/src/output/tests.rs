@@ -62,6 +62,30 @@ fn a_slot_has_one_owner_and_is_written_again_and_again() {
     assert!(Outputs::without_force().slot(&path).is_ok());
 }
 
+/// A folder of mode 0300 can be written to, but not opened to synchronise it, unless by a thread with the rights of
+/// root. The thread of this test gives them up.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_slot_is_written_again_after_its_folder_could_not_be_synchronised() {
+    use rustix::thread::{CapabilitySet, CapabilitySets, set_capabilities};
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("state.toml");
+    let set_mode = |mode| fs::set_permissions(folder.path(), fs::Permissions::from_mode(mode)).unwrap();
+    let mut slot = Outputs::without_force().slot(&path).unwrap();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let none = CapabilitySet::empty();
+            set_capabilities(None, CapabilitySets { effective: none, permitted: none, inheritable: none }).unwrap();
+            set_mode(0o300);
+            assert!(matches!(slot.put(b"one"), Err(OutputError::Io { .. })));
+            set_mode(0o700);
+            slot.put(b"two").unwrap();
+        });
+    });
+    assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+}
+
 #[test]
 fn an_input_is_known_whether_it_was_read_before_or_after() {
     let folder = tempfile::tempdir().unwrap();
