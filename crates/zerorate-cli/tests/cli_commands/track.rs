@@ -166,6 +166,5 @@ fn contradictory_options_are_a_usage_error() {
     bench.zerorate("stream --cal unit.toml --state x.toml").ended_with(2).saying(&["--track"]);
     track(&bench, "1s", "--earth-dps 0.1").ended_with(2).saying(&["0.0042", "F-16"]);
     track(&bench, "1s", "--earth-dps 0.002").ended_with(2).saying(&["calibrate with --earth-dps"]);
-    track(&bench, "1s", "--least-turn-dps -1").ended_with(2);
     assert!(!bench.path("state.toml").exists(), "nothing was written");
 }
