@@ -397,8 +397,6 @@ fn each_series_and_each_part_of_a_log_is_a_result_of_its_own() {
         }
     }
     bench.write("two.csv", text);
-    let why = "column `sensor` is left (100 Hz), right (100 Hz) in turn";
-    bench.zerorate("imu two.csv").ended_with(2).saying(&[why, "--where sensor=left"]);
     let line = "--where sensor=left --where sensor=right --until 20s";
     bench
         .zerorate(&format!("imu two.csv {line} -o imu.yaml --plot imu.svg"))
