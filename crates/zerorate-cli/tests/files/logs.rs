@@ -50,16 +50,6 @@ fn errors_of_a_log_name_the_cause() {
     }
 }
 
-#[test]
-fn an_unstated_unit_is_reported() {
-    let bench = Bench::new();
-    bench.write("log.csv", "gz\n0.5\n1.5\n0.25\n2.5\n");
-    let said = "log.csv: the unit of column gz is not stated";
-    bench.zerorate("allan log.csv --rate 100 --json").ended_with(0).saying(&[said]);
-    let run = bench.zerorate("allan log.csv --rate 100 --unit rad/s --json").ended_with(0);
-    assert!(!run.stderr.contains("not stated"));
-}
-
 /// The files of a ROS 2 bag are read in the order in which its metadata.yaml lists them.
 #[test]
 fn a_bag_in_a_folder_is_read() {
