@@ -195,10 +195,6 @@ fn codes_get_the_scale_of_their_part() {
     for (command, said) in [
         ("imu codes.csv", "8192 per g): --accel-range 4"),
         ("imu codes.csv", "--gyro-range with the full scale in °/s, or --part with"),
-        (
-            "imu codes.csv --part mpu6050:300",
-            "--gyro-range 300: MPU-6050 has a gyroscope with the full scales 250, 500",
-        ),
         ("imu codes.csv --part mpu6050:500 --gyro-range 500", "it states the full scale, and so does --gyro-range"),
         ("imu codes.csv --part 6050", "did you mean mpu6050?"),
         ("imu codes.csv --gyro-range 250 --gyro-unit dps", "cannot be used with"),
