@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use zerorate_allan::{Fit, FitOptions, Stat};
 use zerorate_host::Sampling;
 use zerorate_imu::{AllanReport, AnalysisOptions, Detrending, Record};
-use zerorate_imu::{Combine, Format, ImuOptions, Kind, KindOptions, NoiseFileOptions, Rule};
+use zerorate_imu::{Combine, Format, ImuOptions, Kind, NoiseFileOptions, Rule};
 use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_jobs::pool::{NoPool, pool};
-use zerorate_logs::{ColumnOptions, Cut, CutTime, LogError, LogWarning, Names, Setting};
+use zerorate_logs::{ColumnOptions, Cut, CutTime, LogWarning, Names, Setting};
 
 /// White noise of this standard deviation, by a congruential generator: sums of twelve uniform numbers.
 fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
@@ -179,17 +179,11 @@ fn n_and_k_of_an_imu_cover_its_noise_or_are_as_fitted() {
     assert!((mean / (0.10 / RATE_HZ.sqrt()).to_radians() - 1.0).abs() < 0.02, "{mean}");
 }
 
-/// Missing units are asked for, a short log has no model, a constant column is refused, and two axes are an invalid
-/// option for KF-GINS.
+/// A short log has no model, a constant column is refused, and two axes are an invalid option for KF-GINS.
 #[test]
 fn a_run_without_a_file_says_why() {
     let folder = Folder::new();
     let file = |name: &str, content: String| folder.write(name, content);
-    let plain = file("plain.csv", log("t_s,wx,wy,wz,ax,ay,az,mag_x", 100));
-    let asked = of(&plain, ImuOptions::default(), None).err().unwrap();
-    assert!(matches!(asked.downcast_ref(), Some(LogError::Ask(_))) && asked.to_string().contains("state no unit"));
-    let [gyro, accel] = ["dps", "m/s²"].map(|unit| KindOptions { unit: unit.parse().ok(), ..KindOptions::default() });
-    of(&plain, ImuOptions { gyro, accel, ..ImuOptions::default() }, None).unwrap();
     let short = file("short.csv", log(HEAD, 20));
     let doubts = Record::doubts(&of(&short, ImuOptions::default(), None).unwrap().axes);
     assert!(doubts.code() == Some("no-model") && doubts.to_string().contains("20 samples are too few"), "{doubts}");
