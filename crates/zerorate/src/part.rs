@@ -377,6 +377,12 @@ impl Axis {
         self.temp_noise_c.map_or(UNKNOWN_MARGIN_C, |noise_c| 10.0 * noise_c)
     }
 
+    /// Whether the part states what a judgement of rest needs: its typical noise and temperature coefficient.
+    #[must_use]
+    pub fn can_judge_rest(&self) -> bool {
+        self.noise.is_some() && self.bias.largest_tempco_dps_per_c().is_some()
+    }
+
     /// The typical noise as a model. If the noise is not known, all terms are zero.
     #[must_use]
     pub fn typical_noise(&self) -> NoiseModel {

@@ -332,5 +332,7 @@ fn no_step_is_found_where_none_is() {
     for seed in 31..41 {
         let outcome = &short_profile(&quick(seed)).outcomes(&PART, None, 3).expect("a curve")[0];
         assert_eq!(outcome.warnings(&Axis::ADIS16130).collect::<Vec<_>>(), [], "seed {seed}: {:?}", outcome.curve);
+        let unknown = Axis { noise: None, ..Axis::ADIS16130 };
+        assert_eq!(outcome.warnings(&unknown).collect::<Vec<_>>(), [Warning::RestUnjudged]);
     }
 }

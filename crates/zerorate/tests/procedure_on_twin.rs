@@ -416,6 +416,17 @@ fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
     assert!((0.5..4.0).contains(&ratio), "the noise of the record stands in for the typical one: {ratio}");
 }
 
+/// The Allan deviation of a recording is judged less its dependence on temperature. That takes both typical values.
+#[test]
+fn a_recording_without_a_known_tempco_says_that_rest_was_not_judged() {
+    let known = Axis::ADIS16130;
+    let unknown = Axis { bias: zerorate::TypicalBias { tempco_dps_per_c: None, ..known.bias }, ..known };
+    let plan = Plan { method: Method::Warmup, settle_s: 400.0, max_u_btc_dps_per_c: 1.0, ..SHORT };
+    for (axis, is_told) in [(known, false), (unknown, true)] {
+        assert_eq!(codes(&calibrated(&axis, plan)).contains(&"rest-unjudged"), is_told);
+    }
+}
+
 /// With half as many codes per °/s, the same codes mean twice the rate. So PBC and BTC double, and T3 stays.
 #[test]
 fn the_part_gives_the_scale() {

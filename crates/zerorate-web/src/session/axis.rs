@@ -169,8 +169,8 @@ impl AxisState {
         let rest = |verdict, text: String| Rest { verdict, text };
         let blocks = self.newest(JUDGED);
         let rates: Vec<f64> = blocks.iter().map(|block| block.rate_dps).filter(|rate| !rate.is_nan()).collect();
-        if self.axis.noise.is_none() || self.axis.bias.largest_tempco_dps_per_c().is_none() {
-            return rest(RestVerdict::Unjudged, "the typical noise of this part is unknown".to_owned());
+        if !self.axis.can_judge_rest() {
+            return rest(RestVerdict::Unjudged, "the typical noise or tempco of this part is unknown".to_owned());
         }
         if rates.len() < JUDGED {
             return rest(RestVerdict::Unjudged, NOT_YET.to_owned());

@@ -24,9 +24,11 @@ pub struct ChamberOutcome {
 }
 
 impl ChamberOutcome {
-    /// The warnings about this axis: an unusual bias, and the steps and base motion that were removed.
+    /// The warnings about this axis: an unusual bias, the steps and base motion that were removed, and that rest could
+    /// not be judged.
     pub fn warnings(&self, axis: &Axis) -> impl Iterator<Item = Warning> {
-        turning(axis, self.curve.correction.pbc_dps).into_iter().chain(taken_out(&self.curve))
+        let unjudged = (!axis.can_judge_rest()).then_some(Warning::RestUnjudged);
+        turning(axis, self.curve.correction.pbc_dps).into_iter().chain(taken_out(&self.curve)).chain(unjudged)
     }
 }
 

@@ -125,7 +125,7 @@ rows_with_remedies!(match Warning {
     },
     Self::HourUnchecked => Row {
         code: "hour-unchecked",
-        text: format_args!("too few seconds were kept to find steps, lag or motion"),
+        text: format_args!("cannot see steps, lag or motion: short, or noise unknown"),
         remedies: &[Remedy::RecordAndRecompute],
     },
     Self::ShortAverage { average_s, best_s } => Row {

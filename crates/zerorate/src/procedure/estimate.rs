@@ -462,7 +462,6 @@ fn warnings(
     let bias = &seen.axis.bias;
     let needed_hz = seen.axis.bandwidth_hz.map(|hz| 2.0 * hz);
     let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
-    let unjudged = seen.axis.noise.is_none() || bias.largest_tempco_dps_per_c().is_none();
     // no warning about a small BTC if a finding may hide the temperature coefficient: the finding has its own warning
     let hidden = hour.map_or(0.0, |hour| hour.u_btc_dps_per_c);
     let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() + hidden < least);
@@ -500,7 +499,7 @@ fn warnings(
         ),
         turning(seen.axis, level.pbc_dps),
         when(hour.is_none(), Warning::HourUnchecked),
-        when(unjudged, Warning::RestUnjudged),
+        when(!seen.axis.can_judge_rest(), Warning::RestUnjudged),
         when(!plan.assume_linear && !known, Warning::CurvatureUnknown),
     ])
 }

@@ -387,7 +387,7 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
             summary.faulty > 0,
             Warning::Impossible { count: summary.faulty, fraction: summary.faulty as f64 / samples as f64 },
         ),
-        when(axis.noise.is_none(), Warning::RestUnjudged),
+        when(!axis.can_judge_rest(), Warning::RestUnjudged),
         turning(axis, curve.correction.pbc_dps),
         when(hour.is_none(), Warning::HourUnchecked),
         plan.target_dps.filter(|target| u_dps > *target).map(|target_dps| Warning::TargetMissed { u_dps, target_dps }),
