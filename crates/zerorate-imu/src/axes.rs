@@ -484,6 +484,9 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_l
                     unit.map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?
                 }
             }
+            if column.is_scaled && scale.is_none() {
+                options.log.leaves_scale(path, &column.name, unit, kind.unit_setting())?;
+            }
         }
         let mut of_kind = axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column).peekable();
         if of_kind.peek().is_none() {

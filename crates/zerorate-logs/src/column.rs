@@ -30,6 +30,8 @@ pub struct Column {
     pub scale: f64,
     /// Factor from a sample to the unit of the log, if a line above the data states it, as in Gyroflow's logs; else 1.
     pub step: f64,
+    /// True if the file states the scale of the codes, as a capture does.
+    pub is_scaled: bool,
     /// The warnings about the column, such as an unknown unit. The first column has those about the file too.
     pub warnings: Vec<LogWarning>,
     /// The results of the checks of the samples; `None` without checks, or if the samples were changed since.
@@ -50,6 +52,7 @@ impl Column {
             quantity: None,
             scale: 1.0,
             step: 1.0,
+            is_scaled: false,
             warnings,
             facts: None,
         }

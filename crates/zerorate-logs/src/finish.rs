@@ -242,7 +242,7 @@ fn disordered(
 
 impl RawColumn {
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
-        let Self { name, values, stated, step, mut warnings, .. } = self;
+        let Self { name, values, stated, step, is_scaled, mut warnings, .. } = self;
         let (mut series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
         warnings.extend(unsigned::unwrap(&mut series).map(|bits| {
             let (path, column) = (path.display().to_string(), name.clone());
@@ -282,6 +282,7 @@ impl RawColumn {
                 _ => scale * args.per_second(rate_hz),
             }),
             step,
+            is_scaled,
             warnings,
             facts: Some(facts),
             ..Column::new(&name, series, rate_hz)

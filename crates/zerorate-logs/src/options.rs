@@ -86,10 +86,10 @@ impl ColumnOptions {
         LogError::Ask(format!("{}: {option} chooses rows of text and of tables only; leave it out", path.display()))
     }
 
-    /// Checks that a unit without a scale is not given for codes whose scale the file states.
-    pub fn leaves_scale(&self, path: &Path, column: &str) -> Result<()> {
-        let Some(unit) = self.unit.filter(|_| self.scale.is_none()) else { return Ok(()) };
-        let [given, scale] = [Setting::Unit, Setting::Scale].map(|of| self.names.of(of));
+    /// Checks that `unit`, given by `setting` and without a scale, is not given for codes whose scale the file states.
+    pub fn leaves_scale(&self, path: &Path, column: &str, unit: Option<Unit>, setting: Setting) -> Result<()> {
+        let Some(unit) = unit else { return Ok(()) };
+        let [given, scale] = [setting, Setting::Scale].map(|of| self.names.of(of));
         Err(LogError::Ask(format!(
             "{}: the file states the scale of the codes in `{column}`, and {given} says {unit}; leave {given} out, or \
              give {scale} as well",

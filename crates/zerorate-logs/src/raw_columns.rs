@@ -40,6 +40,8 @@ pub struct RawColumn {
     pub stated: Option<(Quantity, f64)>,
     /// The size of a step of 1 in the unit of the log, if a line above the data states it; otherwise 1.
     pub step: f64,
+    /// True if the file states the scale of the codes, as a capture does.
+    pub is_scaled: bool,
     pub warnings: Vec<LogWarning>,
     /// True if this is an unrequested temperature beside requested columns.
     pub is_beside: bool,
@@ -47,7 +49,7 @@ pub struct RawColumn {
 
 impl RawColumn {
     pub fn new(name: String, values: SeriesBuilder) -> Self {
-        Self { name, values, stated: None, step: 1.0, warnings: Vec::new(), is_beside: false }
+        Self { name, values, stated: None, step: 1.0, is_scaled: false, warnings: Vec::new(), is_beside: false }
     }
 
     /// The column with the unit and the size of its steps, which the log states.

@@ -8,6 +8,7 @@ use crate::error::{LogError, Result, wrong};
 use crate::only::RowFilter;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::setting::Setting;
 use crate::warning::LogWarning;
 use arrow_array::types::{Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, BooleanArray, RecordBatch};
@@ -96,10 +97,11 @@ impl<'a> TableColumns<'a> {
             series.reserve(0, schema.field(*index).data_type().is_integer());
             let stated = described.and_then(|table| table.step(*index));
             if stated.is_some_and(|(quantity, _)| quantity != Quantity::Temperature) {
-                asked.args.leaves_scale(path, names[*index])?;
+                let unit = asked.args.unit.filter(|_| asked.args.scale.is_none());
+                asked.args.leaves_scale(path, names[*index], unit, Setting::Unit)?;
             }
-            let is_beside = beside == Some(*index);
-            Ok(RawColumn { stated, is_beside, ..RawColumn::new(names[*index].to_owned(), series) })
+            let (is_scaled, is_beside) = (stated.is_some(), beside == Some(*index));
+            Ok(RawColumn { stated, is_scaled, is_beside, ..RawColumn::new(names[*index].to_owned(), series) })
         };
         let time_column = time.map(|time| {
             let mut times = Times::new();

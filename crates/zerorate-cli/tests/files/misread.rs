@@ -241,8 +241,13 @@ fn the_scale_of_a_capture_is_not_lost_to_a_unit_or_a_name() {
     bench
         .zerorate("allan rest.arrows --unit dps")
         .fails(2, &["states the scale of the codes in `rate_code`", "leave --unit out, or give --scale as well"]);
+    for line in ["imu rest.arrows --gyro-unit rad/s", "tempcal rest.arrows --gyro rate_code --gyro-unit dps"] {
+        bench.zerorate(line).fails(2, &["states the scale of the codes in `rate_code`", "leave --gyro-unit out"]);
+    }
     let of = |line: &str| n(&bench.zerorate(line).ended_with(0).json());
-    assert_eq!(of("imu rest.arrows --gyro rate_code --json"), of("imu rest.arrows --json"));
+    let own = of("imu rest.arrows --json");
+    assert_eq!(of("imu rest.arrows --gyro rate_code --json"), own);
+    assert!((of("imu rest.arrows --gyro-unit dps --gyro-scale 1/23488 --json") / own - 1.0).abs() < 1e-9);
 }
 
 /// A wrong unit of time gives an absurd rate or year, and the message proposes the right unit. A given rate may
