@@ -475,4 +475,10 @@ fn an_export_names_what_an_axis_lacks() {
     bench.zerorate("export steeper.toml --format c --span-c 16").fails(1, &["axis z: btc_dps_per_c does not fit"]);
     bench.write("same.toml", super::AXES.replace("\"y\"", "\"X\""));
     bench.zerorate("export same.toml --format rust").fails(1, &["axes x and X both become X"]);
+    // zerorate_…_table_lookup_udps has 27 characters without the axis
+    for (length, form, code) in [(36, "c", 0), (37, "c", 1), (37, "rust", 0)] {
+        bench.write("long.toml", super::AXES.replace("\"y\"", &format!("\"{}\"", "y".repeat(length))));
+        let run = bench.zerorate(&format!("export long.toml --format {form}")).ended_with(code);
+        assert_eq!(run.stderr.contains("more than the 63 characters by which C tells names apart"), code == 1);
+    }
 }

@@ -29,6 +29,8 @@ struct Language {
     /// Writes a 64-bit integer constant.
     constant: fn(i64) -> String,
     function_case: fn(&str) -> String,
+    /// Number of initial characters by which every compiler of the language tells names apart.
+    significant: usize,
 }
 
 const C: Language = Language {
@@ -40,6 +42,7 @@ const C: Language = Language {
     integers: ["int32_t", "uint32_t"],
     constant: |code| format!("INT64_C({code})"),
     function_case: str::to_owned,
+    significant: 63, // C99, 5.2.4.1: names without external linkage, as all of the header's are
 };
 
 const RUST: Language = Language {
@@ -51,7 +54,11 @@ const RUST: Language = Language {
     integers: ["i32", "u32"],
     constant: |code| code.to_string(),
     function_case: str::to_ascii_lowercase,
+    significant: usize::MAX,
 };
+
+/// The longest name of an axis in the templates, without its prefix.
+const LONGEST_NAME: &str = "table_lookup_udps";
 
 /// The C header. Without a prefix, its names begin with `zerorate`.
 pub(super) fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
@@ -87,6 +94,14 @@ fn written(language: &Language, export: &Export, functions: String, constants: S
                 [function, format!("{constants}{}_", name.to_ascii_uppercase())]
             }
         };
+        ensure!(
+            own[0].len() + LONGEST_NAME.len() <= language.significant,
+            "{}{LONGEST_NAME} has more than the {} characters by which C tells names apart: choose a shorter prefix, \
+             or rename axis {} in the calibration",
+            own[0],
+            language.significant,
+            axis.axis.name
+        );
         let integer = language.integer[usize::from(matches!(axis.codes.integer, Integer::Curve(..)))];
         let own = ["INTEGER", "a", "A"].into_iter().zip([vec![integer.to_owned()], own.to_vec()].concat()).collect();
         let typed = axis.codes.typed(language, plain);

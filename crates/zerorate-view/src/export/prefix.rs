@@ -2,7 +2,8 @@
 
 use std::str::FromStr;
 
-/// The longest prefix. Names without an axis name then stay below the 63 significant characters of C99.
+/// The longest prefix. Names without an axis name then stay below the 63 significant characters of C99;
+/// names with one are checked in the export.
 const LONGEST: usize = 31;
 
 /// A prefix of names: a C identifier that no standard reserves.
