@@ -140,6 +140,8 @@ fn an_impossible_value_is_refused_with_its_line() {
         "coverage_factor = -2.0",
         "cov_pbc_btc_dps2_per_c = 1",
         "cov_pbc_t3_dps_c = -0.1",
+        "drift_dps = -0.003",            // u(PBC) is 0.0026 °/s
+        "u_curvature_dps_per_c = 0.005", // u(BTC) is 0.0048 °/s/°C
         "t1_c = 1000",
         "white_dps_per_rt_hz = -1",
         "flicker_cutoff_hz = -1e-4",

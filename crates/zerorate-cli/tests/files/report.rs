@@ -10,7 +10,13 @@ use zerorate::{Correction, Outcome, Part, Uncertainty};
 /// A calibration with every field, and with texts that look like HTML.
 fn measured() -> String {
     let whole = outcome::outcome();
-    let uncertainty = Uncertainty { u_pbc_dps: 0.005, u_btc_dps_per_c: 0.001, u_t3_c: 0.0005, ..whole.uncertainty };
+    let uncertainty = Uncertainty {
+        u_pbc_dps: 0.005,
+        u_btc_dps_per_c: 0.001,
+        u_curvature_dps_per_c: 0.0008,
+        u_t3_c: 0.0005,
+        ..whole.uncertainty
+    };
     let found = Outcome { correction: Correction::line(-0.25, -0.04, 31.5), uncertainty, ..whole };
     let origin = Origin {
         serial: Some("<script>alert('SN17')</script>".into()),

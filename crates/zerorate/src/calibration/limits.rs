@@ -96,7 +96,7 @@ impl CalibrationForm {
         let Some(correction) = correction else { return Err(root.at("correction").error("is missing")) };
         self.check_correction(root.at("correction"), correction, &Limits::ADIS16130)?;
         self.check_curve(root.at("curve"), curve.as_ref())?;
-        check_of_axis(root, measured.as_ref(), uncertainty.as_ref(), noise.as_ref())
+        check_of_axis(root, correction, measured.as_ref(), uncertainty.as_ref(), noise.as_ref())
     }
 
     /// Checks a file with `[[axis]]`: schema 2 or higher.
@@ -127,7 +127,8 @@ impl CalibrationForm {
             let rate = rate.map_err(|why| entry.at("rate").error(why))?;
             self.check_correction(entry.at("correction"), &axis.correction, &Limits::of(rate, temp))?;
             self.check_curve(entry.at("curve"), axis.curve.as_ref())?;
-            check_of_axis(entry, axis.measured.as_ref(), axis.uncertainty.as_ref(), axis.noise.as_ref())?;
+            let AxisForm { correction, measured, uncertainty, noise, .. } = axis;
+            check_of_axis(entry, correction, measured.as_ref(), uncertainty.as_ref(), noise.as_ref())?;
         }
         Ok(())
     }
@@ -177,12 +178,16 @@ impl SourcesRecord {
         ];
         for (parts, variance) in [of_pbc, of_btc].iter().zip(variances) {
             check_within(table, &SIZES, parts)?;
-            let sum: f64 = parts.iter().map(|(_, u)| u * u).sum();
-            let why = || "does not fit the covariance: the parts of a variance must not exceed it".into();
-            table.at(parts[0].0).require(sum <= variance * (1.0 + ROUNDING), why)?;
+            check_parts(table.at(parts[0].0), parts.map(|(_, u)| u), variance)?;
         }
         Ok(())
     }
+}
+
+/// Checks that two parts of a variance, given as standard uncertainties, do not exceed it.
+fn check_parts(entry: Entry<'_>, [one, other]: [f64; 2], variance: f64) -> Result<(), EntryError> {
+    let fits = one * one + other * other <= variance * (1.0 + ROUNDING);
+    entry.require(fits, || "does not fit: the parts of a variance must not exceed it".into())
 }
 
 fn curved() -> String {
@@ -194,12 +199,13 @@ const COVARIANCE: &str = "is not a covariance: it must be symmetric, and no sum 
 /// Checks the tables of an axis that files with and without `[[axis]]` share, except its correction.
 fn check_of_axis(
     axis: Entry<'_>,
+    correction: &Correction,
     measured: Option<&Measured>,
     uncertainty: Option<&Uncertainties>,
     noise: Option<&NoiseRecord>,
 ) -> Result<(), EntryError> {
     measured.map_or(Ok(()), |measured| measured.check(axis.at("measured")))?;
-    uncertainty.map_or(Ok(()), |uncertainty| uncertainty.check(axis.at("uncertainty")))?;
+    uncertainty.map_or(Ok(()), |uncertainty| uncertainty.check(axis.at("uncertainty"), correction))?;
     noise.map_or(Ok(()), |noise| noise.check(axis.at("noise")))
 }
 
@@ -245,7 +251,8 @@ impl Measured {
 }
 
 impl Uncertainties {
-    fn check(&self, table: Entry<'_>) -> Result<(), EntryError> {
+    /// Checks the uncertainties of `correction`.
+    fn check(&self, table: Entry<'_>, correction: &Correction) -> Result<(), EntryError> {
         check_coverage(table, self.coverage, self.coverage_factor)?;
         let sizes = [
             ("u_pbc_dps", self.u_pbc_dps),
@@ -258,12 +265,15 @@ impl Uncertainties {
             ("u_t2_c", self.u_t2_c),
         ];
         check_within(table, &SIZES, &sizes)?;
-        check_within(table, &NUMBERS, &[("drift_dps", self.drift_dps.unwrap_or(0.0))])?;
+        let drift_dps = self.drift_dps.unwrap_or(0.0);
+        check_within(table, &NUMBERS, &[("drift_dps", drift_dps)])?;
         let [pbc, btc, t3] = [self.u_pbc_dps, self.u_btc_dps_per_c, self.u_t3_c].map(|u| u * u);
         let (pbc_btc, pbc_t3, btc_t3) = (self.cov_pbc_btc_dps2_per_c, self.cov_pbc_t3_dps_c, self.cov_btc_t3_dps);
         let matrix = [[pbc, pbc_btc, pbc_t3], [pbc_btc, btc, btc_t3], [pbc_t3, btc_t3, t3]];
         let why = || "does not fit the uncertainties: the covariances must leave no variance below 0".into();
-        table.at("cov_pbc_btc_dps2_per_c").require(is_covariance(&matrix), why)
+        table.at("cov_pbc_btc_dps2_per_c").require(is_covariance(&matrix), why)?;
+        check_parts(table.at("drift_dps"), [drift_dps, correction.btc_dps_per_c * self.u_t3_c], pbc)?;
+        check_parts(table.at("u_curvature_dps_per_c"), [self.u_curvature_dps_per_c, 0.0], btc)
     }
 }
 
