@@ -41,7 +41,7 @@ impl Bucket {
     fn fill(&mut self, now: Instant) {
         let passed_s = now.saturating_duration_since(self.at).as_secs_f64();
         self.left = (self.left + passed_s * self.per_s).min(self.most);
-        self.at = now;
+        self.at = self.at.max(now);
     }
 }
 
@@ -60,6 +60,9 @@ mod tests {
         assert!(bucket.take(at(150)).is_err());
         // the bucket holds no more than a burst, however long it was not used
         assert_eq!((0..10).filter(|_| bucket.take(at(3_600_000)).is_ok()).count(), 3);
+        // a thread may hand in a time that it took before another thread's
+        let mut shared = Bucket::new(1, 10.0, at(100));
+        assert!(shared.take(at(100)).is_ok() && shared.take(at(0)).is_err() && shared.take(at(150)).is_err());
         let mut patient = Bucket::new(2, 10.0, began);
         let mut now = began;
         for _ in 0..12 {
