@@ -193,6 +193,14 @@ fn the_first_ctrl_c_is_heeded_while_a_command_is_waited_for() {
 }
 
 #[test]
+fn a_stop_before_the_first_set_point_sends_the_chamber_nowhere() {
+    let bench = Bench::new();
+    let chamber = chamber(&bench, "hangs", "0");
+    let run = measured(&bench, &chamber, 60, &[Signal::INT]).ended_with(1);
+    assert!(!run.stderr.contains("sending the chamber") && chamber.heard() == ["read"], "{}", run.stderr);
+}
+
+#[test]
 fn a_chamber_that_cannot_be_read_costs_no_hour_and_is_not_set() {
     let bench = Bench::new();
     let chamber = chamber(&bench, "fails", "0");

@@ -9,7 +9,7 @@ pub trait AirListener {
     /// Receives the state that the chamber would be left in if the program ended now.
     fn set_pending(&self, air: &AirState);
 
-    /// Called if a stop was requested, right before the chamber is set to its safe temperature.
+    /// Called if a stop was requested, right before a chamber that was set goes to its safe temperature.
     fn leaving(&self, air: &AirState);
 
     /// Receives the final state of the chamber and the result of setting the safe temperature. The result is `None`
@@ -41,6 +41,8 @@ pub struct SetPointControl {
     /// True if the user must be told how the chamber was left. False for a simulated chamber.
     has_word: bool,
     state: AirState,
+    /// True if a set point was sent. The chamber may have followed it even if the command failed.
+    is_touched: bool,
     is_left: bool,
     stop: Stop,
     listener: Box<dyn AirListener>,
@@ -68,7 +70,7 @@ impl SetPointControl {
         };
         let has_word = matches!(spec, Some(ChamberSpec::Hand | ChamberSpec::Commands(_)));
         let state = AirState { by_hand: matches!(by, Control::Hand), safe_c, set_c: None };
-        Ok(Self { by, has_word, state, is_left: false, stop: stop.clone(), listener })
+        Ok(Self { by, has_word, state, is_touched: false, is_left: false, stop: stop.clone(), listener })
     }
 
     /// Checks that the chamber answers. If a person sets the chamber, passes its state to the listener instead.
@@ -97,6 +99,7 @@ impl SetPointControl {
         if self.has_word {
             self.listener.set_pending(&self.state);
         }
+        self.is_touched = true;
         chamber.set(temp_c)?;
         self.state.set_c = Some(temp_c);
         if self.has_word {
@@ -110,12 +113,12 @@ impl SetPointControl {
         if std::mem::replace(&mut self.is_left, true) {
             return;
         }
-        let Self { by, has_word, state, stop, listener, .. } = self;
+        let Self { by, has_word, state, is_touched, stop, listener, .. } = self;
         match by {
             Control::Recording => listener.settle(None),
             Control::Hand => listener.settle(Some((state, None))),
             Control::Chamber(chamber) => {
-                if stop.asked() && *has_word {
+                if stop.asked() && *has_word && *is_touched {
                     listener.leaving(state);
                 }
                 let end = chamber.end(state.safe_c);
