@@ -97,7 +97,7 @@ impl Latest {
 }
 
 /// Does the work in a thread, and returns its result. Raises its warnings in Python, and calls `progress` with the
-/// latest step about ten times a second. Ctrl-C and an exception of `progress` end the work.
+/// latest step at most ten times a second, and once at the end. Ctrl-C and an exception of `progress` end the work.
 pub fn supervised<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -123,7 +123,10 @@ fn follow<T: Send + 'static>(
 ) -> PyResult<()> {
     loop {
         let event = worker.wait(py)?;
-        if let (Some(progress), Some(step)) = (progress, latest.take()) {
+        // a warning ends the wait early
+        if event.is_err()
+            && let (Some(progress), Some(step)) = (progress, latest.take())
+        {
             progress.call1(step)?;
         }
         match event {

@@ -27,7 +27,7 @@ class Progress(NamedTuple):
 
 
 OnProgress = Callable[[Progress], object]
-"""Called at most ten times a second, in the thread of the caller. An exception ends the measurement."""
+"""Called at most ten times a second and once at the end, in the thread of the caller. An exception ends the work."""
 
 
 def options(

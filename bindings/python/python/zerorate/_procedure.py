@@ -231,7 +231,7 @@ def calibrate(
     force
         Overwrite an existing ``output`` and ``log``, but never a capture by a calibration.
     progress
-        A function that is called with a `Progress`, at most ten times a second.
+        A function that is called with a `Progress`, at most ten times a second and once at the end.
 
     Returns
     -------
