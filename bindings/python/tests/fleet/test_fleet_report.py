@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from zerorate import fleet
-from zerorate.fleet import _population
+from zerorate.fleet import _pictures, _population
 from zerorate.fleet._row import AXIS_NAMES, SCHEMA
 
 
@@ -53,6 +53,12 @@ def test_a_trend_by_hand() -> None:
     # the residuals are orthogonal to x, so that slope and sum of squares are exact: u² = 8 / 6 / 42
     assert (found.slope, found.u_slope) == pytest.approx((2.0, np.sqrt(8 / 6 / 42)))
     assert _population.trend(x[:7], x[:7]) is None
+
+
+def test_serial_numbers_are_in_the_order_of_their_numbers() -> None:
+    serials = ["", "7", "10", "A1-05", "A1-9", "A2-1", "A10-1", "B"]
+    shuffled = [row(index, serial=serial) for index, serial in enumerate(reversed(serials))]
+    assert [shuffled[place]["serial"] for place in _pictures._by_serial(shuffled)] == serials
 
 
 def test_names_do_nothing_to_a_page_or_to_its_reader(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Sequence
 from typing import Any, Optional
 
@@ -46,12 +47,11 @@ def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbe
 
 
 def _by_serial(rows: list[dict[str, Any]]) -> list[int]:
-    """The order of the rows by serial number: by the text before the last digits, then by all digits as one number."""
+    """The order of the rows by serial number, with all digits in a row as one number: A1-05, A1-9, A2-1, A10-1."""
 
-    def key(index: int) -> tuple[str, int]:
-        serial = str(rows[index]["serial"] or "")
-        digits = "".join(letter for letter in serial if letter.isdigit())
-        return serial.rstrip("0123456789"), int(digits or 0)
+    def key(index: int) -> list[str | int]:
+        pieces = re.split(r"(\d+)", str(rows[index]["serial"] or ""))
+        return [int(piece) if place % 2 else piece for place, piece in enumerate(pieces)]
 
     return sorted(range(len(rows)), key=key)
 
