@@ -61,7 +61,8 @@ impl NoPool {
     }
 }
 
-/// Fits one model to these records, except those that do not fit the others. Each needs its own fit and its samples.
+/// Fits one model to these records, except those that do not fit the others, and those of which no fit was requested.
+/// Each needs its samples.
 ///
 /// # Errors
 /// Returns [`NoPool`] if the records have no common model.
@@ -72,14 +73,15 @@ pub fn pool<'a>(records: &'a [Record]) -> Result<Pool, NoPool> {
         let rate = record.rate.as_deref().unwrap_or_default();
         Some(fit.map(|fit| PoolRecord { rate, rate_hz: record.analysis.rate_hz, fit }))
     };
-    let inputs: Vec<PoolRecord<'_>> = records.iter().filter_map(input).collect::<Result<_, _>>()?;
+    let fitted: Vec<&Record> = records.iter().filter(|record| record.fit.is_some()).collect();
+    let inputs: Vec<PoolRecord<'_>> = fitted.iter().copied().filter_map(input).collect::<Result<_, _>>()?;
     let pool = fit_pool(&inputs).map_err(|why| match why {
         PoolError::TooFew { .. } | PoolError::Rates { .. } => NoPool::Unfit(why),
         why => NoPool::NoCommonModel(why),
     })?;
-    let used: Vec<&Record> = pool.used.iter().map(|&i| &records[i]).collect();
+    let used: Vec<&Record> = pool.used.iter().map(|&i| fitted[i]).collect();
     let outliers: Vec<Outlier> =
-        pool.outliers.iter().map(|outlier| Outlier::of(&records[outlier.record], outlier)).collect();
+        pool.outliers.iter().map(|outlier| Outlier::of(fitted[outlier.record], outlier)).collect();
     Ok(Pool {
         spread: pool.spread,
         used: used.iter().map(|record| record.label()).collect(),

@@ -119,6 +119,13 @@ fn records_that_have_nothing_in_common_have_no_pool() {
     assert!(matches!(pool(&all), Err(NoPool::Mixed(..))));
 }
 
+#[test]
+fn a_pool_names_the_records_that_it_used() {
+    let mut all = records(&[(0.1, 3), (0.1, 9), (0.1, 5)]);
+    all[0].fit = None;
+    assert_eq!(pool(&all).unwrap().used, [all[1].label(), all[2].label()]);
+}
+
 const RATE_HZ: f64 = 100.0;
 /// Standard deviations of single samples: of three gyroscopes, °/s, and of three accelerometers, m/s².
 const SIGMAS: [f64; 6] = [0.10, 0.12, 0.08, 0.020, 0.025, 0.030];
