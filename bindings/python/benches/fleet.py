@@ -101,14 +101,14 @@ def overhead(source: Path, name: str, make: Optional[Callable[..., Any]]) -> Non
     program = os.environ["ZERORATE_PROGRAM"]
     nothing = shutil.which("true") or "/bin/true"
     os.environ["ZERORATE_PROGRAM"] = nothing
-    _program._command.cache_clear()
+    _program._own.cache_clear()
     engine: Any = make("local", 1) if make else None
     with tempfile.TemporaryDirectory() as out:
         ended = fleet.run(str(source), out, Recipe(recalibrate=None), engine, workers=1)
     if engine:
         engine.close()
     os.environ["ZERORATE_PROGRAM"] = program
-    _program._command.cache_clear()
+    _program._own.cache_clear()
     print(f"{name}: {1e3 * ended.seconds / sum(ended.states.values()):.1f} ms a file whose command is `true`")
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from fleet_helpers import PLAN, UNITS, Wrap
 
-from zerorate.fleet._program import _command, version
+from zerorate.fleet._program import _own, version
 
 
 @pytest.fixture(scope="session")
@@ -53,13 +53,8 @@ def wrapped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Wrap]:
     _forget()
 
 
-def _own() -> list[str]:
-    words = list(_command())
-    return words[words.index("--") + 1 :] if "--" in words else words
-
-
 def _forget() -> None:
-    _command.cache_clear()
+    _own.cache_clear()
     version.cache_clear()
 
 

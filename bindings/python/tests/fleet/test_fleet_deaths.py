@@ -49,18 +49,6 @@ def children(process: int) -> list[int]:
     return found
 
 
-def commands_of(driver: int) -> list[int]:
-    """The children of a driver that run a command. From then on, they end with their driver; before, they run the
-    driver's own program or `setpriv`."""
-    found = []
-    own = Path(f"/proc/{driver}/cmdline").read_bytes()
-    for child in children(driver):
-        with suppress(OSError):
-            line = Path(f"/proc/{child}/cmdline").read_bytes()
-            found += [child] if line != own and b"setpriv" not in line.split(b"\0")[0] else []
-    return found
-
-
 def kill_a_worker(name: str) -> bool:
     """Kills a child process that runs a command and has `name` in its command line. Returns false if there is none."""
     for child in children(os.getpid()):
@@ -125,8 +113,8 @@ def test_a_killed_driver_leaves_no_command_and_no_half_row(captures: Path, tmp_p
     wrapped(held_until(tmp_path / "go"))
     out = tmp_path / "out"
     driver = start_driver(str(captures), str(out))
-    wait_for(lambda: rows(out) == 1 and len(commands_of(driver.pid)) == 2, "a row, and two commands under way")
-    commands = commands_of(driver.pid)
+    wait_for(lambda: rows(out) == 1 and len(children(driver.pid)) == 2, "a row, and two commands under way")
+    commands = children(driver.pid)
     driver.kill()
     driver.wait()
     files = [Path(f"/proc/{command}/cmdline") for command in commands]
