@@ -1,5 +1,6 @@
 //! Compares the recording with the twin's samples, and with the samples that libiio clients received.
 
+use crate::killed::Killed;
 use crate::tools::Tool;
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, anyhow, ensure};
@@ -7,7 +8,7 @@ use serde_json::Value;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::thread::{self, JoinHandle};
 
 pub const READDEV: Tool = Tool { program: "iio_readdev", package: "libiio-utils" };
@@ -66,15 +67,16 @@ pub fn rows(program: &Path, capture: &Path) -> Result<Vec<(u64, u32)>> {
 
 /// A running `iio_readdev`, with the arguments that a user would give.
 pub struct Client {
-    child: Child,
+    child: Killed,
     bytes: JoinHandle<std::io::Result<Vec<u8>>>,
 }
 
 impl Client {
     pub fn start(uri: &str) -> Result<Self> {
         let mut command = Command::new(READDEV.program);
-        let mut child = command.args(["-u", uri, "-b", "1024", "iio:device0"]).stdout(Stdio::piped()).spawn()?;
-        let mut out = child.stdout.take().context("no stdout")?;
+        command.args(["-u", uri, "-b", "1024", "iio:device0"]).stdout(Stdio::piped());
+        let mut child = Killed(command.spawn()?);
+        let mut out = child.0.stdout.take().context("no stdout")?;
         let bytes = thread::spawn(move || {
             let mut all = Vec::new();
             out.read_to_end(&mut all).map(|_| all)
@@ -82,9 +84,8 @@ impl Client {
         Ok(Self { child, bytes })
     }
 
-    pub fn end(mut self) -> Result<Vec<u8>> {
-        self.child.kill()?;
-        self.child.wait()?;
+    pub fn end(self) -> Result<Vec<u8>> {
+        drop(self.child);
         Ok(self.bytes.join().map_err(|_| anyhow!("a client died"))??)
     }
 }

@@ -4,6 +4,7 @@
 use super::bench::{Bench, Folder, SHORT, random};
 use super::process::repaired;
 use super::{Class, Verdict};
+use crate::killed::Killed;
 use crate::tools::is_root;
 use crate::venv::done;
 use anyhow::Result;
@@ -117,11 +118,10 @@ fn within(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let (name, device) = (format!("within-{seed}"), format!("twin:seed={seed}"));
     let Some(disk) = Disk::new(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
     let args = ["capture", "--device", &device, "--duration", "10m", "-o", &disk.file("log.arrows")];
-    let mut child = bench.command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?;
+    let child = Killed(bench.command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?);
     sleep(Duration::from_millis(random(class, seed).random_range(0..1_500)));
     let found = disk.after_a_power_cut(&name)?;
-    child.kill()?;
-    child.wait()?;
+    drop(child);
     let Some(found) = found else {
         return Ok(Verdict::Silent("the file system cannot be mounted any more".to_owned()));
     };
