@@ -118,9 +118,9 @@ impl Default for Options {
     }
 }
 
-/// Colours that colour-blind readers can distinguish (Okabe and Ito). The orange is darkened, since it is hard to see
-/// on white. The pale one is last.
-pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#8a6d00", "#56b4e9"];
+/// Colours that colour-blind readers can distinguish, each with a contrast of at least 3:1 on white: those of Okabe
+/// and Ito that have it, then wine and indigo of Tol's muted scheme.
+pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#882255", "#332288"];
 /// Dash patterns of the curves. After as many curves as there are colours, the next pattern is used.
 const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
 /// Colours of the fitted coefficients by slope, the same in all plots. They are dark enough for text.

@@ -92,6 +92,19 @@ fn only_degrees_per_second_have_a_scale_per_hour() {
     assert!(!found.iter().any(|text| text.contains("°/h")), "{found:?}");
 }
 
+/// The contrast as WCAG 2.2 defines it.
+#[test]
+fn each_colour_has_a_contrast_of_3_on_white() {
+    for colour in super::allan::COLOURS {
+        let linear = |at: usize| {
+            let share = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
+            if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
+        };
+        let luminance = 0.2126 * linear(1) + 0.7152 * linear(3) + 0.0722 * linear(5);
+        assert!(1.05 / (luminance + 0.05) >= 3.0, "{colour}");
+    }
+}
+
 #[test]
 fn several_curves_have_a_legend_with_names_as_they_are() {
     let hostile = "<script>&\"'.csv";
