@@ -188,20 +188,27 @@ static void bias(zerorate_tracker *tracker)
     printf("phase %u\n", (unsigned)tracked.phase);
 }
 
-/* Tracks a minute at rest, 0.004 deg/s above the calibration. Then resumes after a day, and from an invalid state. */
+static void push(zerorate_tracker *tracker, int blocks, double rate_dps)
+{
+    while (blocks-- > 0) {
+        (void)zerorate_tracker_push(tracker, rate_dps, 26.0);
+    }
+    bias(tracker);
+}
+
+/* Tracks a minute at rest, 0.004 deg/s above the calibration, a rotation and a rest. Then resumes after a day, and
+ * from an invalid state. */
 static void track(void)
 {
     const zerorate_tracker_prior prior = {0.003, 0.003, 0.0, 0.0125};
     static zerorate_tracker tracker;
     zerorate_tracker_state state;
-    int block;
 
     bias(&tracker);
     print_status("begin", zerorate_tracker_begin(&tracker, &CORRECTION, &prior, 0.0));
-    for (block = 0; block < 600; block++) {
-        (void)zerorate_tracker_push(&tracker, 0.254, 26.0);
-    }
-    bias(&tracker);
+    push(&tracker, 600, 0.254);
+    push(&tracker, 20, 5.254);
+    push(&tracker, 400, 0.254);
     print_status("push", zerorate_tracker_push(&tracker, (double)NAN, 26.0));
     print_status("save", zerorate_tracker_save(&tracker, &state));
     printf("learned %u\n", (unsigned)state.counts[0]);

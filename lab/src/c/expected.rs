@@ -94,8 +94,8 @@ fn line(text: &mut String, status: i32, rate_dps: f64, temp_c: f64, extrapolated
     Ok(writeln!(text, "extrapolated {extrapolated}")?)
 }
 
-/// The expected output about tracking: a minute at rest with another bias than calibrated, a missing mean (which
-/// counts as a motion), a day without power, and an invalid state.
+/// The expected output about tracking: a minute at rest with another bias than calibrated, a rotation, a rest, a
+/// missing mean (which counts as a motion), a day without power, and an invalid state.
 fn track(text: &mut String) -> Result<()> {
     let prior = Prior {
         u_pbc_dps: 0.003,
@@ -106,10 +106,12 @@ fn track(text: &mut String) -> Result<()> {
     let config = TrackerConfig::of(&Axis::ADIS16130, CORRECTION, prior);
     let mut tracker = Tracker::new(config).aged(0.0);
     text.push_str("bias -2\nchange_dps 401c000000000000\nu_dps 401c000000000000\nphase 7\nbegin 0\n");
-    for _ in 0..600 {
-        tracker.push(Some(0.254), Some(26.0), true);
+    for (blocks, rate_dps) in [(600, 0.254), (20, 5.254), (400, 0.254)] {
+        for _ in 0..blocks {
+            tracker.push(Some(rate_dps), Some(26.0), true);
+        }
+        bias(text, &tracker)?;
     }
-    bias(text, &tracker)?;
     tracker.push(None, Some(26.0), true);
     let saved = tracker.save();
     writeln!(text, "push 0\nsave 0\nlearned {}\nresume 0", saved.counts.learned_s)?;
