@@ -11,9 +11,8 @@ use xtask::arguments::Arguments;
 use xtask::venv::printed;
 
 pub const HELP: &str = "\
-Measures what docs/reference/build.md states: both commands of the README in an empty target folder, a build after a
-change in the program, and the sizes of what lies in target/dist. It says how busy the machine was before. Put
-CARGO_HOME=$(mktemp -d) in front of the command to begin with an empty cargo home.";
+Measures what docs/reference/build.md states, also a build after a change in the program. The sizes are those of the
+programs in target/dist. To begin with an empty cargo home: CARGO_HOME=$(mktemp -d) cargo xtask build-time";
 
 /// The two commands of the README.
 const FIRST: &str = "run --release -- calibrate";

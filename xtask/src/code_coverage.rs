@@ -10,13 +10,11 @@ use xtask::tools;
 use xtask::venv::done;
 
 pub const HELP: &str = "\
-Runs the tests of crates/ with a counter in each line, and prints by crate the share of lines that a test reaches. The
-lines of tests do not count. Without the component llvm-tools it prints SKIPPED and passes.
+\x20 --at-least SHARE  Fail if the tests reach less of a crate, in percent
+  --missed CRATE    List the lines that the last run did not reach, and run nothing
 
-All crates take some 40 minutes on two cores. With the names of crates, their own tests alone run.
-
-  --at-least SHARE  Fail if less of a crate is reached, in percent
-  --missed CRATE    List the lines that the last run did not reach, instead of running";
+The lines of tests do not count. All crates take some 40 minutes on two cores; of a named CRATE, only its own tests
+run. Without the component llvm-tools, the task prints SKIPPED and passes.";
 
 const VERSION: &str = "0.9.1";
 /// The result of the last run, in LCOV's format.

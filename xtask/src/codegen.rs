@@ -8,14 +8,10 @@ use xtask::venv::{done, printed};
 use xtask::{app, lab};
 
 pub const HELP: &str = "\
-\x20 --check  Write nothing, and fail where a file is not as it would be written
+\x20 --check  Write nothing, and fail if a file is out of date
 
-Generated files: bindings/c/include/zerorate.h, firmware/examples/src/unit.rs, and in docs/pictures/ the bandwidth and
-the spectrum. `cargo xtask web` makes web/src/protocol.ts, which git does not keep.
-
-allan.svg and correction.svg come from hours of the twin: `cargo xtask dist program pictures` draws them, and with
---check compares them. Pages of measurements are not generated files; the tasks that measure write them: methods,
-`trust --update`, `firmware --update`.";
+The files are bindings/c/include/zerorate.h, firmware/examples/src/unit.rs, and bandwidth.svg and spectrum.svg in
+docs/pictures/. ARCHITECTURE.md names the tasks that write other generated files.";
 
 /// The C header. `lab/tools/header` prints its text.
 const HEADER: &str = "bindings/c/include/zerorate.h";

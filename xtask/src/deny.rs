@@ -10,11 +10,10 @@ use xtask::venv::done;
 const VERSION: &str = "0.20.2";
 
 pub const HELP: &str = "\
-Builds cargo-deny once, below target/, and holds every lock file against deny.toml. Where the database of advisories
-cannot be fetched, it says so, and checks licences and sources only.
+\x20 --advisories DIR  Take the advisories from DIR, a clone of https://github.com/RustSec/advisory-db
 
-  --advisories DIR  Take the advisories from DIR, a clone of https://github.com/RustSec/advisory-db, and print
-                    their date";
+Builds cargo-deny once, below target/, and checks every lock file against deny.toml. If the database of advisories
+cannot be fetched, the task says so and checks licences and sources only.";
 
 /// The address of the advisories that cargo-deny uses by default.
 const DATABASE: &str = "https://github.com/RustSec/advisory-db";

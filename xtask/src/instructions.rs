@@ -11,9 +11,8 @@ use xtask::tools::{Tool, available};
 use xtask::venv::{done, printed};
 
 pub const HELP: &str = "\
-Counts the instructions of `zerorate allan` on noise, by valgrind's callgrind. Fails if reading and
-checking a sample takes more than half as many instructions as computing its deviations. Instructions do not depend on
-how busy the machine is.";
+Runs `zerorate allan` on noise under valgrind. Fails if reading and checking a sample takes more than half as many
+instructions as computing its deviations. Their number does not depend on how busy the machine is.";
 
 const TOOLS: [Tool; 1] = [Tool { program: "valgrind", package: "valgrind" }];
 /// Numbers of samples in two logs. The instructions for the shorter one are subtracted, so that the start of the

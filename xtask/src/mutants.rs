@@ -13,11 +13,10 @@ const VERSION: &str = "27.1.0";
 pub fn help() -> String {
     let row = |tried: &TestedCrate| format!("  {:16} one of {}\n", tried.name, tried.share);
     format!(
-        "Builds cargo-mutants once, below target/. It changes one place of a crate at a time, and runs the tests: a \
-         mutant that passes them survives. The crates have 15,000 mutants, which take days, so that every Nth is \
-         tried:\n\n{}\n\
-         The task prints survivors. It fails if so many survive that more than a tenth of all must.\n\n  \
-         --share N  Try every Nth mutant instead\n  --seed N   Begin with another mutant",
+        "  --share N  Try every Nth mutant\n  --seed N   Begin with another mutant\n\n\
+         Builds cargo-mutants once, below target/. Since the 15,000 mutants of all crates take days, it tries:\n\n\
+         {}\nThe task prints the mutants that no test kills. It fails if these show that more than a tenth of all \
+         survive.",
         TRIED.iter().map(row).collect::<String>()
     )
 }

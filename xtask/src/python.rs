@@ -13,14 +13,14 @@ use xtask::wheel;
 
 type Part = fn(&Wheel) -> Result<()>;
 
-/// The parts, each with its name. The first one runs if none is named.
-const PARTS: [(&str, Part); 6] = [
-    ("tests", tests),
-    ("stores", stores),
-    ("notebook", notebook),
-    ("allantools", allantools),
-    ("certificate", certificate),
-    ("bridge", bridge),
+/// The parts: name, description, function. The first one runs if none is named.
+const PARTS: [(&str, &str, Part); 6] = [
+    ("tests", "Its tests, with the type checkers", tests),
+    ("stores", "The fleet on an object store and on Dask", stores),
+    ("notebook", "The examples", notebook),
+    ("allantools", "The tests of allantools, on our functions", allantools),
+    ("certificate", "The tests of extras/zerorate-certificate", certificate),
+    ("bridge", "Its tests at a bridge in an emulator", bridge),
 ];
 
 /// The wheel, and the interpreter of the environment in which it was built.
@@ -38,23 +38,18 @@ const PANGO: Tool = Tool { program: "pango-view", package: "pango1.0-tools" };
 /// The release of allantools whose tests `zerorate.allantools_compat` must pass.
 const ALLANTOOLS: &str = "2024.6";
 
-const ABOUT: &str = "\
-Builds the wheel, installs it into an environment below target/, and runs
-  tests         its tests, with the type checkers
-  stores        the fleet on an object store and on Dask
-  notebook      the examples
-  allantools    allantools' own tests against our functions
-  certificate   the tests of extras/zerorate-certificate
-  bridge        its tests at a bridge in an emulator
-Where python3 or the package registry is missing, it says so and passes.";
-
 pub fn help() -> String {
-    format!("{}\n\n{ABOUT}", parts())
+    format!(
+        "Parts ({} if none is named):\n{}\nWithout python3 or the package registry, the task says so and passes.",
+        PARTS[0].0,
+        PARTS.map(|(name, about, _)| format!("  {name:11}  {about}\n")).concat()
+    )
 }
 
 pub const BENCH_HELP: &str = "\
-Times 200 captures through zerorate.fleet, by threads and by Dask, beside a plain loop of the same commands, and prints
-ratios, the cost of a file, and the memory of an hour. --captures N takes another number.";
+\x20 --captures N  Number of captures, 200 by default
+
+Times threads, Dask, and a plain loop of the same commands. Also prints the cost of a file and the memory of an hour.";
 
 pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
     let captures = arguments.value("--captures")?.unwrap_or_else(|| "200".to_owned());
@@ -67,17 +62,13 @@ pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
     done(bench.arg("benches/fleet.py").arg(program).args(["--captures", &captures]).current_dir(PACKAGE))
 }
 
-fn parts() -> String {
-    format!("parts: {}; without one, {}", PARTS.map(|(name, _)| name).join(", "), PARTS[0].0)
-}
-
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut only = arguments.words()?;
     if only.is_empty() {
         only.push(PARTS[0].0.to_owned());
     }
     for part in &only {
-        ensure!(PARTS.iter().any(|(name, _)| name == part), "unknown part {part}; {}", parts());
+        ensure!(PARTS.iter().any(|(name, ..)| name == part), "unknown part {part}; --help lists the parts");
     }
     let python = match wheel::environment()? {
         Ok(python) => python,
@@ -87,7 +78,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         }
     };
     let wheel = Wheel { path: wheel::build(&python)?, python };
-    for (name, part) in PARTS {
+    for (name, _, part) in PARTS {
         if only.iter().any(|only| only == name) {
             println!("--- {name}");
             part(&wheel).with_context(|| format!("{name}; to repeat it alone: cargo xtask python {name}"))?;

@@ -14,19 +14,16 @@ use std::process::{Command, Stdio};
 
 /// The text of `--help`.
 pub const HELP: &str = "\
-\x20 --site DIR  Write the static site there: page, service worker, book and licences
-  --check     Test the page of the program in Chromium: the served bench, and the reader of logs
-  --live      Test the static page in Chromium: its twin, its bridge, and the site that --site has written
-  --pictures  Write the pictures of the page again, in docs/pictures/page
-  --small     As small as the distributed page, which takes minutes longer
+\x20 --site DIR  Write the static site, with the book and the licences
+  --check     Test the page of the program in Chromium
+  --live      Test the static page and the site of --site in Chromium
+  --pictures  Write docs/pictures/page
+  --small     Make the page as small as the distributed one; this takes minutes longer
 
-Builds the core as WebAssembly (the target wasm32-unknown-unknown through rustup; clang, because zstd is written in C),
-its bindings by lab/tools/web, whose wasm-bindgen must have exactly the version that crates/zerorate-web has, and the
-bundle (Node.js 18 and npm, which takes what web/package-lock.json names). The page goes into
-crates/zerorate-cli/page/, from where the next `cargo build` takes it.
+The page goes into crates/zerorate-cli/page/, from where the next `cargo build` takes it.
 
-The tests need Chromium (apt install nodejs npm clang chromium). On Debian, root installs what is missing; elsewhere
-the task says what it skips.";
+Needs rustup, clang, Node.js 18 and npm; tests and pictures also need Chromium and, for the bridge, QEMU. On Debian,
+root installs what is missing; elsewhere the task says what it skips.";
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// The file with the licences of the third-party code in the page.
