@@ -27,9 +27,6 @@ pub struct CoverageArgs {
     /// Only the disturbed units: how often a wrong result is reported
     #[arg(long, conflicts_with_all = ["linear_units", "default_units"])]
     disturbed_units: bool,
-    /// Units at once
-    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
-    threads: usize,
 }
 
 pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
@@ -39,13 +36,13 @@ pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
         return FAULTS.iter().try_for_each(|fault| report_fault(args, fault));
     }
     if !args.default_units {
-        let units = for_each_seed(args.seeds.clone(), args.threads, linear_unit)?;
+        let units = for_each_seed(args.seeds.clone(), linear_unit)?;
         println!("{} linear units (curvature=0,hysteresis=0, --assume-linear), seeds {:?}:", units.len(), args.seeds);
         report_intervals("PBC", "°/s", units.iter().map(|unit| unit.pbc));
         report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.btc));
     }
     if !args.linear_units {
-        let all = for_each_seed(args.seeds.clone(), args.threads, default_unit)?;
+        let all = for_each_seed(args.seeds.clone(), default_unit)?;
         let units: Vec<DefaultUnit> = all.iter().flatten().copied().collect();
         println!("{} default units, {} refused, seeds {:?}:", units.len(), all.len() - units.len(), args.seeds);
         report_intervals("PBC", "°/s", units.iter().map(|unit| unit.judged.pbc));
@@ -70,8 +67,7 @@ struct DefaultUnit {
 
 /// Prints a row of the table in `docs/reference/accuracy.md`.
 fn report_fault(args: &CoverageArgs, fault: &Fault) -> anyhow::Result<()> {
-    let ended =
-        for_each_seed(args.seeds.clone(), args.threads, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
+    let ended = for_each_seed(args.seeds.clone(), |seed| trial::run((fault.spec)(seed), Plan::default()))?;
     let count = |is: fn(&trial::TrialEnd) -> bool| ended.iter().filter(|ended| is(ended)).count();
     let refused = count(|ended| matches!(ended, trial::TrialEnd::Refused));
     let (silent, wrong) = (count(trial::TrialEnd::is_silent), count(trial::TrialEnd::is_wrong_and_silent));

@@ -20,9 +20,6 @@ pub struct CoverageTempcalArgs {
     /// Only the kinds of logs whose name holds this text
     #[arg(long, default_value = "", hide_default_value = true)]
     only: String,
-    /// Logs at once
-    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
-    threads: usize,
 }
 
 const RATE_HZ: f64 = 50.0;
@@ -128,7 +125,7 @@ pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for kind in KINDS.iter().filter(|kind| kind.name.contains(&args.only)) {
-        let logs = for_each_seed(args.seeds.clone(), args.threads, |seed| errors(kind, seed))?;
+        let logs = for_each_seed(args.seeds.clone(), |seed| errors(kind, seed))?;
         let axes: Vec<&AxisErrors> = logs.iter().flatten().collect();
         let of = |error: fn(&AxisErrors) -> f64| rms(axes.iter().map(|axis| error(axis)));
         let [cubic, quintic, curve] = [of(|axis| axis.cubic), of(|axis| axis.quintic), of(|axis| axis.curve)];

@@ -1,4 +1,4 @@
-//! Runs simulated units by their seeds, on several threads.
+//! Runs simulated units by their seeds, on all cores.
 
 use anyhow::{Context, anyhow};
 use std::ops::RangeInclusive;
@@ -12,10 +12,9 @@ pub fn parse(text: &str) -> Result<RangeInclusive<u64>, String> {
     if first > last { Err(format!("{first} lies behind {last}")) } else { Ok(first..=last) }
 }
 
-/// Runs `unit` for every seed on several threads. The results are in the order of the seeds.
+/// Runs `unit` for every seed, in as many threads as there are cores. The results are in the order of the seeds.
 pub fn for_each_seed<T: Send>(
     seeds: impl Iterator<Item = u64> + Send,
-    threads: usize,
     unit: impl Fn(u64) -> anyhow::Result<T> + Sync,
 ) -> anyhow::Result<Vec<T>> {
     let waiting = Mutex::new(seeds);
@@ -26,7 +25,8 @@ pub fn for_each_seed<T: Send>(
             .collect::<anyhow::Result<Vec<_>>>()
     };
     let mut results = std::thread::scope(|scope| -> anyhow::Result<Vec<(u64, T)>> {
-        let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(worker)).collect();
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
         let joined = workers.into_iter().map(|worker| worker.join().map_err(|_| anyhow!("a worker panicked"))?);
         Ok(joined.collect::<anyhow::Result<Vec<_>>>()?.into_iter().flatten().collect())
     })?;

@@ -24,15 +24,12 @@ pub struct TrackingArgs {
     /// Units by their seeds, both ends included
     #[arg(long, default_value = "1..200", value_parser = seeds::parse, value_name = "A..B")]
     seeds: RangeInclusive<u64>,
-    /// Units at once
-    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
-    threads: usize,
 }
 
 pub fn run(args: &TrackingArgs) -> anyhow::Result<()> {
     println!("{}", heading());
     for (share, slow_turns) in WORLDS {
-        println!("{}", days(&args.seeds, args.threads, slow_turns)?.row(share));
+        println!("{}", days(&args.seeds, slow_turns)?.row(share));
     }
     Ok(())
 }
@@ -58,9 +55,8 @@ pub struct Tracking {
 }
 
 /// Simulates a day for each unit, with `slow_turns` slow rotations per 21 other motions.
-pub fn days(seeds: &RangeInclusive<u64>, threads: usize, slow_turns: f64) -> anyhow::Result<Tracking> {
-    let days =
-        for_each_seed(seeds.clone(), threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
+pub fn days(seeds: &RangeInclusive<u64>, slow_turns: f64) -> anyhow::Result<Tracking> {
+    let days = for_each_seed(seeds.clone(), |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
     Ok(Tracking::of(&days))
 }
 

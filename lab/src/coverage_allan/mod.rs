@@ -27,9 +27,6 @@ pub struct CoverageAllanArgs {
     /// First seed of the random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Records at once
-    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
-    threads: usize,
     /// Only the scenarios whose name contains this
     #[arg(long, default_value = "", value_name = "TEXT")]
     only: String,
@@ -148,7 +145,7 @@ fn terms(scenario: &Scenario, runs: &[Run]) -> Vec<String> {
 
 fn simulate(args: &CoverageAllanArgs, scenario: &Scenario) -> anyhow::Result<Vec<Run>> {
     let fft = FftPlanner::new().plan_fft_forward(SYNTHESIS);
-    for_each_seed(0..args.runs, args.threads, |index| {
+    for_each_seed(0..args.runs, |index| {
         let mut rng = SmallRng::seed_from_u64(args.seed.wrapping_mul(1_000_003).wrapping_add(index));
         one(scenario, &fft, &mut rng)
     })

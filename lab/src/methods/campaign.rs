@@ -64,11 +64,10 @@ fn raw(recording: &Recording) -> Correction {
     Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)
 }
 
-/// The seeds of the simulated units, the lag of the lagging units, and the number of threads.
+/// The seeds of the simulated units, and the lag of the lagging units.
 #[derive(Clone, Copy)]
 pub struct Units<'a> {
     pub seeds: &'a RangeInclusive<u64>,
-    pub threads: usize,
     pub lag_s: f64,
 }
 
@@ -113,7 +112,7 @@ impl Units<'_> {
 
     /// Runs `one` for all units. Returns a summary for each entry of its results.
     fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Comparison>> + Sync) -> anyhow::Result<Vec<Summary>> {
-        let units = for_each_seed(self.seeds.clone(), self.threads, one)?;
+        let units = for_each_seed(self.seeds.clone(), one)?;
         let columns = units.first().map_or(0, Vec::len);
         let column = |index: usize| units.iter().map(|unit| &unit[index]).collect::<Vec<_>>();
         Ok((0..columns).map(|index| Summary::of(&column(index))).collect())

@@ -30,9 +30,6 @@ pub struct MethodsArgs {
     /// Lag of the lagging units, s
     #[arg(long, default_value_t = 30.0, value_name = "S")]
     lag_s: f64,
-    /// Units at once
-    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
-    threads: usize,
     /// The methods alone, on three units of each kind; prints, and writes no page. As in `cargo xtask night`
     #[arg(long, conflicts_with = "seeds")]
     quick: bool,
@@ -51,7 +48,7 @@ const CHECKED: u64 = 5;
 /// Runs every method. Without `--quick`, it also writes docs/reference/methods.md and its plots.
 pub fn run(args: &MethodsArgs) -> anyhow::Result<()> {
     let seeds = if args.quick { args.seed..=args.seed + QUICK - 1 } else { args.seeds.clone() };
-    let units = Units { seeds: &seeds, threads: args.threads, lag_s: args.lag_s };
+    let units = Units { seeds: &seeds, lag_s: args.lag_s };
     let methods = units.by_method()?;
     println!("{}", table::overview(&methods));
     if args.quick {
@@ -65,7 +62,7 @@ pub fn run(args: &MethodsArgs) -> anyhow::Result<()> {
         lengths: side_units.by_length(&page::LENGTHS_MIN.map(|minutes| 60.0 * minutes))?,
         walks: side_units.by_walk(&page::WALKS)?,
         bounds_dph: page::WALKS.into_iter().map(|factor| campaign::bound_dph(1, factor)).collect::<Result<_, _>>()?,
-        tracking: tracking::days(&side, args.threads, tracking::SELDOM)?,
+        tracking: tracking::days(&side, tracking::SELDOM)?,
         curved_bound_dph: campaign::bound_dph(2, 1.0)?,
         checked: (*seeds.start()..=*seeds.end())
             .take(CHECKED as usize)

@@ -42,9 +42,6 @@ pub struct TrustArgs {
     /// The first run's seed; the others follow. `--only NAME --seed N --runs 1` repeats one
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Runs at once
-    #[arg(long, value_name = "N", default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
-    threads: usize,
     /// The program to test, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
@@ -136,11 +133,11 @@ impl FinishedClasses {
     }
 }
 
-/// Runs a class on several threads. Without `--seconds`, their number has no influence on the counts.
+/// Runs a class on all cores. Without `--seconds`, their number has no influence on the counts.
 fn try_class(args: &TrustArgs, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
     let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
-    let verdicts = for_each_seed(args.seed..args.seed + runs, args.threads, |seed| {
+    let verdicts = for_each_seed(args.seed..args.seed + runs, |seed| {
         if ends.is_some_and(|ends| Instant::now() >= ends) {
             return Ok(None);
         }
