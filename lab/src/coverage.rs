@@ -18,14 +18,8 @@ pub struct CoverageArgs {
     /// Units, by their seeds, both ends included
     #[arg(long, default_value = "1..200", value_parser = seeds::parse, value_name = "A..B")]
     seeds: RangeInclusive<u64>,
-    /// Only the linear units: the intervals of PBC and BTC
-    #[arg(long, conflicts_with = "default_units")]
-    linear_units: bool,
-    /// Only the default units: errors, and a second warm-up with and without correction
-    #[arg(long)]
-    default_units: bool,
     /// Only the disturbed units: how often a wrong result is reported
-    #[arg(long, conflicts_with_all = ["linear_units", "default_units"])]
+    #[arg(long)]
     disturbed_units: bool,
 }
 
@@ -35,26 +29,22 @@ pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
         println!("|---|---|---|---|---|---|");
         return FAULTS.iter().try_for_each(|fault| report_fault(args, fault));
     }
-    if !args.default_units {
-        let units = for_each_seed(args.seeds.clone(), linear_unit)?;
-        println!("{} linear units (curvature=0,hysteresis=0, --assume-linear), seeds {:?}:", units.len(), args.seeds);
-        report_intervals("PBC", "°/s", units.iter().map(|unit| unit.pbc));
-        report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.btc));
-    }
-    if !args.linear_units {
-        let all = for_each_seed(args.seeds.clone(), default_unit)?;
-        let units: Vec<DefaultUnit> = all.iter().flatten().copied().collect();
-        println!("{} default units, {} refused, seeds {:?}:", units.len(), all.len() - units.len(), args.seeds);
-        report_intervals("PBC", "°/s", units.iter().map(|unit| unit.judged.pbc));
-        report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.judged.btc));
-        let raw = rms(units.iter().map(|unit| unit.raw_change_dps));
-        let corrected = rms(units.iter().map(|unit| unit.corrected_change_dps));
-        println!(
-            "  second warm-up after an hour off, change from its first 10 s to its last 150 s, rms: {raw:.4} °/s raw, \
-             {corrected:.4} °/s corrected: {:.1}-fold less",
-            raw / corrected
-        );
-    }
+    let units = for_each_seed(args.seeds.clone(), linear_unit)?;
+    println!("{} linear units (curvature=0,hysteresis=0, --assume-linear), seeds {:?}:", units.len(), args.seeds);
+    report_intervals("PBC", "°/s", units.iter().map(|unit| unit.pbc));
+    report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.btc));
+    let all = for_each_seed(args.seeds.clone(), default_unit)?;
+    let units: Vec<DefaultUnit> = all.iter().flatten().copied().collect();
+    println!("{} default units, {} refused, seeds {:?}:", units.len(), all.len() - units.len(), args.seeds);
+    report_intervals("PBC", "°/s", units.iter().map(|unit| unit.judged.pbc));
+    report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.judged.btc));
+    let raw = rms(units.iter().map(|unit| unit.raw_change_dps));
+    let corrected = rms(units.iter().map(|unit| unit.corrected_change_dps));
+    println!(
+        "  second warm-up after an hour off, change from its first 10 s to its last 150 s, rms: {raw:.4} °/s raw, \
+         {corrected:.4} °/s corrected: {:.1}-fold less",
+        raw / corrected
+    );
     Ok(())
 }
 
