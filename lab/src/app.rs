@@ -10,9 +10,6 @@ pub struct ProgramArgs {
     /// The unit of the twin
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Print one JSON object to stdout
-    #[arg(long)]
-    pub json: bool,
     /// The program to test, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,

@@ -12,11 +12,9 @@ use crate::targets;
 use crate::tools::available;
 use anyhow::{Context, Result, ensure};
 use emulator::{Emulator, Line};
-use serde::Serialize;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::Instant;
 use xtask::images::{self, QEMU};
 
 /// Number of samples of each capture, and number of samples that controller and host must send as the same bytes.
@@ -24,20 +22,6 @@ const SAMPLES: u32 = 5_000;
 /// Options of a calibration that takes half a minute of the part's time.
 const PLAN: [&str; 10] =
     ["--average", "1s", "--warmup", "10s", "--settle", "10s", "--offset", "5s", "--max-u-btc", "1"];
-
-/// The results of `cargo xtask bridge`, printed with `--json`.
-#[derive(Serialize)]
-struct Findings {
-    seed: u64,
-    duration_s: f64,
-    /// Number of bytes that controller and host sent identically.
-    bytes_alike: usize,
-    probe: Value,
-    capture_tcp: Value,
-    capture_serial: Value,
-    calibration: Value,
-    calibration_in_process: Value,
-}
 
 pub fn run(args: &ProgramArgs) -> Result<()> {
     if !available(&[QEMU], "the bridge in the emulator")? {
@@ -47,14 +31,15 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     let program = args.program()?;
     let bench = Bench { program, image: images::build("release", "bridge")?, seed: args.seed };
     std::fs::create_dir_all(WORK)?;
-    let findings = bench.findings()?;
-    if args.json {
-        println!("{}", serde_json::to_string_pretty(&findings)?);
-    }
+    let bytes_alike = script::compare(&bench.emulator(Line::Socket)?, bench.seed, SAMPLES)?;
+    bench.probe()?;
+    bench.capture(&bench.emulator(Line::Socket)?.device, "tcp")?;
+    bench.capture(&bench.emulator(Line::Serial)?.device, "serial")?;
+    bench.calibrate()?;
     eprintln!(
-        "seed {}: {} bytes of samples are the same from controller and host. Probe, capture (socket and serial port) \
-         and calibrate agree with the twin.",
-        findings.seed, findings.bytes_alike
+        "seed {}: {bytes_alike} bytes of samples are the same from controller and host. Probe, capture (socket and \
+         serial port) and calibrate agree with the twin.",
+        bench.seed
     );
     Ok(())
 }
@@ -68,25 +53,6 @@ struct Bench {
 }
 
 impl Bench {
-    fn findings(&self) -> Result<Findings> {
-        let started = Instant::now();
-        let bytes_alike = script::compare(&self.emulator(Line::Socket)?, self.seed, SAMPLES)?;
-        let probe = self.probe()?;
-        let capture_tcp = self.capture(&self.emulator(Line::Socket)?.device, "tcp")?;
-        let capture_serial = self.capture(&self.emulator(Line::Serial)?.device, "serial")?;
-        let (calibration, calibration_in_process) = self.calibrate()?;
-        Ok(Findings {
-            seed: self.seed,
-            duration_s: started.elapsed().as_secs_f64(),
-            bytes_alike,
-            probe,
-            capture_tcp,
-            capture_serial,
-            calibration,
-            calibration_in_process,
-        })
-    }
-
     fn emulator(&self, line: Line) -> Result<Emulator> {
         Emulator::start(&self.image, self.seed, line)
     }
@@ -98,24 +64,24 @@ impl Bench {
         serde_json::from_slice(&output.stdout).with_context(|| format!("zerorate {}", arguments.join(" ")))
     }
 
-    fn probe(&self) -> Result<Value> {
+    fn probe(&self) -> Result<()> {
         let emulator = self.emulator(Line::Socket)?;
         let found = self.json(&["probe", "--device", &emulator.device, "--duration", "1s", "--json"])?;
         ensure!(found["lost_samples"] == 0 && found["fastest_clean_sclk_hz"] == 10_000_000, "probe found {found}");
-        Ok(found)
+        Ok(())
     }
 
-    fn capture(&self, device: &str, name: &str) -> Result<Value> {
+    fn capture(&self, device: &str, name: &str) -> Result<()> {
         let (file, samples) = (format!("{WORK}/{name}.csv"), SAMPLES.to_string());
         let arguments = ["capture", "--device", device, "--samples", &samples, "--force", "--json", "-o", &file];
         let summary = self.json(&arguments)?;
         ensure!(summary["samples"] == SAMPLES && summary["lost_samples"] == 0, "{name}: {summary}");
-        Ok(summary)
+        Ok(())
     }
 
     /// Calibrates the same unit by the same plan, through the bridge and directly. At the same temperature, the
     /// two PBC must agree within twice the standard uncertainty of their difference.
-    fn calibrate(&self) -> Result<(Value, Value)> {
+    fn calibrate(&self) -> Result<()> {
         let emulator = self.emulator(Line::Socket)?;
         let calibrate = |device: &str| {
             self.json(&[&["calibrate", "--no-save", "--json", "--device", device], PLAN.as_slice()].concat())
@@ -127,6 +93,6 @@ impl Bench {
         let difference = number(&there, "pbc_dps")? - here_dps;
         let limit = 2.0 * number(&there, "u_pbc_dps")?.hypot(number(&here, "u_pbc_dps")?);
         ensure!(difference.abs() <= limit, "PBC differs by {difference} °/s from PBC in process, more than {limit}");
-        Ok((there, here))
+        Ok(())
     }
 }

@@ -1,7 +1,6 @@
 //! The figures of `docs/reference/footprint.md`: compares them with goals and committed figures, and writes the page.
 
 use anyhow::{Context, Result, ensure};
-use serde::Serialize;
 use std::fmt::Write;
 use std::fs;
 
@@ -10,7 +9,6 @@ pub const PAGE: &str = "docs/reference/footprint.md";
 /// Relative rise of a figure that is not yet an error.
 const TOLERANCE: f64 = 0.05;
 
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Figure {
     /// Name of the measured quantity on the page.
     pub what: &'static str,
@@ -20,7 +18,6 @@ pub struct Figure {
     pub goal: Option<u64>,
 }
 
-#[derive(Clone, Debug, Serialize)]
 pub struct Versions {
     pub rustc: String,
     pub qemu: String,

@@ -21,7 +21,6 @@ use emulator::Report;
 use footprint::{Figure, Versions};
 use image::{Image, Memory};
 use scenario::Reading;
-use serde::Serialize;
 use std::process::Command;
 use tracking::TrackerState;
 pub use xtask::images::QEMU;
@@ -33,23 +32,17 @@ pub struct FirmwareArgs {
     /// The unit of the twin that both read
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Print one JSON object to stdout
-    #[arg(long)]
-    json: bool,
     /// Write the figures to docs/reference/footprint.md, even if they rose
     #[arg(long)]
     update: bool,
 }
 
-/// The results of `cargo xtask firmware`, printed with `--json`.
-#[derive(Serialize)]
+/// The results of `cargo xtask firmware`.
 struct Outcome {
-    seed: u64,
     /// Number of readings that agree between controller and host in every representation; `None` without the emulator.
     readings_agreed: Option<usize>,
     /// Number of means after which the tracker has the same state on controller and host; `None` without the emulator.
     means_agreed: Option<usize>,
-    panic_symbols_in_driver: usize,
     figures: Vec<Figure>,
     versions: Versions,
 }
@@ -57,10 +50,8 @@ struct Outcome {
 pub fn run(args: &FirmwareArgs) -> Result<()> {
     targets::add_missing([TARGET].into_iter())?;
     let mut outcome = Outcome {
-        seed: args.seed,
         readings_agreed: None,
         means_agreed: None,
-        panic_symbols_in_driver: 0,
         figures: alone()?,
         versions: Versions { rustc: rustc_version()?, qemu: "none".to_owned() },
     };
@@ -71,7 +62,7 @@ pub fn run(args: &FirmwareArgs) -> Result<()> {
         outcome.means_agreed = Some(compare_tracked(args.seed, &report.tracked)?);
         outcome.figures.splice(0..0, counted(&report)?);
     }
-    show(args, &outcome)?;
+    show(args.seed, &outcome);
     judge(args, &outcome)
 }
 
@@ -161,23 +152,18 @@ fn counted(report: &Report) -> Result<Vec<Figure>> {
     ])
 }
 
-fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
-    if args.json {
-        println!("{}", serde_json::to_string_pretty(outcome)?);
-        return Ok(());
-    }
+fn show(seed: u64, outcome: &Outcome) {
     if let Some(count) = outcome.readings_agreed {
-        println!("seed {}: {count} readings, corrected in four ways, are the same on controller and host", args.seed);
+        println!("seed {seed}: {count} readings, corrected in four ways, are the same on controller and host");
     }
     if let Some(count) = outcome.means_agreed {
-        println!("seed {}: the tracker knows the same on controller and host after {count} means", args.seed);
+        println!("seed {seed}: the tracker knows the same on controller and host after {count} means");
     }
     println!("no panic is linked into driver and tracker");
     for Figure { what, value, unit, goal } in &outcome.figures {
         let goal = goal.map_or(String::new(), |goal| format!("(goal: at most {goal})"));
         println!("{value:>6} {unit:13} {what} {goal}");
     }
-    Ok(())
 }
 
 /// Compares the figures with page and goals. Fails if one rose by more than 5 %, unless `--update` writes the page.

@@ -4,9 +4,7 @@ use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
 use super::hid::Hid;
 use super::part::{Record, RegisterReading};
-use crate::twin_usb::Truth;
 use anyhow::{Context, Result, bail};
-use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -25,29 +23,22 @@ pub struct RigData {
     pub host: Value,
 }
 
-/// The results of `cargo xtask rig`, printed with `--json`.
-#[derive(Serialize)]
+/// The results of `cargo xtask rig`.
 pub struct Findings {
     kernel_release: String,
     seed: u64,
     duration_s: f64,
-    kernel_driver: KernelDriver,
-    hid: Hid,
     slow: Vec<Stream>,
     fast: Stream,
-    calibration: Calibration,
-    unplugged: Stream,
     checks: Vec<Check>,
 }
 
-#[derive(Serialize)]
 struct Check {
     holds: bool,
     statement: String,
 }
 
 /// The scales and readings of the kernel's driver, and the readings that the part sent to it.
-#[derive(Serialize)]
 struct KernelDriver {
     rate_scale: String,
     rate_offset: String,
@@ -60,11 +51,8 @@ struct KernelDriver {
 }
 
 /// A capture of the guest, compared with the part's own record.
-#[derive(Serialize)]
 struct Stream {
     samples: u64,
-    rate_hz: f64,
-    reads_of_part: u64,
     /// Number of edges from the first sample to the last.
     edges_guest: u32,
     edges_of_part: u32,
@@ -74,24 +62,6 @@ struct Stream {
     updates: f64,
     codes_guest: Vec<u32>,
     codes_part: Vec<u32>,
-}
-
-/// PBC and BTC as measured in the guest and on this computer, and the truth.
-#[derive(Serialize)]
-struct Calibration {
-    guest: Value,
-    in_process: Value,
-    truth: Truth,
-    /// Differences of the guest's correction from the in-process one and from the truth, at the guest's T3, °/s.
-    pbc_minus_in_process_dps: f64,
-    pbc_minus_truth_dps: f64,
-    /// Half widths of the 95 % intervals of these differences, °/s.
-    pbc_in_process_limit_dps: f64,
-    pbc_truth_limit_dps: f64,
-    btc_minus_in_process_dps_per_c: f64,
-    btc_minus_truth_dps_per_c: f64,
-    btc_in_process_limit_dps_per_c: f64,
-    btc_truth_limit_dps_per_c: f64,
 }
 
 /// Allowed difference between counts, as a share of the part's readings. If the guest cannot keep up, its timestamps
@@ -112,12 +82,8 @@ impl Findings {
             kernel_release: files.text("kernel")?,
             seed,
             duration_s: duration.as_secs_f64(),
-            kernel_driver: KernelDriver::new(&files, &seen.iio)?,
-            hid: Hid::new(&files)?,
             slow: slow.collect::<Result<_>>()?,
             fast: Stream::new(&files, "fast", &seen.fast)?,
-            calibration: Calibration::new(&files, seen)?,
-            unplugged: Stream::new(&files, "cut", &seen.cut)?,
             checks: vec![],
         };
         findings.check(&files, seen)?;
@@ -125,7 +91,7 @@ impl Findings {
     }
 
     fn check(&mut self, files: &Files, seen: &RigData) -> Result<()> {
-        let driver = &self.kernel_driver;
+        let driver = KernelDriver::new(files, &seen.iio)?;
         let mut checks = Vec::new();
         let mut check = |holds: bool, statement: String| checks.push(Check { holds, statement });
         check(
@@ -141,7 +107,7 @@ impl Findings {
             scales == ["0.000000743", "-8388608", "0.070957212", "-8036283"],
             format!("its scales and offsets agree with F-40 and F-41: {scales:?}"),
         );
-        self.hid.check(files, &mut check)?;
+        Hid::new(files)?.check(files, &mut check)?;
         for name in ["iio", "probe", "bytes", "slow1", "slow2", "slow3", "fast", "calibrate", "cut", "replug"] {
             let (holds, statement) = files.ending(name, u8::from(name == "cut"))?;
             check(holds, statement);
@@ -150,10 +116,11 @@ impl Findings {
             check(stream.samples > 0 && stream.is_complete(), format!("at 100 Hz {}", stream.losses()));
         }
         check(self.fast.samples > 0 && self.fast.is_complete(), format!("at 1 kHz {}", self.fast.losses()));
-        check(self.unplugged.is_complete(), format!("until the cable is pulled {}", self.unplugged.losses()));
+        let unplugged = Stream::new(files, "cut", &seen.cut)?;
+        check(unplugged.is_complete(), format!("until the cable is pulled {}", unplugged.losses()));
         let error = files.text("cut.err")?;
         check(error.contains("/dev/spidev0.0 is gone"), format!("unplugged: {error}"));
-        let saved = format!("ends after {} samples", self.unplugged.samples);
+        let saved = format!("ends after {} samples", unplugged.samples);
         check(
             error.contains(&saved) && files.text("cut.replay.err")?.is_empty(),
             format!("its capture is whole: {saved}"),
@@ -162,7 +129,9 @@ impl Findings {
             seen.replug.summary.seen.rate_reads > 0,
             format!("plugged in again: {} reads", seen.replug.summary.seen.rate_reads),
         );
-        self.calibration.check(&mut check);
+        for (what, difference, limit) in calibration(files, seen)? {
+            check(difference.abs() <= limit, format!("{what}: {difference:+.5} within ±{limit:.5}"));
+        }
         self.checks = checks;
         Ok(())
     }
@@ -219,8 +188,6 @@ impl Stream {
         Ok(Self {
             updates: span_s * pairs_hz,
             samples: rows.len() as u64,
-            rate_hz: (rows.len() - 1) as f64 / span_s,
-            reads_of_part: record.summary.seen.rate_reads,
             edges_guest: last.edge.wrapping_sub(first.edge),
             edges_of_part: edges(sent).unwrap_or(0),
             lost_counted: rows.iter().skip(1).map(|row| row.lost).sum(),
@@ -251,52 +218,30 @@ impl Stream {
     }
 }
 
-impl Calibration {
-    fn new(files: &Files, seen: &RigData) -> Result<Self> {
-        let guest: Value = serde_json::from_str(&files.text("calibrate.json")?).context("calibrate.json")?;
-        let host = &seen.host;
-        let number = |value: &Value, key: &str| value[key].as_f64().with_context(|| format!("{key} in {value}"));
-        let (pbc, btc, t3) = (number(&guest, "pbc_dps")?, number(&guest, "btc_dps_per_c")?, number(&guest, "t3_c")?);
-        let (host_btc, host_t3) = (number(host, "btc_dps_per_c")?, number(host, "t3_c")?);
-        let host_pbc = number(host, "pbc_dps")? + (t3 - host_t3) * host_btc;
-        let truth = &seen.calibrate.summary.truth;
-        let (off, curvature) = (t3 - truth.sensor_c, truth.curvature_dps_per_c2);
-        let true_pbc = truth.pbc_dps + (truth.btc_dps_per_c - curvature * off) * off;
-        let true_btc = truth.btc_dps_per_c - 2.0 * curvature * off;
-        let limit = |key: &str| -> Result<(f64, f64)> {
-            let k = number(&guest, "coverage_factor")?;
-            let (own, other) = (number(&guest, key)?, number(host, key)?);
-            Ok((k * own, k * own.hypot(other)))
-        };
-        let (pbc_truth_limit_dps, pbc_in_process_limit_dps) = limit("u_pbc_dps")?;
-        let (btc_truth_limit_dps_per_c, btc_in_process_limit_dps_per_c) = limit("u_btc_dps_per_c")?;
-        Ok(Self {
-            pbc_minus_in_process_dps: pbc - host_pbc,
-            pbc_minus_truth_dps: pbc - true_pbc,
-            pbc_in_process_limit_dps,
-            pbc_truth_limit_dps,
-            btc_minus_in_process_dps_per_c: btc - host_btc,
-            btc_minus_truth_dps_per_c: btc - true_btc,
-            btc_in_process_limit_dps_per_c,
-            btc_truth_limit_dps_per_c,
-            in_process: host.clone(),
-            truth: Truth { ..*truth },
-            guest,
-        })
-    }
-
-    fn check(&self, check: &mut impl FnMut(bool, String)) {
-        for (what, difference, limit) in [
-            ("PBC against the in-process twin, °/s", self.pbc_minus_in_process_dps, self.pbc_in_process_limit_dps),
-            ("PBC against the truth, °/s", self.pbc_minus_truth_dps, self.pbc_truth_limit_dps),
-            (
-                "BTC against the in-process twin, °/s/°C",
-                self.btc_minus_in_process_dps_per_c,
-                self.btc_in_process_limit_dps_per_c,
-            ),
-            ("BTC against the truth, °/s/°C", self.btc_minus_truth_dps_per_c, self.btc_truth_limit_dps_per_c),
-        ] {
-            check(difference.abs() <= limit, format!("{what}: {difference:+.5} within ±{limit:.5}"));
-        }
-    }
+/// Differences of PBC and BTC in the guest from those on this computer and from the truth, at the guest's T3, each
+/// with the half width of its 95 % interval.
+fn calibration(files: &Files, seen: &RigData) -> Result<[(&'static str, f64, f64); 4]> {
+    let guest: Value = serde_json::from_str(&files.text("calibrate.json")?).context("calibrate.json")?;
+    let host = &seen.host;
+    let number = |value: &Value, key: &str| value[key].as_f64().with_context(|| format!("{key} in {value}"));
+    let (pbc, btc, t3) = (number(&guest, "pbc_dps")?, number(&guest, "btc_dps_per_c")?, number(&guest, "t3_c")?);
+    let (host_btc, host_t3) = (number(host, "btc_dps_per_c")?, number(host, "t3_c")?);
+    let host_pbc = number(host, "pbc_dps")? + (t3 - host_t3) * host_btc;
+    let truth = &seen.calibrate.summary.truth;
+    let (off, curvature) = (t3 - truth.sensor_c, truth.curvature_dps_per_c2);
+    let true_pbc = truth.pbc_dps + (truth.btc_dps_per_c - curvature * off) * off;
+    let true_btc = truth.btc_dps_per_c - 2.0 * curvature * off;
+    let limit = |key: &str| -> Result<(f64, f64)> {
+        let k = number(&guest, "coverage_factor")?;
+        let (own, other) = (number(&guest, key)?, number(host, key)?);
+        Ok((k * own, k * own.hypot(other)))
+    };
+    let (pbc_limit, pbc_limit_of_both) = limit("u_pbc_dps")?;
+    let (btc_limit, btc_limit_of_both) = limit("u_btc_dps_per_c")?;
+    Ok([
+        ("PBC against the in-process twin, °/s", pbc - host_pbc, pbc_limit_of_both),
+        ("PBC against the truth, °/s", pbc - true_pbc, pbc_limit),
+        ("BTC against the in-process twin, °/s/°C", btc - host_btc, btc_limit_of_both),
+        ("BTC against the truth, °/s/°C", btc - true_btc, btc_limit),
+    ])
 }

@@ -2,7 +2,6 @@
 
 use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};
-use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
 
@@ -31,8 +30,7 @@ const TOLERANCE_READINGS: f64 = 3.0;
 /// Smallest number of losses that shows that a capture counts losses: 4 of 50 readings are withheld.
 const ENOUGH_LOST: u64 = 4;
 
-/// The results about the HID gyroscope, which are part of the rig's JSON.
-#[derive(Serialize)]
+/// The results about the HID gyroscope.
 pub struct Hid {
     buffered: Vec<Stream>,
     polled: HidSummary,
@@ -48,7 +46,6 @@ struct HidReading {
     asked: bool,
 }
 
-#[derive(Serialize)]
 struct Stream {
     name: &'static str,
     samples: usize,
@@ -62,7 +59,6 @@ struct Stream {
     miscounted: usize,
 }
 
-#[derive(Serialize)]
 struct HidSummary {
     samples: usize,
     /// Number of axes on which every captured code was sent, and the codes are in the order of sending.

@@ -67,9 +67,6 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     let started = Instant::now();
     let seen = experiment(args.seed, &program, &folder, &kernel)?;
     let findings = Findings::new(args.seed, &seen, started.elapsed())?;
-    if args.json {
-        println!("{}", serde_json::to_string_pretty(&findings)?);
-    }
     eprint!("{}", findings.text());
     findings.verdict()
 }

@@ -9,7 +9,7 @@ mod ljca;
 mod part;
 mod redir;
 
-pub use part::{Summary, Truth};
+pub use part::Summary;
 
 use adis16130_twin::Spec;
 use anyhow::{Context, Result, bail};
