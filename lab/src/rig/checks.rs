@@ -38,18 +38,6 @@ struct Check {
     statement: String,
 }
 
-/// The scales and readings of the kernel's driver, and the readings that the part sent to it.
-struct KernelDriver {
-    rate_scale: String,
-    rate_offset: String,
-    temp_scale: String,
-    temp_offset: String,
-    rate_codes_guest: Vec<u32>,
-    rate_codes_part: Vec<u32>,
-    temp_codes_guest: Vec<u32>,
-    temp_codes_part: Vec<u32>,
-}
-
 /// A capture of the guest, compared with the part's own record.
 struct Stream {
     samples: u64,
@@ -91,22 +79,9 @@ impl Findings {
     }
 
     fn check(&mut self, files: &Files, seen: &RigData) -> Result<()> {
-        let driver = KernelDriver::new(files, &seen.iio)?;
         let mut checks = Vec::new();
         let mut check = |holds: bool, statement: String| checks.push(Check { holds, statement });
-        check(
-            driver.rate_codes_guest == driver.rate_codes_part && driver.rate_codes_guest.len() >= 50,
-            format!("the kernel driver's {} rates are those sent", driver.rate_codes_guest.len()),
-        );
-        check(
-            driver.temp_codes_guest == driver.temp_codes_part && driver.temp_codes_guest.len() >= 50,
-            format!("its {} temperatures are those sent", driver.temp_codes_guest.len()),
-        );
-        let scales = [&driver.rate_scale, &driver.rate_offset, &driver.temp_scale, &driver.temp_offset];
-        check(
-            scales == ["0.000000743", "-8388608", "0.070957212", "-8036283"],
-            format!("its scales and offsets agree with F-40 and F-41: {scales:?}"),
-        );
+        check_kernel_driver(files, &seen.iio, &mut check)?;
         Hid::new(files)?.check(files, &mut check)?;
         for name in ["iio", "probe", "bytes", "slow1", "slow2", "slow3", "fast", "calibrate", "cut", "replug"] {
             let (holds, statement) = files.ending(name, u8::from(name == "cut"))?;
@@ -156,22 +131,22 @@ impl Findings {
     }
 }
 
-impl KernelDriver {
-    fn new(files: &Files, record: &Record) -> Result<Self> {
-        let (rate_codes_guest, temp_codes_guest) = (files.numbers("iio.rate")?, files.numbers("iio.temp")?);
+/// Compares the readings of the kernel's driver with those that the part sent to it, and its scales with the facts.
+fn check_kernel_driver(files: &Files, record: &Record, check: &mut impl FnMut(bool, String)) -> Result<()> {
+    for (what, file, sent) in [("rates", "iio.rate", &record.rates), ("temperatures", "iio.temp", &record.temps)] {
+        let codes: Vec<u32> = files.numbers(file)?;
         // the script's readings come first, then zerorate's readings through the same driver
-        let first = |readings: &[RegisterReading], count: usize| readings.iter().take(count).map(|r| r.code).collect();
-        Ok(Self {
-            rate_scale: files.text("iio.in_anglvel_z_scale")?,
-            rate_offset: files.text("iio.in_anglvel_z_offset")?,
-            temp_scale: files.text("iio.in_temp0_scale")?,
-            temp_offset: files.text("iio.in_temp0_offset")?,
-            rate_codes_part: first(&record.rates, rate_codes_guest.len()),
-            temp_codes_part: first(&record.temps, temp_codes_guest.len()),
-            rate_codes_guest,
-            temp_codes_guest,
-        })
+        let are_sent = sent.iter().take(codes.len()).map(|reading| reading.code).eq(codes.iter().copied());
+        let statement = format!("the kernel driver's {} {what} are those sent", codes.len());
+        check(are_sent && codes.len() >= 50, statement);
     }
+    let scales = ["in_anglvel_z_scale", "in_anglvel_z_offset", "in_temp0_scale", "in_temp0_offset"];
+    let scales = scales.iter().map(|name| files.text(&format!("iio.{name}"))).collect::<Result<Vec<_>>>()?;
+    check(
+        scales == ["0.000000743", "-8388608", "0.070957212", "-8036283"],
+        format!("its scales and offsets agree with F-40 and F-41: {scales:?}"),
+    );
+    Ok(())
 }
 
 impl Stream {
