@@ -23,19 +23,14 @@ const REAL_TIME: f64 = 0.98;
 /// Longest wait for the twin on a busy machine, as a multiple of the measurement's length.
 const LONGEST: u32 = 10;
 const STEP: Duration = Duration::from_millis(100);
+/// Length of the measurement, s, and numbers of pages and of libiio clients. docs/serve.md states them.
+const SECONDS: u64 = 60;
+const PAGES: usize = 20;
+const CLIENTS: usize = 4;
 
 /// Command line of `cargo xtask bench-serve`.
 #[derive(clap::Args)]
 pub struct BenchServeArgs {
-    /// Length of the measurement, s
-    #[arg(long, default_value_t = 60)]
-    seconds: u64,
-    /// Pages that watch
-    #[arg(long, default_value_t = 20)]
-    watchers: usize,
-    /// Clients of libiio (iio_readdev, where libiio-utils is installed or can be)
-    #[arg(long, default_value_t = 4)]
-    clients: usize,
     /// The program, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
@@ -47,13 +42,12 @@ pub struct BenchServeArgs {
 
 pub fn run(args: &BenchServeArgs) -> Result<()> {
     let program = app::given_or_built(args.program.as_deref())?;
-    let has_iio = args.clients > 0 && tools::available(&[READDEV], "clients of libiio that look on")?;
-    let clients = if has_iio { args.clients } else { 0 };
+    let clients = if tools::available(&[READDEV], "clients of libiio that look on")? { CLIENTS } else { 0 };
     let folder = tempfile::tempdir()?;
     let capture = folder.path().join("served.arrows");
     let server = Server::start(&program, &["--device", DEVICE, "-o", &capture.display().to_string()])?;
     let begun = Instant::now();
-    let seen = look_on(args, &server, clients)?;
+    let seen = look_on(args.check, &server, clients)?;
     let peak_mb = memory_mb(server.id(), "VmHWM:")?;
     server.end()?;
     let wall_s = begun.elapsed().as_secs_f64();
@@ -75,14 +69,14 @@ struct Watchers {
     clients: Vec<Vec<u8>>,
 }
 
-fn look_on(args: &BenchServeArgs, server: &Server, clients: usize) -> Result<Watchers> {
+fn look_on(check: bool, server: &Server, clients: usize) -> Result<Watchers> {
     let (over, shown_ms) = (AtomicBool::new(false), AtomicU64::new(0));
     thread::scope(|scope| -> Result<Watchers> {
         let watch = || scope.spawn(|| page::watch(&server.page, &|| over.load(Ordering::Relaxed), &shown_ms));
-        let pages: Vec<_> = (0..args.watchers).map(|_| watch()).collect();
+        let pages: Vec<_> = (0..PAGES).map(|_| watch()).collect();
         let readers = (0..clients).map(|_| Client::start(&server.iio_uri)).collect::<Result<Vec<_>>>();
-        let (begun, cpu_s, time) = (Instant::now(), server.cpu_s(), Duration::from_secs(args.seconds));
-        let is_enough = || !args.check || shown_ms.load(Ordering::Relaxed) >= args.seconds * 1000;
+        let (begun, cpu_s, time) = (Instant::now(), server.cpu_s(), Duration::from_secs(SECONDS));
+        let is_enough = || !check || shown_ms.load(Ordering::Relaxed) >= SECONDS * 1000;
         while begun.elapsed() < time || (!is_enough() && begun.elapsed() < LONGEST * time) {
             if readers.is_err() || pages.iter().any(|page| page.is_finished()) {
                 break;
