@@ -84,15 +84,3 @@ fn machine() -> Result<String> {
     let rustc = printed(Command::new("rustc").arg("--version"))?;
     Ok(format!("{cores} cores, load {load} before, {}", rustc.trim()))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::seconds;
-
-    #[test]
-    fn times_are_read_as_a_shell_prints_them() {
-        assert_eq!(seconds("2m3.45s"), Some(123.45));
-        assert_eq!(seconds("0m0.000000s"), Some(0.0));
-        assert_eq!(seconds("3.45"), None);
-    }
-}

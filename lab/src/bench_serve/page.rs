@@ -147,13 +147,4 @@ mod tests {
             assert!(header(&wrong).is_err(), "{wrong:?}");
         }
     }
-
-    #[test]
-    fn messages_are_told_apart() {
-        let mut stream: &[u8] = &[0x82, 2, 7, 8, 0x81, 1, b'x', 0x82, 126, 0, 1, 9, 0x82, 5, 1];
-        assert_eq!(message(&mut stream).unwrap(), (FRAME, vec![7, 8]));
-        assert_eq!(message(&mut stream).unwrap(), (0x81, vec![b'x']));
-        assert_eq!(message(&mut stream).unwrap(), (FRAME, vec![9]));
-        assert!(message(&mut stream).is_err(), "it hung up in the middle");
-    }
 }

@@ -49,14 +49,3 @@ fn in_order(text: &str) -> Result<usize> {
     ensure!(times.is_sorted_by(|earlier, later| earlier < later), "the times of the rows do not rise");
     Ok(times.len())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_are_counted_in_order() {
-        assert_eq!(in_order("t_s,rate\n0.5,1\n1.5,1\n").unwrap(), 2);
-        assert!(in_order("0.5,1\n0.5,1\n").is_err());
-    }
-}

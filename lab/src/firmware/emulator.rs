@@ -100,15 +100,4 @@ mod tests {
         assert_eq!((instructions(0).unwrap(), instructions(26).unwrap(), instructions(51).unwrap()), (0, 1, 2));
         assert!(instructions(39).is_err());
     }
-
-    #[test]
-    fn a_report_is_read() {
-        let text = "reading 1 2 3 6 -4 5\ntracked -2 7 1\nticks empty 25 25\nticks work 281 537\nbytes driver 20\n";
-        let report = Report::parse(text).unwrap();
-        assert_eq!(report.readings[0].table_udps, -4);
-        assert_eq!(report.tracked, [TrackerState { change_bits: u64::MAX - 1, u_bits: 7, phase: 1 }]);
-        assert_eq!((report.instructions["work"], report.bytes["driver"]), ((10, 20), 20));
-        assert!(Report::parse("panicked\n").is_err());
-        assert!(Report::parse("reading 1 2\n").is_err());
-    }
 }

@@ -84,15 +84,4 @@ mod tests {
         assert_eq!(run(&[7, 7, 8]), 3);
         assert_eq!([&[7, 8, 7][..], &[1; 9], &[]].map(run), [0; 3]);
     }
-
-    #[test]
-    fn axes_and_what_the_head_says_are_found_by_their_names() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let text = "# zerorate.part = gyro_3d\nt_ns,edge_seq,x_code,y_code,temp_code,lost\n7,1,-5,6,,0\n9,4,7,8,,2\n";
-        fs::write(folder.path().join("hid.csv"), text).expect("written");
-        let files = Files(folder.path());
-        let rows = files.rows("hid").expect("rows");
-        assert_eq!((rows.len(), &rows[0].codes[..], rows[1].lost, rows[1].edge), (2, &[-5, 6][..], 2, 4));
-        assert_eq!(files.said("hid", "part").expect("said"), "gyro_3d");
-    }
 }

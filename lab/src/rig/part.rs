@@ -65,17 +65,3 @@ fn reads(wire: &str, com: &str) -> Vec<RegisterReading> {
     };
     wire.lines().filter_map(frame).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn reads_are_found_in_the_log() {
-        let wire = "t_ns,mosi,miso,lost_rate,edges\n5,2000,0000,1,0\n9,48000000,00808809,7,2\n\
-                    11,48,00,7,2\n12,4a000000,00801ea6,8,3\n";
-        let rates: Vec<_> = reads(wire, "48").iter().map(|r| (r.code, r.lost_rate, r.edges)).collect();
-        assert_eq!(rates, [(0x80_8809, 7, 2)]);
-        assert_eq!(reads(wire, "4a").len(), 1);
-    }
-}

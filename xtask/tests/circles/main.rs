@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use graph::Graph;
-use rust::{Token, leaves, tokens, without_tests};
+use rust::{Token, tokens, without_tests};
 use tree::{files_below, root};
 
 #[test]
@@ -157,12 +157,4 @@ fn a_module_inside_a_file_is_one_level_deeper() {
     assert_eq!(circles_of(&[root, air, other]).len(), 1);
     let after = ("fire.rs", "mod inner { struct Inner {} }\nuse super::air;");
     assert_eq!(circles_of(&[root, air, after]).len(), 1);
-}
-
-#[test]
-fn a_path_is_followed_to_each_of_its_ends() {
-    let text = tokens("a::{b, c::{d as e, *}, f::g}, h");
-    let ends: Vec<String> =
-        leaves(&text).iter().map(|leaf| format!("{}={}", leaf.path.join("."), leaf.name)).collect();
-    assert_eq!(ends, ["a.b=b", "a.c.d=e", "a.c=c", "a.f.g=g"]);
 }

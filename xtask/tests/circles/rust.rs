@@ -9,7 +9,7 @@ pub struct Token<'a> {
 
 /// One end of a branching path: `a::{b, c as d}` has the ends `a::b` and `a::c`, which is called `d`.
 #[derive(Debug)]
-pub struct Leaf<'a> {
+struct Leaf<'a> {
     pub path: Vec<&'a str>,
     pub name: &'a str,
 }
@@ -205,7 +205,7 @@ pub fn names_of_the_root<'a>(tokens: &[Token<'a>], depth: usize) -> Vec<(&'a str
 }
 
 /// All ends of the path at the start of `tokens`.
-pub fn leaves<'a>(tokens: &[Token<'a>]) -> Vec<Leaf<'a>> {
+fn leaves<'a>(tokens: &[Token<'a>]) -> Vec<Leaf<'a>> {
     let mut found = Vec::new();
     follow(tokens, 0, &mut Vec::new(), &mut found);
     found
