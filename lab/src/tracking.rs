@@ -18,6 +18,11 @@ const HOURS: f64 = 24.0;
 /// slow rotations per 21 other motions.
 const WORLDS: [(&str, f64); 4] = [("none", 0.0), ("5 %", SELDOM), ("25 %", OFTEN), ("50 %", HALF)];
 
+const HEADING: &str = "\
+| slow rotations | calibration alone, °/h | tracked, °/h | ratio | least ratio of a unit | median | worse units | \
+inside ±1.96 u | at the end | rest learned | rotations learned | other motion learned |
+|---|---|---|---|---|---|---|---|---|---|---|---|";
+
 /// Command line of `cargo xtask tracking`.
 #[derive(clap::Args)]
 pub struct TrackingArgs {
@@ -27,7 +32,7 @@ pub struct TrackingArgs {
 }
 
 pub fn run(args: &TrackingArgs) -> anyhow::Result<()> {
-    println!("{}", heading());
+    println!("{HEADING}");
     for (share, slow_turns) in WORLDS {
         println!("{}", days(&args.seeds, slow_turns)?.row(share));
     }
@@ -103,24 +108,6 @@ impl Tracking {
     }
 }
 
-fn heading() -> String {
-    let names = [
-        "slow rotations",
-        "calibration alone, °/h",
-        "tracked, °/h",
-        "ratio",
-        "least ratio of a unit",
-        "median",
-        "worse units",
-        "inside ±1.96 u",
-        "at the end",
-        "rest learned",
-        "rotations learned",
-        "other motion learned",
-    ];
-    format!("| {} |\n|{}", names.join(" | "), "---|".repeat(names.len()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,6 +118,6 @@ mod tests {
         let all = Tracking::of(&[day(0.03, 0.01, 1.0), day(0.01, 0.02, 0.5)]);
         assert!((all.ratio() - 2f64.sqrt()).abs() < 1e-9, "{all:?}");
         assert_eq!((all.inside, all.worse(), all.ratios.as_slice()), (75.0, 1, [0.5, 3.0].as_slice()));
-        assert_eq!(all.row("5 %").matches('|').count(), heading().lines().next().unwrap_or("").matches('|').count());
+        assert_eq!(all.row("5 %").matches('|').count(), HEADING.lines().next().unwrap_or("").matches('|').count());
     }
 }
