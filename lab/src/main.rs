@@ -63,10 +63,9 @@ enum Task {
     BenchPeers(bench_peers::BenchPeersArgs),
     /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print what that costs
     ///
-    /// `--check` lasts a minute. The recording must be what the twin gives alone, and each client must have got what
-    /// was recorded, on a machine however busy. It prints the cost, and whether real time was kept, which nothing
-    /// depends on. Without `--check` the task measures the figures of docs/serve.md, with the program as it is handed
-    /// out.
+    /// It lasts a minute. The recording must be what the twin gives alone, and each client must have got what was
+    /// recorded, on a machine however busy. It also prints the cost, and whether real time was kept: the figures of
+    /// docs/serve.md. Neither fails the task.
     BenchServe(bench_serve::BenchServeArgs),
     /// Time the core in WebAssembly beside the program, and the page's first picture and its size
     BenchWeb,
@@ -105,18 +104,15 @@ enum Task {
     Rig(app::ProgramArgs),
     /// Plug the twin into a virtual machine, as an SPI and GPIO adapter on its USB port
     ///
-    /// The twin becomes hardware, on wall time, behind an emulated USB adapter for SPI and GPIO (Intel LJCA,
-    /// 8086:0b63). QEMU plugs it into a guest, where the kernel's own drivers bind it: usb-ljca, spi-ljca and
-    /// gpio-ljca of Linux 6.12. RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs the twin, and prints what it
-    /// saw and its true values as one JSON object. lab/src/twin_usb/README.md has the messages, and the options of
-    /// QEMU.
+    /// The adapter is an Intel LJCA (8086:0b63), which the kernel's own drivers bind: usb-ljca, spi-ljca and gpio-ljca
+    /// of Linux 6.12. RDY is line 3 of its GPIO chip. Ctrl-C unplugs the twin, and prints what it saw and its true
+    /// values as one JSON object. lab/src/twin_usb/README.md has the messages, and the options of QEMU.
     TwinUsb(twin_usb::TwinUsbArgs),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
     ///
-    /// Breaks part, cable, disk, files and program, and fails where a result is wrong and silent. It prints the
-    /// command that repeats such a run. The whole campaign, 500 runs of each class, takes about an hour, and
-    /// `--update` writes docs/reference/reliability.md. Power cuts need root and loop devices; the task says where
-    /// these are missing.
+    /// Fails if a result is wrong and silent, and prints the command that repeats that run. The whole campaign, 500
+    /// runs of each class, takes about an hour, and `--update` writes docs/reference/reliability.md. Power cuts need
+    /// root and loop devices; the task says where these are missing.
     Trust(trust::TrustArgs),
     /// Turn other projects' attacks and test files on the program: HTTP, WebSocket, libiio, MCAP, Arrow, Parquet
     ///
