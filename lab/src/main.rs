@@ -107,7 +107,7 @@ enum Task {
     /// The adapter is an Intel LJCA (8086:0b63), which the kernel's own drivers bind: usb-ljca, spi-ljca and gpio-ljca
     /// of Linux 6.12. RDY is line 3 of its GPIO chip. Ctrl-C unplugs the twin, and prints what it saw and its true
     /// values as one JSON object. lab/src/twin_usb/README.md has the messages, and the options of QEMU.
-    TwinUsb(twin_usb::TwinUsbArgs),
+    TwinUsb(Box<twin_usb::TwinUsbArgs>),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
     ///
     /// Fails if a result is wrong and silent, and prints the command that repeats that run. The whole campaign, 500

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use verdict::{Count, Verdict};
 
 /// Command line of `cargo xtask trust`.
@@ -36,9 +36,6 @@ pub struct TrustArgs {
     /// Runs of each class [default: 500, or a few with --quick]
     #[arg(long, value_name = "N")]
     runs: Option<u64>,
-    /// Start no more runs of a class after this time
-    #[arg(long, value_name = "S")]
-    seconds: Option<u64>,
     /// The first run's seed; the others follow. `--only NAME --seed N --runs 1` repeats one
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -133,21 +130,17 @@ impl FinishedClasses {
     }
 }
 
-/// Runs a class on all cores. Without `--seconds`, their number has no influence on the counts.
+/// Runs a class on all cores. Their number has no influence on the counts.
 fn try_class(args: &TrustArgs, bench: &Bench, class: &Class) -> Result<Count> {
     let runs = args.runs.unwrap_or(if args.quick { class.quick } else { RUNS });
-    let ends = args.seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
     let verdicts = for_each_seed(args.seed..args.seed + runs, |seed| {
-        if ends.is_some_and(|ends| Instant::now() >= ends) {
-            return Ok(None);
-        }
         let verdict = (class.run)(bench, class.name, seed)?;
         if let Verdict::Silent(why) = &verdict {
             println!("WRONG AND SILENT: {why}\n    cargo xtask trust --only {} --seed {seed} --runs 1", class.name);
         }
-        Ok(Some(verdict))
+        Ok(verdict)
     })?;
     let mut count = Count::default();
-    verdicts.iter().flatten().for_each(|verdict| count.add(verdict));
+    verdicts.iter().for_each(|verdict| count.add(verdict));
     Ok(count)
 }
