@@ -32,6 +32,8 @@ pub struct Head {
     pub dates: Vec<DateColumn>,
     /// Number of lines before the first row.
     pub lines: u64,
+    /// The lines of the header with their numbers: the names, and the units if they have a line of their own.
+    pub header: Vec<(u64, String)>,
     /// The number of lines before the first row that are neither header nor comment, and the first of them.
     pub skipped: Option<(usize, String)>,
     /// The type of the sentences that are read, such as `$VNYMR`; `None` in a log without sentences.
@@ -85,6 +87,7 @@ impl Head {
             dates: vec![DateColumn::default(); names.len()],
             names,
             lines: 0,
+            header: Vec::new(),
             skipped: None,
             sentence: None,
             stamps: None,
@@ -134,6 +137,7 @@ impl Head {
         if !is_named && rows.all_are_cut {
             return Err(InputError::damaged(path, format!("line {start}"), CLASH).into());
         }
+        head.header = above[end - used..end].iter().map(|(number, line)| (*number, (*line).to_owned())).collect();
         head.skip(&[&above[..end - used], &above[end..]].concat(), &comments);
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
         if !is_named && undecided && rows.all_integers {
@@ -464,7 +468,7 @@ fn bare(unit: &str) -> &str {
 }
 
 /// The first 60 characters of a line, escaped for a message.
-fn shortened(line: &str) -> String {
+pub fn shortened(line: &str) -> String {
     const MOST: usize = 60;
     match line.char_indices().nth(MOST) {
         Some((end, _)) => format!("{}…", line[..end].escape_debug()),

@@ -4,6 +4,7 @@ mod axes_in_name;
 mod blocks;
 pub mod dates;
 mod head;
+mod header;
 mod json_lines;
 mod marks;
 mod rows;
@@ -155,7 +156,7 @@ impl<'a> TextColumns<'a> {
     /// Adds the times, line counts and errors of a piece, and the decimal mark that it shows.
     fn learn(&mut self, piece: &Piece) -> Result<(), InputError> {
         let path = self.cut.path;
-        let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;
+        let Piece { times, lines, rows, bad, first_bad, again, fatal, cut, numerals, .. } = piece;
         if let Some((line, what)) = fatal {
             return Err(at_line(path, self.lines + line, what));
         }
@@ -167,6 +168,7 @@ impl<'a> TextColumns<'a> {
         if let (None, Some((line, what))) = (&self.broken.first, first_bad) {
             self.broken.first = Some((self.lines + line, what.clone()));
         }
+        self.broken.again = self.broken.again.or(again.map(|line| self.lines + line));
         if let Some((line, what)) = cut {
             let error = at_line(path, self.lines + line, what);
             if self.rows() == 0 {
@@ -209,11 +211,16 @@ impl<'a> TextColumns<'a> {
             lines,
             first,
         });
+        let restarted = broken.again.filter(|_| cut.time.is_none()).map(|line| {
+            let why = "the header again: without a time column, nothing tells how long the log paused there";
+            LogWarning::LinesBroken(format!("{}: line {line} is {why}", path.display()))
+        });
         let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad))?;
         let broken = broken.map(LogWarning::LinesBroken);
         let unused = head.scales.unused.clone().filter(|_| asked.args.scale.is_none());
         let unused = unused.map(|line| LogWarning::ScaleUnused { path: path.display().to_string(), line });
-        let warnings = skipped.into_iter().chain(unused).chain(broken).chain(LogWarning::torn(torn)).collect();
+        let warnings = skipped.into_iter().chain(unused).chain(broken).chain(restarted);
+        let warnings = warnings.chain(LogWarning::torn(torn)).collect();
         let time = cut.time.map(|time| cut.names[time].clone());
         let clock = time.zip(times).map_or(Clock::Silent, |(name, mut times)| {
             if asked.args.time_unit.is_none() {

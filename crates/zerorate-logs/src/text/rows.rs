@@ -4,7 +4,7 @@ use super::super::number::{Number, Numerals};
 use super::blocks::Block;
 use super::dates::{self, DateFormat};
 use super::head::{Head, is_comment};
-use super::sentence;
+use super::{header, sentence};
 use crate::error::wrong;
 use crate::options::MAX_BAD;
 use crate::sample::{Cell, ROWS, Sampled};
@@ -32,6 +32,8 @@ pub struct Cut<'a> {
     pub names: Vec<String>,
     /// Number of lines at the start that are not data.
     pub head: u64,
+    /// The lines of the header, as in [`Head`].
+    header: Vec<(u64, String)>,
     /// The type of the sentences that are read, as in [`Head`].
     pub sentence: Option<String>,
     /// Number of cells in front of the first column: 1 for an index without a name, otherwise 0.
@@ -56,7 +58,10 @@ pub struct Piece {
     pub bad: u64,
     /// The first broken line, counted from 1 in this block, and the error in it.
     pub first_bad: Option<Wrong>,
-    /// The first infinite value. It is an error, and not a broken line that may be skipped.
+    /// The first line, counted from 1 in this block, that is the header again.
+    pub again: Option<u64>,
+    /// The first infinite value, or the header of another log. It is an error, and not a broken line that may be
+    /// skipped.
     pub fatal: Option<Wrong>,
     /// The error in the last line, which lacks its end.
     pub cut: Option<Wrong>,
@@ -88,6 +93,7 @@ impl Piece {
             rows: 0,
             bad: 0,
             first_bad: None,
+            again: None,
             fatal: None,
             cut: None,
             numerals: Numerals::new(None),
@@ -158,10 +164,19 @@ impl<'t> Reading<'_, 't> {
             Ok(()) => return,
             Err(wrong) => (number, wrong),
         };
+        let (names, header) = (sentence::without_end(line), &self.cut.header);
+        if header::is_again(names, header, self.cut.delimiter) {
+            self.piece.rows -= 1;
+            self.piece.again.get_or_insert(number);
+            return;
+        }
         if !ended {
             self.piece.rows -= 1;
             self.piece.cut = Some(wrong);
             return;
+        }
+        if let Some(what) = header::other(names, header, self.cut.delimiter) {
+            self.piece.fatal.get_or_insert((number, what));
         }
         self.piece.bad += 1;
         self.piece.first_bad.get_or_insert(wrong);
@@ -325,6 +340,8 @@ pub struct Broken {
     pub rows: u64,
     pub bad: u64,
     pub first: Option<Wrong>,
+    /// The first line that is the header again. Such lines are not broken.
+    pub again: Option<u64>,
 }
 
 impl Broken {
@@ -332,7 +349,7 @@ impl Broken {
     ///
     /// `most` is the share of rows that may be skipped, [`MAX_BAD`] by default, and `option` the name of its setting.
     pub fn judge(self, path: &Path, most: Option<f64>, option: SettingName) -> Result<Option<String>, InputError> {
-        let Self { rows, bad, first } = self;
+        let Self { rows, bad, first, .. } = self;
         let Some((line, what)) = first else { return Ok(None) };
         let most = most.unwrap_or(MAX_BAD);
         if bad as f64 > most * rows as f64 {
@@ -373,6 +390,7 @@ pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize
         format: time.map(|index| head.dates[index].format).unwrap_or_default(),
         names: chosen.iter().chain(&time).map(|index| head.names[*index].clone()).collect(),
         head: head.lines,
+        header: head.header.clone(),
         sentence: head.sentence.clone(),
         shift,
         all: head.names.clone(),

@@ -416,3 +416,22 @@ fn a_board_may_speak_between_names_and_rows() {
     let column = read(&format!("t_ms,gx\nMPU6050 connected\n{rows}"), "");
     assert_eq!((column.name.as_str(), column.rate_hz.round(), numbers(&column)[1]), ("gx", 100.0, 1.5));
 }
+
+/// A logger that restarts writes its header again. Another header begins another log.
+#[test]
+fn a_header_may_come_again_but_not_another_one() {
+    let rows = |from: u32| (from..from + 40).map(|at| format!("{},{}.5,0.25\n", 10 * at, at % 3)).collect::<String>();
+    let text = |again: &str| format!("t_ms,gx_dps,gy_dps\n{}{again}\n{}", rows(0), rows(40));
+    for (options, is_warned) in [("--column gx_dps", false), ("--column gx_dps --rate 100", true)] {
+        let column = read(&text("t_ms,gx_dps,gy_dps"), options);
+        assert_eq!((column.series.len(), column.missing()), (80, 0), "{options}");
+        let said = column.warnings.iter().map(LogWarning::to_string).collect::<Vec<_>>().join("; ");
+        assert_eq!(said.contains("line 42 is the header again"), is_warned, "{said}");
+        assert!(!said.contains("broken and skipped"), "{said}");
+    }
+    for other in ["t_ms,gy_dps,gx_dps", "t_ms,gx_rad_s,gy_rad_s"] {
+        let said = fails(&text(other), "--column gx_dps --max-bad 0.1");
+        let named = format!("line 42: the header `{other}` begins another log than `t_ms,gx_dps,gy_dps` in line 1");
+        assert!(said.contains(&named), "{said}");
+    }
+}
