@@ -217,8 +217,24 @@ fn could_be_thousands(cell: &str) -> bool {
 }
 
 /// The words for a missing number, in small letters. C prints a NaN with its sign, and Windows with its kind as well.
-const MISSING: [&str; 14] =
-    ["", "nan", "-nan", "+nan", "nan(ind)", "-nan(ind)", "1.#qnan", "-1.#ind", "na", "n/a", "null", "none", "-", "--"];
+/// Excel writes `#N/A`.
+const MISSING: [&str; 15] = [
+    "",
+    "nan",
+    "-nan",
+    "+nan",
+    "nan(ind)",
+    "-nan(ind)",
+    "1.#qnan",
+    "-1.#ind",
+    "na",
+    "n/a",
+    "#n/a",
+    "null",
+    "none",
+    "-",
+    "--",
+];
 
 fn is_missing(cell: &str) -> bool {
     !cell.ends_with(|last: char| last.is_ascii_digit()) && MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word))
@@ -238,7 +254,7 @@ mod tests {
 
     #[test]
     fn empty_cells_and_words_for_nothing_are_missing() {
-        for cell in ["", "nan", "NaN", "-nan", "-nan(ind)", "1.#QNAN", "NA", "null", "None", "-"] {
+        for cell in ["", "nan", "NaN", "-nan", "-nan(ind)", "1.#QNAN", "NA", "#N/A", "null", "None", "-"] {
             assert_eq!(read(&[cell]).0, [Ok(Number::Missing)], "{cell}");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::super::number::{Number, Numerals};
 use super::axes_in_name;
-use super::dates::DateColumn;
+use super::dates::{DateColumn, DateFormat, nanoseconds};
 use super::marks::Marks;
 use super::scales::Scales;
 use super::sentence;
@@ -197,12 +197,19 @@ impl Head {
         Ok((used, used > 0))
     }
 
-    /// Number of lines above the data, without the messages that a board may print between its header and first row.
+    /// Number of lines above the data, without broken rows right below the names, and without the messages that a
+    /// board may print between its header and first row.
     fn names_end(&self, above: &[Numbered<'_>]) -> usize {
         let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
         let is_spoken = above.last().is_some_and(|(_, line)| cells(line).len() == 1);
         let are_names = |(_, line): &Numbered<'_>| are_names(&cells(line), self.width);
         let is_cut = self.delimiter != Delimiter::Blanks && self.width > 1;
+        let is_row = |(_, line): &Numbered<'_>| starts_row(&cells(line));
+        let rest = above.iter().rposition(|line| !is_row(line)).map_or(0, |at| at + 1);
+        // a logger may put the time in front of its header as well
+        if is_cut && rest > 0 && are_names(&above[rest - 1]) && self.marks.first().is_none() {
+            return rest;
+        }
         let names = above.iter().rposition(are_names).filter(|_| is_cut && is_spoken);
         names.map_or(above.len(), |names| names + 1)
     }
@@ -443,6 +450,12 @@ fn is_word(cell: &str) -> bool {
 
 fn are_names(cells: &[String], width: usize) -> bool {
     cells.len() == width && cells.iter().all(|cell| is_word(cell) || cell.is_empty())
+}
+
+/// True if cells begin as a row does, with a number or a time. A line of units may begin with a 1, too.
+fn starts_row(cells: &[String]) -> bool {
+    let is_time = |cell: &String| nanoseconds(cell, DateFormat::default()).is_some();
+    cells.len() > 1 && cells.first().is_some_and(|cell| is_number(cell) || is_time(cell)) && !state_units(cells)
 }
 
 /// True if these are the units under a line of names.

@@ -413,8 +413,12 @@ fn each_line_may_be_an_object_of_json() {
 #[test]
 fn a_board_may_speak_between_names_and_rows() {
     let rows: String = (0..90).map(|at| format!("{},{at}.5\n", 10 * at)).collect();
-    let column = read(&format!("t_ms,gx\nMPU6050 connected\n{rows}"), "");
-    assert_eq!((column.name.as_str(), column.rate_hz.round(), numbers(&column)[1]), ("gx", 100.0, 1.5));
+    // or its first rows are broken
+    for line in ["MPU6050 connected", "0,ERR", "0,0.\u{FFFD}\n0,OVF", "0,0.50,0.5", "12:00:00.000,ERR"] {
+        let column = read(&format!("t_ms,gx\n{line}\n{rows}"), "");
+        let found = (column.name.as_str(), column.rate_hz.round(), numbers(&column)[1]);
+        assert_eq!(found, ("gx", 100.0, 1.5), "{line}");
+    }
 }
 
 /// A logger that restarts writes its header again. Another header begins another log.
