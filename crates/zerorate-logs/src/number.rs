@@ -13,6 +13,9 @@ pub enum Decimal {
     Comma,
 }
 
+/// The minus sign of Unicode.
+const MINUS: char = '\u{2212}';
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
     /// An empty cell, or a word for a missing value.
@@ -53,6 +56,16 @@ impl Numerals {
                 _ => Ok(number),
             };
         }
+        let number = self.read_unusual(cell, line);
+        // Excel in Swedish and Norwegian writes the minus sign of typesetting
+        if number.is_err() && cell.contains(MINUS) {
+            return self.read_unusual(&cell.replace(MINUS, "-"), line);
+        }
+        number
+    }
+
+    /// Reads what [`plain`] does not.
+    fn read_unusual(&mut self, cell: &str, line: u64) -> Result<Number, String> {
         if let Ok(integer) = cell.parse() {
             return Ok(Number::Integer(integer));
         }
@@ -266,6 +279,14 @@ mod tests {
         assert_eq!(read(&["1,125", "0,125"]), (vec![number(1.125), number(0.125)], None));
         assert_eq!(read(&["1,125e3"]), (vec![number(1125.0)], None));
         assert_eq!(read(&["1e3", "1.5"]), (vec![number(1000.0), number(1.5)], None));
+    }
+
+    #[test]
+    fn a_minus_sign_may_be_that_of_typesetting() {
+        let number = |value| Ok(Number::Decimal(value));
+        let read = |cells: &str| read(&cells.replace('M', "\u{2212}").split(' ').collect::<Vec<_>>()).0;
+        assert_eq!(read("M0.25 2.5eM3 M7"), [number(-0.25), number(2.5e-3), Ok(Number::Integer(-7))]);
+        assert_eq!(read("M0,25 M1.234,5 M"), [number(-0.25), number(-1234.5), Ok(Number::Missing)]);
     }
 
     #[test]
