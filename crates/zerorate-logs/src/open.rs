@@ -98,11 +98,18 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"[\n{", JSON),
     (b"[\n  {", JSON),
     (b"header: \n  seq", ECHO),
-    (b"header:\n  stamp", ECHO),
+    (b"header:\n  seq", ECHO),
+    (b"header:\n  stamp", ECHO_2),
     (b"%RAWIMUSA,", NOVATEL),
+    (b"%RAWIMUSXA,", NOVATEL),
     (b"#RAWIMUA,", NOVATEL),
     (b"#RAWIMUXA,", NOVATEL),
-    (b"%CORRIMUSA,", NOVATEL),
+    (b"%CORRIMUSA,", NOVATEL_CORRECTED),
+    (b"%CORRIMUDATASA,", NOVATEL_CORRECTED),
+    (b"#CORRIMUDATAA,", NOVATEL_CORRECTED),
+    (b"%INSPVASA,", NOVATEL_POSITIONS),
+    (b"#INSPVAA,", NOVATEL_POSITIONS),
+    (b"#INSPVAXA,", NOVATEL_POSITIONS),
     (b"\xB5\x62", "it is a log of u-blox (UBX); in Python pyubx2 reads it, and writes a table"),
     (b"TDSm", "it is a TDMS file; in Python `nptdms.TdmsFile('FILE').as_dataframe().to_csv('log.csv')`"),
     (b"RDX2\n", RDA),
@@ -126,8 +133,17 @@ const DATAFLASH: &str = "it is a log of ArduPilot as text; name the .bin file, o
 const ECHO: &str = "it is the output of `rostopic echo`; record a bag, or write a table with `rostopic echo -p TOPIC \
                     > log.csv`";
 
+const ECHO_2: &str = "it is the output of `ros2 topic echo`; record a bag, or write a table with `ros2 topic echo \
+                      --csv TOPIC > log.csv`";
+
 const NOVATEL: &str = "it holds messages of NovAtel, whose increments are counts of its IMU; convert it to columns of \
                        rates with the scales in the manual of the IMU";
+
+const NOVATEL_CORRECTED: &str = "it holds messages of NovAtel, with the increment of each sample in rad and m/s; \
+                                 convert it to columns of rates: each increment times the rate of the messages";
+
+const NOVATEL_POSITIONS: &str = "it holds messages of NovAtel with positions and attitudes, and without rates; record \
+                                 RAWIMUSX as well";
 
 pub const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, \
                         with `lines=True` if each line is an object";

@@ -341,6 +341,10 @@ fn the_empty_comment_of_labview_is_dropped() {
 fn messages_that_are_not_tables_are_named() {
     for (text, named) in [
         ("%RAWIMUSA,1815,407771.985;1815,1,77,1,2,3,4,5,6*69e4a62c\n", "messages of NovAtel"),
+        ("%RAWIMUSXA,1105,150000.000;00,11,1105,150000.0,00000077,1,2,3,4,5,6*1234abcd\n", "the manual of the IMU"),
+        ("%CORRIMUDATASA,1,2;1105,150000.0,1e-7,2e-7,3e-7,0.1,0.1,9.8*1234abcd\n", "in rad and m/s"),
+        ("#INSPVAXA,COM1,0,73.5,FINESTEERING,1695,309428.0;51.1,-114.0*e877c178\n", "without rates"),
+        ("header:\n  stamp:\n    sec: 1\n    nanosec: 0\n", "`ros2 topic echo --csv TOPIC"),
         ("header: \n  seq: 0\nangular_velocity: \n  x: 0.1\n", "`rostopic echo -p TOPIC"),
         ("{\n  \"rotations\": [\n    {\"x\": 0.1}\n", "it is JSON"),
     ] {
