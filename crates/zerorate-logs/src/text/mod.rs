@@ -2,6 +2,7 @@
 
 mod axes_in_name;
 mod blocks;
+mod candump;
 pub mod dates;
 mod head;
 mod header;
@@ -88,6 +89,9 @@ fn head(path: &Path, input: &Input, asked: &ColumnQuery<'_>) -> Result<Head> {
         return Err(head::not_text(path, asked.args.names));
     }
     let text = start.as_ref().map(Block::legible).unwrap_or_default();
+    if text.lines().find(|line| !line.trim().is_empty()).is_some_and(candump::is_message) {
+        return Err(InputError::not_a_log(path, candump::CANDUMP).into());
+    }
     let (stamps, marks) = (head::stamps(&text), Marks::of(&text));
     drop(text);
     if stamps.is_some() || marks.are_there() {
