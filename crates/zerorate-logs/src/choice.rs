@@ -255,7 +255,7 @@ impl Columns<'_> {
             Err(self.ambiguous(&format!("{why} `{}`", self.names.get(column).unwrap_or(&"")), Setting::Column))
         };
         if values.is_empty() {
-            return Err(self.ambiguous("has no column of numbers", Setting::Column));
+            return Err(self.without_numbers());
         }
         for (at, value) in values.iter().enumerate() {
             if !self.numeric[*value] {
@@ -284,7 +284,7 @@ impl Columns<'_> {
     fn only(&self, time: Option<usize>) -> Result<usize> {
         match self.all(time)[..] {
             [only] => Ok(only),
-            [] => Err(self.ambiguous("has no column of numbers", Setting::Column)),
+            [] => Err(self.without_numbers()),
             _ => Err(self.ambiguous("has several columns", Setting::Column)),
         }
     }
@@ -342,6 +342,14 @@ impl Columns<'_> {
             holds(&name, &wanted) || holds(&wanted, &name)
         };
         self.names.iter().filter(is_near).min_by_key(|name| name.len().abs_diff(wanted.len())).copied()
+    }
+
+    fn without_numbers(&self) -> LogError {
+        if self.names.len() < 2 {
+            return self.ambiguous("has no column of numbers", Setting::Column);
+        }
+        let path = self.path.display();
+        LogError::Ask(format!("{path} has no column of numbers apart from times; it has: {}", self.listed()))
     }
 
     fn ambiguous(&self, why: &str, setting: Setting) -> LogError {

@@ -174,7 +174,10 @@ impl Head {
         if first.starts_with("{\"") {
             return Err(InputError::not_a_log(path, JSON).into());
         }
-        let what = format!("none of its first {some} lines holds a number (`{}`): is it a log?", shortened(first));
+        let cell = delimiter.cells(first).find(|cell| *cell != first && cell.contains(|c: char| c.is_ascii_digit()));
+        let why = cell.map(|cell| format!(": `{}` is not one", shortened(cell))).unwrap_or_default();
+        let line = shortened(first);
+        let what = format!("none of its first {some} lines has a cell that is a number (`{line}`{why}): is it a log?");
         Err(InputError::damaged(path, "as a text file", what).into())
     }
 

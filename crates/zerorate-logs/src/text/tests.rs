@@ -237,7 +237,11 @@ fn choices_that_a_file_offers() {
     assert!(fails("1,2.5\n3,4.5\n", "--rate 1").contains("choose with --column one of: 0, 1"));
     assert!(fails("gx,gy\r1,2\r3,4\r", "--column gy --rate 1").contains("tr '\\r' '\\n' < FILE"));
     let said = fails("hello\nworld, this is\nno log\n", "--rate 1");
-    assert!(said.contains("none of its first 3 lines holds a number (`hello`)"), "{said}");
+    assert!(said.contains("none of its first 3 lines has a cell that is a number (`hello`): is it"), "{said}");
+    let said = fails("[00010] GYRO X=312 Y=7\n[00020] GYRO X=311 Y=5\n", "--rate 1");
+    assert!(said.contains("(`[00010] GYRO X=312 Y=7`: `[00010]` is not one): is it a log?"), "{said}");
+    let said = fails("t_s,gx\n0.0,5 V\n0.1,6 V\n", "--rate 1 --time-column t_s");
+    assert!(said.ends_with("has no column of numbers apart from times; it has: 0 `t_s`, 1 `gx`"), "{said}");
 }
 
 /// A text is read in blocks of whole lines. The rows are the same wherever one block ends and the next begins.
@@ -346,6 +350,7 @@ fn messages_that_are_not_tables_are_named() {
         ("#INSPVAXA,COM1,0,73.5,FINESTEERING,1695,309428.0;51.1,-114.0*e877c178\n", "without rates"),
         ("header:\n  stamp:\n    sec: 1\n    nanosec: 0\n", "`ros2 topic echo --csv TOPIC"),
         ("header: \n  seq: 0\nangular_velocity: \n  x: 0.1\n", "`rostopic echo -p TOPIC"),
+        (" can0  188   [2]  00 1F\n can0  188   [2]  01 1F\n", "cantools"),
         ("{\n  \"rotations\": [\n    {\"x\": 0.1}\n", "it is JSON"),
     ] {
         let why = fails(text, "--rate 10");
