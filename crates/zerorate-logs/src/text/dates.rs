@@ -33,6 +33,10 @@ pub struct DateFormat {
 const TIMES: f64 = 0.95;
 const FALLS: f64 = 0.01;
 
+/// The end of a duration of MATLAB, and a bound for durations, s, whose ns an i64 holds.
+const SECONDS: &str = " sec";
+const MAX_S: f64 = 9e9;
+
 impl DateColumn {
     pub fn of<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
         let decided = cells.clone().find_map(order_of);
@@ -63,10 +67,10 @@ fn fraction(cell: &str) -> Option<Range<usize>> {
     (digits > 0).then_some(mark..mark + digits)
 }
 
-/// False for a cell without a colon, and for 12:30 alone: hours and minutes, or minutes and seconds.
+/// False for most cells without a colon, and for 12:30 alone: hours and minutes, or minutes and seconds.
 fn is_clear(cell: &str) -> bool {
     let has_more = |c: char| !c.is_ascii_digit() && c != ':';
-    cell.matches(':').count() > 1 || cell.contains(':') && cell.contains(has_more)
+    cell.matches(':').count() > 1 || cell.contains(':') && cell.contains(has_more) || cell.ends_with(SECONDS)
 }
 
 /// Time in ns: of a date with a time of day since the epoch, or of a time of day alone since midnight. A date without
@@ -78,7 +82,7 @@ pub fn nanoseconds(cell: &str, format: DateFormat) -> Option<i64> {
         let padded = format!("{}{:0>digits$}{}", &cell[..place.start], &cell[place.clone()], &cell[place.end..]);
         return nanoseconds(&padded, DateFormat { order, unpadded: None });
     }
-    of_iso(cell).or_else(|| {
+    of_duration(cell).or_else(|| of_iso(cell)).or_else(|| {
         let (fields, clock_ns) = parts(cell)?;
         if fields.is_empty() { Some(clock_ns) } else { date_ns(&fields, order)?.checked_add(clock_ns) }
     })
@@ -102,6 +106,12 @@ fn minutes(cell: &str) -> Option<&str> {
     let (seconds, tenths) = seconds.split_once(['.', ','])?;
     let all_digits = [minutes, seconds, tenths].iter().all(|part| part.bytes().all(|byte| byte.is_ascii_digit()));
     (all_digits && seconds.len() == 2 && tenths.len() == 1).then_some(tenths)
+}
+
+/// The time in ns of a duration as MATLAB writes it: `0.01 sec`.
+fn of_duration(cell: &str) -> Option<i64> {
+    let s: f64 = cell.strip_suffix(SECONDS)?.parse().ok()?;
+    (0.0..MAX_S).contains(&s).then(|| (s * 1e9).round() as i64)
 }
 
 /// The time, ns since the epoch, of a date such as 2026-03-01T12:00:00Z or 2026/03/01 12:00:00Z.
@@ -335,8 +345,16 @@ mod tests {
     }
 
     #[test]
+    fn a_duration_of_matlab_is_a_time() {
+        let ns = |cell| nanoseconds(cell, DateFormat::default());
+        assert_eq!((ns("0 sec"), ns("12.345 sec")), (Some(0), Some(12_345_000_000)));
+        assert_eq!((ns("1e30 sec"), ns("x sec")), (None, None));
+    }
+
+    #[test]
     fn a_column_of_times_rises() {
         let are_times = |cells: &[&str]| DateColumn::of(cells.iter().copied()).are_times;
+        assert!(are_times(&["0 sec", "0.01 sec", "0.02 sec"]) && !are_times(&["1 sec", "1 sec", "1 sec"]));
         assert!(are_times(&["23:59:59.9", "00:00:00.0", "00:00:00.1"]));
         assert!(are_times(&["1 Mar 2026 12:00", "1 Mar 2026 12:01"]) && !are_times(&["12:00", "12:01"]));
         assert!(!are_times(&["12:00:00", "12:00:00"]) && !are_times(&["2026-01-01", "2026-01-02"]));
