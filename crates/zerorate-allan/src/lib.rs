@@ -24,6 +24,8 @@ mod fit;
 mod fitted_record;
 mod input;
 mod interval;
+#[cfg(feature = "std")]
+mod jumps;
 mod kernel;
 mod kernels;
 mod lag1;
@@ -62,6 +64,8 @@ pub use fit::{
 pub use fitted_record::{FittedRecord, Preparation};
 pub use input::{Gap, Input};
 pub use interval::interval;
+#[cfg(feature = "std")]
+pub use jumps::{Jumps, jumps};
 pub use kernel::{Difference, Reason};
 pub use kernels::{Deviation, deviations};
 pub use misfit::{Cause, Misfit};

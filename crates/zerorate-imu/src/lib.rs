@@ -7,6 +7,7 @@ mod consumer;
 mod detrending;
 mod in_turn;
 pub mod increments;
+mod jumps;
 mod kalibr;
 mod kind;
 mod moving;

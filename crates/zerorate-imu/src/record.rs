@@ -2,6 +2,7 @@
 //!
 //! The command line and the page analyse columns in this way. Python analyses arrays, by the same functions.
 
+use crate::jumps;
 use crate::moving::{moving, shared};
 use crate::{Axis, Detrending, DetrendingError, ImuWarning, Kind, Rejection, Rejections, coded};
 use std::path::{Path, PathBuf};
@@ -123,9 +124,12 @@ impl Record {
             return Err(RecordError::TooFew(label(file, &column.name), samples));
         }
         // a lost point of a phase becomes NaN
-        let phase = options.is_phase.then(|| column.points(file)).transpose()?;
+        let phase = options.is_phase.then(|| jumps::angle(&column, file, &mut notes)).transpose()?;
         let input = phase.as_deref().map_or_else(|| column.input(), Input::Phase);
         notes.extend(column.stopped(file)?);
+        if options.fit.is_none() {
+            notes.extend(jumps::said(&input, &column, file));
+        }
         let analysed = FittedRecord::new(input, column.rate_hz, column.scale, options.fit, &settled);
         let analyse = |taus: &Taus| {
             let deviations = Options { taus: taus.clone(), ..options.deviations };
@@ -143,12 +147,7 @@ impl Record {
         }
         let Preparation { detrended, follows } = settled;
         let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
-        let is_sound = match &fit {
-            Some(Ok(fit)) => !fit.is_rejected && !stands_out(fit),
-            Some(Err(_)) => false,
-            None => true,
-        };
-        let moving_s = if is_sound { None } else { Some(moving(&column.points(file)?, column.rate_hz)) };
+        let moving_s = if is_sound(fit.as_ref()) { None } else { Some(moving(&column.points(file)?, column.rate_hz)) };
         Ok(Self {
             file: file.to_owned(),
             column: column.name,
@@ -355,6 +354,15 @@ fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<L
         column.close_gaps();
     }
     Some(LogWarning::Gaps { path, missing, among, are_closed })
+}
+
+/// True if the model is valid and does not warn of many glitches, or if no model was requested.
+fn is_sound(fit: Option<&Result<Fit, FitError>>) -> bool {
+    match fit {
+        Some(Ok(fit)) => !fit.is_rejected && !stands_out(fit),
+        Some(Err(_)) => false,
+        None => true,
+    }
 }
 
 /// True if so many samples stand out of the noise that they are not glitches: the sensor may move.
