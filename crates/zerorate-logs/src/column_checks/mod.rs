@@ -9,6 +9,7 @@ pub mod clipped;
 pub mod coarse;
 pub mod resampled;
 mod stopped;
+mod zeros;
 
 use crate::error::Result;
 use crate::warning::LogWarning;
@@ -19,6 +20,7 @@ use resampled::Resampled;
 use std::path::Path;
 use stopped::Changes;
 use zerorate_allan::Input;
+use zeros::Zeros;
 
 /// The warning if the column `name` of a log stops changing. `path` names the log in messages.
 ///
@@ -34,6 +36,7 @@ pub struct ColumnChecks {
     clipped: Clipped,
     coarse: Coarse,
     resampled: Resampled,
+    zeros: Zeros,
     facts: ColumnFacts,
 }
 
@@ -48,7 +51,7 @@ pub struct ColumnFacts {
 
 impl ColumnChecks {
     pub fn of(input: &Input<'_>) -> Self {
-        let mut checks = Self::default();
+        let mut checks = Self { zeros: Zeros::among(input.len()), ..Self::default() };
         for_each_block(input, |block| checks.feed(block));
         checks
     }
@@ -58,13 +61,15 @@ impl ColumnChecks {
         self.clipped.feed(block);
         self.coarse.feed(block);
         self.resampled.feed(block);
+        self.zeros.feed(block);
     }
 
     pub fn finish(self, path: &Path, name: &str) -> (Vec<LogWarning>, ColumnFacts) {
-        let Self { clipped, coarse, resampled, facts } = self;
+        let Self { clipped, coarse, resampled, zeros, facts } = self;
         let (path, column) = (|| path.display().to_string(), || name.to_owned());
         let resampled = resampled.text().map(|how| LogWarning::Resampled { path: path(), column: column(), how });
-        let clipped = clipped.text().map(|how| LogWarning::Clipped { path: path(), column: column(), how });
+        let marked = clipped.text().or_else(|| zeros.text());
+        let clipped = marked.map(|how| LogWarning::Clipped { path: path(), column: column(), how });
         let coarse = coarse.text().map(|how| LogWarning::CoarseCodes { path: path(), column: column(), how });
         (resampled.into_iter().chain(clipped).chain(coarse).collect(), facts)
     }
