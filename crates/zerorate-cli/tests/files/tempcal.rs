@@ -126,7 +126,10 @@ fn a_log_without_a_curve_is_refused_or_asked_about() {
     bench.zerorate("tempcal kelvin.csv").fails(2, &["looks like kelvins"]);
     bench.write("none.csv", csv("pressure_pa", |temp_c| temp_c));
     bench.zerorate("tempcal none.csv").fails(2, &["has no temperature", "--temp-column"]);
-    bench.zerorate("tempcal none.csv --temp-column pressure_pa").ended_with(0);
+    bench
+        .zerorate("tempcal none.csv --temp-column pressure_pa")
+        .ended_with(0)
+        .saying(&["units-taken: none.csv: pressure_pa states no unit, and is taken in °C ("]);
     bench.zerorate("tempcal none.csv --temp-column pressure_pa --format px4 -o p").fails(2, &["device_id"]);
 }
 

@@ -12,7 +12,9 @@ use zerorate_imu::{Axes, ImuOptions, Kind};
 use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Series, Setting, TEMPERATURE_NAMES,
 };
-use zerorate_view::tempcal::{ImuColumns, Sensor, Sensors, foreign_unit, number_of_imu, possible_c, topic_of, values};
+use zerorate_view::tempcal::{
+    ImuColumns, Sensor, Sensors, foreign_unit, number_of_imu, possible_c, span_c, topic_of, values,
+};
 
 /// Reads all sensors of all logs. Also returns the warnings about the logs.
 pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
@@ -65,7 +67,12 @@ pub(super) fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<Stri
         }
         let device_id = topic.as_deref().and_then(|topic| device_id(log, topic, options));
         let (temps_hz, temps_start_s) = (temperature.rate_hz, temperature.start_s);
+        let unstated = temperature.quantity.is_none().then(|| temperature.name.clone());
         let temps_c = values(temperature, log.path())?;
+        let span = unstated.zip(span_c(&temps_c));
+        let assumed_c = span.map(|(name, ends)| assumed_celsius(log.path(), &name, ends));
+        let assumed_c = assumed_c.filter(|said| !notes.contains(said));
+        notes.extend(assumed_c);
         let mut imu = ImuColumns { topic, columns: axes.columns, temps_c, temps_hz, temps_start_s, device_id };
         if !parameters.is_empty() {
             undo(&mut imu, &parameters, log.path())?;
@@ -224,12 +231,39 @@ fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<C
         let what = "this is a capture of one sensor; `zerorate recalibrate --method warmup` finds its bias";
         return Err(LogError::Ask(format!("{}: {what}", log.display())).into());
     }
-    let kelvin = if low > 200.0 && high < 450.0 { ", which looks like kelvins" } else { "" };
+    let like = looks_like(low, high);
     Err(LogError::Ask(format!(
-        "{}: the temperature {} goes from {low} to {high}{kelvin}; it must be in °C. Convert it, or name another \
+        "{}: the temperature {} goes from {low} to {high}{like}; it must be in °C. Convert it, or name another \
          column with {option}",
         log.display(),
         column.name
     ))
     .into())
+}
+
+/// The warning that a temperature states no unit.
+fn assumed_celsius(path: &Path, name: &str, (low, high): (f64, f64)) -> String {
+    let path = path.display();
+    format!("units-taken: {path}: {name} states no unit, and is taken in °C ({low:.1} to {high:.1})")
+}
+
+/// The unit that impossible temperatures may be in. A few tens of kelvins may also be a few tenths of °C.
+fn looks_like(low: f64, high: f64) -> &'static str {
+    match () {
+        () if low >= 230.0 && high <= 400.0 && high - low < 100.0 => ", which looks like kelvins or 0.1 °C",
+        () if low >= -800.0 && high <= 1800.0 => ", which looks like 0.1 °C",
+        () => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::looks_like;
+
+    #[test]
+    fn impossible_temperatures_look_like_their_unit() {
+        assert_eq!(looks_like(280.0, 320.0), ", which looks like kelvins or 0.1 °C");
+        assert_eq!(looks_like(250.0, 443.0), ", which looks like 0.1 °C");
+        assert_eq!(looks_like(22_000.0, 45_000.0), "");
+    }
 }
