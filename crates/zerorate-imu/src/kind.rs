@@ -54,11 +54,13 @@ impl Kind {
     }
 
     /// True if a column may be an axis by its name. Columns beside the axes are not, such as set points, biases,
-    /// covariances, norms, motor speeds, and accelerations without gravity (`FreeAccX` of Movella,
-    /// `userAcceleration.x` of phones). If `others` is true, the log has columns that are surely axes, and columns of
-    /// wheels and motors are not axes either.
+    /// covariances, norms, motor speeds, magnetometers in gauss, and accelerations without gravity (`FreeAccX` of
+    /// Movella, `userAcceleration.x` of phones). If `others` is true, the log has columns that are surely axes, and
+    /// columns of wheels and motors are not axes either.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
-        let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
+        let unit = Unit::of_column(name);
+        let is_rpm = unit == Some(Unit::Rpm);
+        let is_in_g = matches!(unit, Some(Unit::G | Unit::MilliG | Unit::MicroG));
         let name = name.to_lowercase();
         let bare = name.trim_end_matches([']', ')']).trim_end_matches("rpm").trim_end_matches(['[', '(', ' ', '_']);
         let is_of_motor = is_rpm && Self::named(bare).is_none();
@@ -77,9 +79,15 @@ impl Kind {
             "user_acc",
         ];
         let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity", "mag", "load"];
+        let of_calibration = ["offset", "offsets", "scale", "cov"];
+        // the name without its unit; gauss are written like g: `mx [G]`, `Bx (mG)`, `magX [G]`
+        let own = name.split(['[', '(']).next().unwrap_or_default();
+        let is_magnetic = is_in_g && (is_short(own, "mbh") || has_word(own, |word| word.starts_with("mag")));
         let is_beside = is_of_motor
+            || is_magnetic
             || beside.iter().any(|part| name.contains(part))
-            || name.split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word));
+            || has_word(&name, |word| words.contains(&word))
+            || has_word(own, |word| of_calibration.contains(&word));
         let is_doubtful = || ["wheel", "motor"].iter().any(|part| name.contains(part));
         !(is_beside || others && is_doubtful())
     }
@@ -103,24 +111,32 @@ impl Kind {
         // `axRaw` names the same axis as `ax`
         let name = name.strip_suffix("raw").map_or(&*name, |bare| bare.trim_end_matches(['_', ' ', '.']));
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
-        let short = |letters: &str| {
-            // drops the name of the device in front, as in `imu0.gx`
-            let parts = name.rsplit_once(['.', '/', '_']).filter(|(device, _)| device.len() > 1);
-            let own = parts.map_or(name, |(_, axis)| axis);
-            let mut rest = own.chars().filter(|c| c.is_alphanumeric());
-            let (first, second) = (rest.next(), rest.next());
-            let is_axis = second.is_some_and(|axis| "xyz0123".contains(axis)) && rest.next().is_none();
-            is_axis && first.is_some_and(|first| letters.contains(first))
-        };
         // for names such as `gyX` (SparkFun's loggers) and `BodyRateX`
         let ends = |words: &[&str]| words.iter().any(|word| name.ends_with(word));
         match () {
             () if Self::is_of_others(name) => None,
-            () if holds(&GYROSCOPES) || short("gw") || ends(&RATES) => Some(Self::Gyroscope),
-            () if holds(&ACCELEROMETERS) || short("af") || ends(&["acx", "acy", "acz"]) => Some(Self::Accelerometer),
+            () if holds(&GYROSCOPES) || is_short(name, "gw") || ends(&RATES) => Some(Self::Gyroscope),
+            () if holds(&ACCELEROMETERS) || is_short(name, "af") || ends(&["acx", "acy", "acz"]) => {
+                Some(Self::Accelerometer)
+            }
             () => None,
         }
     }
+}
+
+fn has_word(name: &str, is: impl Fn(&str) -> bool) -> bool {
+    name.split(|c: char| !c.is_alphanumeric()).any(is)
+}
+
+/// True if a name is one of these letters and an axis: `gx`, `w[0]`, `a.z`.
+fn is_short(name: &str, letters: &str) -> bool {
+    // drops the name of the device in front, as in `imu0.gx`
+    let parts = name.rsplit_once(['.', '/', '_']).filter(|(device, _)| device.len() > 1);
+    let own = parts.map_or(name, |(_, axis)| axis);
+    let mut rest = own.chars().filter(|c| c.is_alphanumeric());
+    let (first, second) = (rest.next(), rest.next());
+    let is_axis = second.is_some_and(|axis| "xyz0123".contains(axis)) && rest.next().is_none();
+    is_axis && first.is_some_and(|first| letters.contains(first))
 }
 
 const GYROSCOPES: [&str; 10] =
@@ -162,11 +178,17 @@ mod tests {
             "FreeAcc_Y",
             "userAcceleration.x (G)",
             "fan_rpm",
+            "mx [G]",
+            "imu0.hx (G)",
+            "Mx (mg)",
+            "B_x [mG]",
+            "magX [G]",
+            "gyro_x_offset [deg/s]",
         ] {
             assert!(!Kind::is_axis(name, false), "{name}");
         }
         assert!(
-            !["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]", "gx [rpm]"]
+            !["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]", "gx [rpm]", "ax [mg]", "x [g]", "AccX (G)"]
                 .into_iter()
                 .any(|name| !Kind::is_axis(name, true))
         );
