@@ -223,8 +223,12 @@ fn disordered(
     names: Names,
 ) -> LogError {
     let [rate, until, only] = [Setting::Rate, Setting::Until, Setting::Where].map(|setting| names.of(setting));
+    let rows = times.since_first();
+    let falls = rows.windows(2).filter(|pair| pair[1] < pair[0]).count();
     let remedy = match lost_digits::reason(times, unit) {
         Some(seen) => format!("{seen}; export again with all digits, or give {rate}"),
+        None if 10 * falls >= 9 * (rows.len() - 1) => format!("{why}: the newest row is first; reverse the rows"),
+        None if why.ends_with(order::UNSORTED) => format!("{why}; sort them, or give {rate} and no time column"),
         None => {
             let cut = times
                 .end_of_first()

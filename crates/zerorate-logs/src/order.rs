@@ -4,6 +4,7 @@
 
 use super::clock::{Times, median};
 use crate::raw_columns::RawColumn;
+use zerorate_input::TimeUnit;
 
 /// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, 32-bit counters of µs
 /// that were written in s or ms, and the times of an hour, a day and a week.
@@ -48,6 +49,9 @@ const MAX_STEPS: f64 = 0.001;
 /// Share of the rows that repeat the stamp of the row before, above which the clock counts as coarse.
 const COARSE: f64 = 0.05;
 
+/// The reason for a refusal if more rows are late than are sorted.
+pub const UNSORTED: &str = "rows are not in the order of their times";
+
 /// Puts rows in the order of their times. Returns the texts about the repairs, or the reason why repair is impossible.
 pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<String>, String> {
     if times.since_first().is_sorted_by(|one, next| one < next) {
@@ -57,7 +61,9 @@ pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<
         let all = times.since_first();
         let falls = all.windows(2).position(|pair| pair[1] < pair[0]);
         return Err(match falls {
-            Some(at) => format!("the time goes back by {}, at row {}", all[at] - all[at + 1], at + 1),
+            Some(at) => {
+                format!("the time goes back by {}, at row {}", lapse(all[at] - all[at + 1], times.unit), at + 1)
+            }
             None => format!("the time stands still at {}", times.first()),
         });
     };
@@ -67,7 +73,7 @@ pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<
         times.since_first().iter().enumerate().map(|(row, time)| TimedRow { row, time: *time }).collect();
     said.extend(restamp(&mut rows, interval));
     said.extend(unwrap(&mut rows, first, interval));
-    said.extend(sort(&mut rows, first, interval)?);
+    said.extend(sort(&mut rows, (first, times.unit), interval)?);
     said.extend(separate(&mut rows, columns, interval)?);
     let start = rows.first().map_or(0.0, |first| first.time);
     times.replace(rows.iter().map(|row| row.time - start).collect());
@@ -142,7 +148,7 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
 }
 
 /// Sorts rows that are late, and follows a clock that was set back.
-fn sort(rows: &mut [TimedRow], first: f64, interval: f64) -> Result<Vec<String>, String> {
+fn sort(rows: &mut [TimedRow], (first, unit): (f64, Option<TimeUnit>), interval: f64) -> Result<Vec<String>, String> {
     let span = rows.iter().fold(0.0_f64, |most, row| most.max(row.time.abs()));
     let (mut swapped, mut steps) = (Vec::new(), Vec::new());
     let mut row = 1;
@@ -155,11 +161,14 @@ fn sort(rows: &mut [TimedRow], first: f64, interval: f64) -> Result<Vec<String>,
             rows[from..to].sort_by(|one, other| one.time.total_cmp(&other.time));
             row = to;
         } else {
-            let place =
-                format!("at row {} from {} to {}", rows[row].row, first + rows[row - 1].time, first + rows[row].time);
+            let at = rows[row].row;
+            let place = match unit {
+                Some(_) => format!("at row {at}"),
+                None => format!("at row {at} from {} to {}", first + rows[row - 1].time, first + rows[row].time),
+            };
             steps.push((step, place));
             if step > MAX_STEP * span || steps.len() as f64 > (MAX_STEPS * rows.len() as f64).max(1.0) {
-                return Err(set_back(&steps));
+                return Err(set_back(&steps, unit));
             }
             rows[row..].iter_mut().for_each(|row| row.time += step + interval);
             row += 1;
@@ -167,20 +176,28 @@ fn sort(rows: &mut [TimedRow], first: f64, interval: f64) -> Result<Vec<String>,
     }
     let moved: usize = swapped.iter().map(|(rows, _)| rows).sum();
     if moved as f64 > MAX_SWAPPED * rows.len() as f64 + 1.0 {
-        return Err(format!("{moved} of {} rows are not in the order of their times", rows.len()));
+        return Err(format!("{moved} of {} {UNSORTED}", rows.len()));
     }
     let late = rows_that(moved, "comes too late and is sorted", "come too late and are sorted");
     let sorted = swapped.first().map(|(_, row)| format!("{late} (the first: row {row})"));
-    let followed = (!steps.is_empty()).then(|| set_back(&steps));
+    let followed = (!steps.is_empty()).then(|| set_back(&steps, unit));
     Ok(sorted.into_iter().chain(followed).collect())
 }
 
-fn set_back(steps: &[(f64, String)]) -> String {
+fn set_back(steps: &[(f64, String)], unit: Option<TimeUnit>) -> String {
     let (step, place) = &steps[steps.len() - 1];
+    let step = lapse(*step, unit);
     match steps.len() {
         1 => format!("the time goes back by {step}, {place}"),
         several => format!("the time goes back {several} times, last by {step}, {place}"),
     }
+}
+
+/// A time between rows as text: in seconds if its unit is known, or else as in the file.
+fn lapse(time: f64, unit: Option<TimeUnit>) -> String {
+    // the last digits are those of the subtraction
+    let rounded = |time: f64| format!("{time:.8e}").parse().unwrap_or(time);
+    unit.map_or_else(|| rounded(time).to_string(), |unit| format!("{} s", rounded(time / unit.per_s())))
 }
 
 /// The range of rows to sort, if `row` and the rows behind it are late: they fill a hole in the times before them. A
@@ -465,6 +482,8 @@ mod tests {
         assert!(mended(&rows).unwrap_err().contains("goes back by 403, at row 600 from 609 to 206"));
         let back: Vec<_> = even(50).into_iter().rev().collect();
         assert!(mended(&back).unwrap_err().contains("goes back"));
+        assert_eq!(lapse(0.03 - 0.01999, None), "0.01001");
+        assert_eq!(lapse(3_599_990_000_000.0, Some(TimeUnit::Ns)), "3599.99 s");
         assert!(mended(&[(1.0, 0.0), (1.0, 1.0)]).unwrap_err().contains("stands still at 1"));
     }
 }
