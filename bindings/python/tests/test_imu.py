@@ -102,6 +102,7 @@ def test_a_file_needs_a_fit_a_unit_and_known_arguments(found: zerorate.Imu) -> N
         ("format='kalib': give 'kalibr', 'openvins'", {"format": "kalib"}),
         ("combine='best'", {"combine": "best"}),
         ("inflate=0", {"inflate": 0}),
+        ("the horizon is longer than half of the record", {"horizon_s": 101}),
     ]
     for match, options in wrong:
         with pytest.raises(ValueError, match=match):

@@ -1,7 +1,7 @@
 //! Writes the noise file for a filter, or reports why it cannot.
 
 use super::numbers::Numbers;
-use super::{Axis, Format, Kind, NoiseFileOptions, Rejections};
+use super::{Axis, Format, Kind, NoiseFileOptions, Rejections, Rule};
 
 /// The reason why a noise file cannot be written.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -12,6 +12,9 @@ pub enum NoNoiseFile {
     /// The factor on all noise is not a number above zero.
     #[error("the factor on all noise must be a number above zero")]
     Inflate(f64),
+    /// The horizon is longer than the models cover. The number is the longest horizon of all axes, s.
+    #[error("the horizon is longer than half of the record: give at most {0} s, or record for longer")]
+    Horizon(f64),
     /// The noise models are missing or rejected.
     #[error("{0}")]
     Rejected(Rejections),
@@ -57,6 +60,10 @@ impl Format {
             return Err(NoNoiseFile::NoAxis);
         }
         self.check(axes.iter().map(|axis| axis.kind))?;
+        let longest_s = axes.iter().map(|axis| axis.fit.span_s.1).fold(f64::INFINITY, f64::min);
+        if matches!(choice.rule, Rule::Covers(Some(horizon_s)) if horizon_s > longest_s) {
+            return Err(NoNoiseFile::Horizon((10.0 * longest_s).floor() / 10.0));
+        }
         Ok(self.text(&Numbers::new(choice, self.usage(), doubts, axes)))
     }
 }

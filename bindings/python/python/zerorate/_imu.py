@@ -81,8 +81,9 @@ class Imu:
             The value for all axes of a kind, if the filter takes one number: the ``worst``, or their ``mean``.
         horizon_s
             The longest time over which the filter relies on its own uncertainty, s. N and K cover the noise from 1 s
-            to this time, with the least excess; for ``kalibr``, N is the fitted one, and K covers nine tenths of the
-            variance. Unless given, a third of the record, at most 1000 s, and at most 100 s for ``kalibr``.
+            to this time, at most half of the record, with the least excess; for ``kalibr``, N is the fitted one, and K
+            covers nine tenths of the variance. Unless given, a third of the record, at most 1000 s, and at most 100 s
+            for ``kalibr``.
         as_fitted
             Give N and K as they were fitted.
         inflate

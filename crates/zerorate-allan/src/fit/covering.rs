@@ -54,8 +54,9 @@ impl Fit {
     /// The N and K with which N²/τ + K²τ/3 covers the Allan variance of the noise (for [`Usage::Batch`] nine tenths of
     /// the variance) from 1 s to `horizon_s`, with the least mean excess in logarithm. The variance is the model's
     /// without lines, drift and warm-up, or the measured one if that is outside the 95 % band of the model. The
-    /// default horizon is a third of the record, and at most the horizon of the usage. `None` if no averaging time
-    /// lies in the range.
+    /// default horizon is a third of the record, and at most the horizon of the usage. A given horizon is covered
+    /// itself, by the model, and should be at most half of the record: the model does not cover longer times. `None`
+    /// if no averaging time of the curve lies in the range.
     ///
     /// docs/imu.md compares the errors of estimators with the errors that these estimators expect, once with the
     /// raised N and K and once with the fitted ones.
@@ -63,9 +64,14 @@ impl Fit {
     pub fn covering(&self, usage: Usage, horizon_s: Option<f64>) -> Option<Covering> {
         let (dt_s, half_s) = self.span_s;
         let (most_horizon_s, most_growth, covered) = usage.limits();
-        let horizon_s = horizon_s.unwrap_or((2.0 * half_s * HORIZON).min(most_horizon_s));
+        let until_s = horizon_s.unwrap_or((2.0 * half_s * HORIZON).min(most_horizon_s));
         let of_record = self.curve.iter().map(|found| (found.m as f64 * dt_s, self.noise_variance(found)));
-        let inside: Vec<(f64, f64)> = of_record.filter(|(tau_s, _)| (FROM_S..=horizon_s).contains(tau_s)).collect();
+        let is_inside = |(tau_s, _): &(f64, f64)| (FROM_S..=until_s).contains(tau_s);
+        let mut inside: Vec<(f64, f64)> = of_record.filter(is_inside).collect();
+        if !inside.is_empty() {
+            let modelled = |tau_s: f64| (tau_s, self.model.noise_variance(libm::round(tau_s / dt_s) as u64));
+            inside.extend(horizon_s.map(modelled));
+        }
         let is_lifted = usage == Usage::Batch && self.k.identified;
         let least = if is_lifted { self.k.value * self.k.value } else { 0.0 };
         let growth = most_growth * most_growth - 1.0;
@@ -75,7 +81,7 @@ impl Fit {
             let k2 = inside.iter().map(lacks).fold(least, f64::max);
             let log = |&(tau_s, variance): &(f64, f64)| libm::log((n2 / tau_s + k2 * tau_s / 3.0) / variance);
             let excess = libm::exp(inside.iter().map(log).sum::<f64>() / inside.len() as f64);
-            Covering { n: libm::sqrt(n2), k: libm::sqrt(k2), horizon_s, excess }
+            Covering { n: libm::sqrt(n2), k: libm::sqrt(k2), horizon_s: until_s, excess }
         };
         let best = (0..=STEPS).map(of).min_by(|a, b| a.excess.total_cmp(&b.excess));
         best.filter(|_| !inside.is_empty())

@@ -269,6 +269,7 @@ fn each_mistake_is_named_with_its_remedy() {
         ("imu imu.csv --gyro 4", "is in m/s², which is not a unit of gyroscopes"),
         ("imu imu.csv --gyro 1 --column 2", "cannot be used with"),
         ("imu imu.csv --horizon 20 --as-fitted", "cannot be used with"),
+        ("imu imu.csv -o x.yaml --horizon 101", "imu.csv: the horizon is longer than half of the record: give"),
         ("imu unlike.csv", "Say which are axes with --gyro and --accel"),
     ] {
         bench.zerorate(line).fails(2, &[said]);

@@ -17,7 +17,9 @@ use clap::Args;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use zerorate_allan::{FitOptions, span};
-use zerorate_imu::{AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoiseFileOptions, Record, Rule};
+use zerorate_imu::{
+    AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoNoiseFile, NoiseFileOptions, Record, Rule,
+};
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_logs::{Condition, LogWarning, Names, RowFilter};
@@ -54,8 +56,8 @@ pub struct ImuArgs {
     /// most 1000 s, and at most 100 s for Kalibr].
     ///
     /// Filters know white noise N and a random walk K only. N and K are chosen so that N²/τ + K²τ/3 covers the
-    /// Allan variance of the noise from 1 s to the horizon, with the least excess. Kalibr, which weighs a minute or
-    /// two, gets the fitted N, and only K is lifted.
+    /// Allan variance of the noise from 1 s to the horizon, with the least excess. The horizon is at most half of the
+    /// record. Kalibr, which weighs a minute or two, gets the fitted N, and only K is lifted.
     #[arg(long, value_name = "S", value_parser = horizon, help_heading = "Noise file")]
     horizon: Option<f64>,
 
@@ -252,7 +254,9 @@ fn deliver(
     let rule = if args.as_fitted { Rule::AsFitted } else { Rule::Covers(args.horizon) };
     let (log, names) = (args.log.display().to_string(), Names(option));
     let choice = NoiseFileOptions { log, topic, combine, rule, inflate, names, warnings };
-    file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.accept_rejected)?.as_bytes())?;
+    let not_written = |why: NoNoiseFile| Usage(format!("{}: {why}", args.log.display()));
+    let text = args.format.file(choice, &Record::axes(axes), &doubts, args.accept_rejected).map_err(not_written)?;
+    file.fill(text.as_bytes())?;
     let chosen = match args.format.is_by_axis() {
         true => "each axis by itself".to_owned(),
         false => format!("of the axes of a kind {}", combine.words(Names(option))),
