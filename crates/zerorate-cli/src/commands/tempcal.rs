@@ -36,7 +36,7 @@ pub struct TempcalArgs {
     output: Option<PathBuf>,
 
     /// The form of that file.
-    #[arg(long, value_enum, default_value = "toml", help_heading = "Result")]
+    #[arg(long, value_enum, default_value = "toml", requires = "output", help_heading = "Result")]
     format: Form,
 
     /// The temperature at which the bias is stated, °C [default: 25, or the middle of the temperatures].
@@ -53,7 +53,7 @@ pub struct TempcalArgs {
     temp_column: Option<String>,
 
     /// The serial number of the unit, for the file.
-    #[arg(long, value_name = "SN", value_parser = one_line, help_heading = "Result")]
+    #[arg(long, value_name = "SN", value_parser = one_line, requires = "output", help_heading = "Result")]
     serial: Option<String>,
 
     /// Draw means, curve and band of each axis (.svg, .png).

@@ -269,6 +269,8 @@ fn each_mistake_is_named_with_its_remedy() {
         ("imu imu.csv --gyro 4", "is in m/s², which is not a unit of gyroscopes"),
         ("imu imu.csv --gyro 1 --column 2", "cannot be used with"),
         ("imu imu.csv --horizon 20 --as-fitted", "cannot be used with"),
+        ("imu imu.csv --format openvins", "--output <FILE>"),
+        ("imu imu.csv --inflate 10", "--output <FILE>"),
         ("imu imu.csv -o x.yaml --horizon 101", "imu.csv: the horizon is longer than half of the record: give"),
         ("imu unlike.csv", "Say which are axes with --gyro and --accel"),
     ] {
@@ -280,7 +282,7 @@ fn each_mistake_is_named_with_its_remedy() {
     bench.zerorate("imu imu.csv -o -").fails(2, &["give the file a name"]);
     assert!(!bench.path("-").exists());
     let said = "warning: kind-absent: --column names no accelerometer";
-    bench.zerorate("imu imu.csv --column 1,2,3 --format VINS").ended_with(0).saying(&[said]);
+    bench.zerorate("imu imu.csv --column 1,2,3 --format VINS -o v.yaml").ended_with(0).saying(&[said]);
     let several = log().replacen("t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,ax [m/s^2]", "t_s,a_dps,b_dps,c_dps,d_dps", 1);
     bench.write("several.csv", several);
     bench

@@ -125,6 +125,7 @@ fn a_log_without_a_curve_is_refused_or_asked_about() {
     bench.write("kelvin.csv", csv("temperature", |temp_c| temp_c + 273.15));
     bench.zerorate("tempcal kelvin.csv").fails(2, &["looks like kelvins"]);
     bench.write("none.csv", csv("pressure_pa", |temp_c| temp_c));
+    bench.zerorate("tempcal log.csv --format px4").fails(2, &["--output <FILE>"]);
     bench.zerorate("tempcal none.csv").fails(2, &["has no temperature", "--temp-column"]);
     bench
         .zerorate("tempcal none.csv --temp-column pressure_pa")

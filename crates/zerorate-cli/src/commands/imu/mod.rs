@@ -45,11 +45,11 @@ pub struct ImuArgs {
     output: Option<PathBuf>,
 
     /// The program that will read the file.
-    #[arg(long, value_enum, default_value = "kalibr", help_heading = "Noise file")]
+    #[arg(long, value_enum, default_value = "kalibr", requires = "output", help_heading = "Noise file")]
     format: Format,
 
     /// How to combine the axes of a kind where the reader takes one number.
-    #[arg(long, value_enum, default_value = "worst", help_heading = "Noise file")]
+    #[arg(long, value_enum, default_value = "worst", requires = "output", help_heading = "Noise file")]
     combine: Combine,
 
     /// The longest time over which the filter is to trust its own uncertainty, s [default: a third of the record, at
@@ -58,16 +58,23 @@ pub struct ImuArgs {
     /// Filters know white noise N and a random walk K only. N and K are chosen so that N²/τ + K²τ/3 covers the
     /// Allan variance of the noise from 1 s to the horizon, with the least excess. The horizon is at most half of the
     /// record. Kalibr, which weighs a minute or two, gets the fitted N, and only K is lifted.
-    #[arg(long, value_name = "S", value_parser = horizon, help_heading = "Noise file")]
+    #[arg(long, value_name = "S", value_parser = horizon, requires = "output", help_heading = "Noise file")]
     horizon: Option<f64>,
 
     /// Write N and K as they were fitted.
-    #[arg(long, conflicts_with = "horizon", help_heading = "Noise file")]
+    #[arg(long, conflicts_with = "horizon", requires = "output", help_heading = "Noise file")]
     as_fitted: bool,
 
     /// Multiply all noise by F, to allow for errors that a record at rest does not show: vibration, temperature,
     /// scale. Filters are often tuned with 5 to 20.
-    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive, help_heading = "Noise file")]
+    #[arg(
+        long,
+        value_name = "F",
+        default_value_t = 1.0,
+        value_parser = positive,
+        requires = "output",
+        help_heading = "Noise file"
+    )]
     inflate: f64,
 
     /// Write -o also from noise models that are rejected; the file says so inside.
