@@ -4,6 +4,7 @@ use crate::calibration::Calibration;
 use crate::device::{Device, DeviceOptions, Duration, argument, in_words, sink, text};
 use crate::imu::named;
 use crate::worker::{Reporter, supervised};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pythonize::pythonize;
 use serde_json::Value;
@@ -43,6 +44,9 @@ pub struct CalibrateOptions {
 impl CalibrateOptions {
     fn plan(&self, is_recorded: bool) -> PyResult<Plan> {
         let method = named("method", &self.method, Method::ALL, Method::name)?;
+        if self.target_dph.is_some() && method == Method::An1042 {
+            return Err(PyValueError::new_err("target_dph is for method='warmup' or 'cycle'"));
+        }
         let usual = Plan::default();
         let time = |given: &Option<Duration>, setting, usual_s| {
             given.as_ref().map_or(Ok(usual_s), |of| of.s(argument(setting)).map(|Seconds(seconds)| seconds))

@@ -31,6 +31,8 @@ def test_a_twin_is_a_device_by_its_word() -> None:
     by_object = zerorate.calibrate(zerorate.Twin(seed=7), divider=99, **SHORT)
     assert by_word == by_object and by_word.simulated
     assert all(0 < one.done <= one.total == 66 and "step" in one.step for one in shown)
+    with pytest.raises(ValueError, match="target_dph is for"):
+        zerorate.calibrate("twin:seed=7", target_dph=50, **SHORT)
 
 
 def test_a_recording_is_that_of_the_program(tmp_path: Path) -> None:

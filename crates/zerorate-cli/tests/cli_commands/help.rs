@@ -86,7 +86,7 @@ fn twin_lists_every_key_of_the_contract() {
 
 #[test]
 fn typos_are_usage_errors_with_a_suggestion() {
-    let cases: [(&[&str], &str); 16] = [
+    let cases: [(&[&str], &str); 17] = [
         (&["fleet", "run", "a", "b"], "`fleet` is in the Python package"),
         (&["calibrat"], "'calibrate'"),
         (&["calibrate", "--warmpup", "3"], "'--warmup'"),
@@ -99,6 +99,7 @@ fn typos_are_usage_errors_with_a_suggestion() {
         (&["calibrate", "--max-u-btc", "0"], "--max-u-btc"),
         (&["calibrate", "--max-lost", "1.5"], "--max-lost"),
         (&["calibrate", "--target-dph", "2,5"], "use a decimal point: 2.5"),
+        (&["calibrate", "--target-dph", "50"], "--target-dph is for --method warmup or cycle"),
         (&["calibrate", "--earth-dps", "15.04"], "if that was °/h, give 0.00418"),
         (&["probe", "--duration", "0"], "above zero"),
         (&["capture", "-o", "x.arrows", "--duration", "0"], "above zero"),

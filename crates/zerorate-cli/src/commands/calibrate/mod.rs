@@ -116,22 +116,23 @@ impl ResultArgs {
 }
 
 pub fn run(args: &CalibrateArgs) -> Result<()> {
+    let plan = args.plan.plan(args.device.file().is_some())?;
     let mut outputs = args.result.outputs();
     let setup = args.device.setup(args.sampling, &mut outputs)?;
     let files = Files::claim(outputs, args.result.output_options(args.log.clone(), !args.no_save))?;
     let acquisition = args.device.open(setup)?;
-    let plan = args.plan.plan(args.device.file().is_some());
     calibrate(acquisition, plan, &args.result, files)
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
+    let plan = args.plan.plan(true)?;
     let mut outputs = args.result.outputs().reading([&*args.capture])?;
     let setup = Setup { part: args.part.named(&mut outputs)?, names: flag, ..Setup::default() };
     let files = Files::claim(outputs, args.result.output_options(None, false))?;
     interrupt::listen();
     let recording = DeviceSpec::replay(args.capture.clone());
     let acquisition = Acquisition::open(&recording, setup, Pace::Free, interrupt::stop(), device::tell())?;
-    calibrate(acquisition, args.plan.plan(true), &args.result, files)
+    calibrate(acquisition, plan, &args.result, files)
 }
 
 /// Tells, before the measurement, where the result will be saved.

@@ -1,6 +1,8 @@
 //! Options for the method, the durations and the limits of a calibration. The core defines most defaults.
 
 use crate::commands::earth::EarthArgs;
+use crate::exit::Usage;
+use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use zerorate::{Method, Plan};
 use zerorate_jobs::calibrate::settle_s;
@@ -78,13 +80,20 @@ pub fn durations(plan: &Plan) -> Option<String> {
 
 impl PlanArgs {
     /// The plan of the measurement. Without `--settle`, the methods `warmup` and `cycle` use the whole of a recording.
-    pub fn plan(&self, recorded: bool) -> Plan {
+    ///
+    /// # Errors
+    /// Returns a usage error for a target of the method `an1042`, which always takes its whole time.
+    pub fn plan(&self, recorded: bool) -> Result<Plan> {
         let method = match self.method {
             MethodArg::An1042 => Method::An1042,
             MethodArg::Warmup => Method::Warmup,
             MethodArg::Cycle => Method::Cycle,
         };
-        Plan {
+        ensure!(
+            self.target_dph.is_none() || method != Method::An1042,
+            Usage("--target-dph is for --method warmup or cycle".to_owned())
+        );
+        Ok(Plan {
             method,
             target_dps: self.target_dph.map(|dph| dph / 3600.0),
             average_s: self.average.0,
@@ -96,6 +105,6 @@ impl PlanArgs {
             earth_dps: self.earth.dps(),
             assume_linear: self.assume_linear,
             ..Plan::default()
-        }
+        })
     }
 }
