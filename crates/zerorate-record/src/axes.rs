@@ -128,7 +128,7 @@ fn rows_of_another_layout_are_refused() {
     for row in bad {
         let mut writer = start(&dir.path().join("bad"), Format::Csv, &imu());
         let error = writer.push(&row).unwrap_err().to_string();
-        assert!(error.contains("is not a row of an ADIS16405"), "{error}");
+        assert!(error.contains("is not a row of part ADIS16405"), "{error}");
         writer.push(&good).unwrap();
     }
 }

@@ -266,7 +266,7 @@ impl Layout {
     #[cold]
     fn misfit(&self, row: &Row) -> String {
         let (part, axes, found) = (&self.part, self.axes.len(), row.codes());
-        format!("{row:?} is not a row of an {part}, for it has {found:?} in place of {axes} codes of its width")
+        format!("{row:?} is not a row of part {part}, for it has {found:?} in place of {axes} codes of its width")
     }
 
     /// The raw columns, in their order in the file.

@@ -216,6 +216,6 @@ fn axes_are_found_by_name() {
     corrector.read(Some(31.25));
     assert_eq!((corrector.axes(), corrector.correct(0, Some(0.0))), (1, Some(0.75)));
     let said = |part, axis| calibration.corrector(part, [axis]).unwrap_err().to_string();
-    assert!(said("ADIS16130", "x").contains("the calibration is of an ADIS16405 (axes x, y), not of an ADIS16130"));
+    assert!(said("ADIS16130", "x").contains("the calibration is of part ADIS16405 (axes x, y), not of ADIS16130"));
     assert!(said("ADIS16405", "z").contains("no axis \"z\": it is of x, y"), "{}", said("ADIS16405", "z"));
 }

@@ -142,7 +142,7 @@ fn the_wrong_part_is_named() {
     bench.write("unit.toml", super::calibration(-0.25, -0.04, 31.5));
     bench
         .zerorate("correct imu.arrows --cal unit.toml --force -o corrected.csv")
-        .fails(1, &["of an ADIS16130 (axes rate), not of an ADIS16405"]);
+        .fails(1, &["of part ADIS16130 (axes rate), not of ADIS16405"]);
     assert!(!bench.path("corrected.csv").exists());
 }
 

@@ -344,7 +344,7 @@ impl fmt::Display for OtherPart {
         match self {
             Self::Part { calibrated, axes, part } => write!(
                 f,
-                "the calibration is of an {calibrated} (axes {axes}), not of an {part}: its numbers mean nothing there"
+                "the calibration is of part {calibrated} (axes {axes}), not of {part}: its numbers mean nothing there"
             ),
             Self::Axis { axis, axes } => write!(
                 f,
