@@ -9,9 +9,10 @@ use zerorate_jobs::calibrate::{CalibrationReport, DeliveryFailure, RescuedCalibr
 
 /// Prints the result. If printing fails and no file holds the calibration, the calibration is saved to a new file.
 pub fn print_result(report: &CalibrationReport, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
+    let assumes_line = calibration.run.as_ref().is_some_and(|run| run.assume_linear);
     let printed = match args.json {
         true => print_json(report),
-        false => print_lines(&text::text(report, report.file.as_deref(), calibration.serial.as_deref())),
+        false => print_lines(&text::text(report, report.file.as_deref(), calibration.serial.as_deref(), assumes_line)),
     };
     match printed {
         Err(why) if report.file.is_none() => {

@@ -8,14 +8,15 @@ use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::{PlusMinus, remark};
 
-/// `file` is the path of the calibration, if it was saved.
-pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
+/// `file` is the path of the calibration, if it was saved. `assumes_line` is true if the plan assumes a line.
+pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>, assumes_line: bool) -> String {
+    let found = |numbers: &AxisNumbers| found(numbers, report.coverage_factor, assumes_line);
     let mut text = head(report);
     for axis in &report.axes {
-        text += &format!("axis {}\n{}", axis.name, found(&axis.numbers, report.coverage_factor));
+        text += &format!("axis {}\n{}", axis.name, found(&axis.numbers));
         text += &format!("{}\n", remarks(&axis.remarks));
     }
-    text += &report.only.as_ref().map_or_else(String::new, |only| found(only, report.coverage_factor) + "\n");
+    text += &report.only.as_ref().map_or_else(String::new, |only| found(only) + "\n");
     text += &(meaning(report) + &remarks(&report.remarks));
     for axis in &report.axes {
         let truth = against_truth(&axis.numbers);
@@ -82,14 +83,14 @@ fn what_next(file: Option<&Path>, serial: Option<&str>) -> String {
     }
 }
 
-fn found(numbers: &AxisNumbers, factor: f64) -> String {
+fn found(numbers: &AxisNumbers, factor: f64, assumes_line: bool) -> String {
     let AxisNumbers { btc_dps_per_c, pbc_dps, t3_c, .. } = numbers;
     let pbc = PlusMinus { value: *pbc_dps, half: numbers.u_pbc_dps * factor };
     let btc = PlusMinus { value: *btc_dps_per_c, half: numbers.u_btc_dps_per_c * factor };
     let line = format!("  PBC  {pbc} °/s at T3 = {t3_c:.2} °C\n  BTC  {btc} °/s/°C\n");
     line + &means(numbers)
         .map(|means| means + &ends(numbers, factor))
-        .or_else(|| numbers.higher.as_ref().map(|higher| curve(higher, numbers, factor)))
+        .or_else(|| numbers.higher.as_ref().map(|higher| curve(higher, numbers, factor, assumes_line)))
         .unwrap_or_default()
 }
 
@@ -127,7 +128,7 @@ fn against_truth(numbers: &AxisNumbers) -> Option<String> {
     ))
 }
 
-fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64) -> String {
+fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64, assumes_line: bool) -> String {
     let squares: f64 = numbers.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
     let u_dps = (squares / f64::from(POINTS)).sqrt();
     let kind = ["a constant", "a line", "a curve of order 2", "a curve of order 3"][higher.order.min(TERMS - 1)];
@@ -138,11 +139,11 @@ fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64) -> String {
         }
         _ => String::new(),
     };
-    format!(
-        "{terms}  {kind} (probability {:.0} %), known to ±{} °/s, rms over the temperatures seen\n",
-        100.0 * higher.order_weights[higher.order.min(TERMS - 1)],
-        number(factor * u_dps)
-    )
+    let why = match assumes_line && higher.order == 1 {
+        true => "assumed".to_owned(),
+        false => format!("probability {:.0} %", 100.0 * higher.order_weights[higher.order.min(TERMS - 1)]),
+    };
+    format!("{terms}  {kind} ({why}), known to ±{} °/s, rms over the temperatures seen\n", number(factor * u_dps))
 }
 
 #[cfg(test)]
@@ -186,11 +187,36 @@ mod tests {
         assert_eq!((json["remarks"].as_array().unwrap().len(), &json["samples"]), (1, &317_100.into()));
         let codes: Vec<String> = warnings(&several).iter().map(|text| text[..14].to_owned()).collect();
         assert_eq!(codes, ["axis x: restle", "axis y: rest-u"]);
-        let text = text(&several, None, None);
+        let text = text(&several, None, None, false);
         assert!(text.contains("axis x\n  PBC  -0.5000") && text.contains("axis y\n  PBC  +0.2500"), "{text}");
 
         let json = serde_json::to_value(report("{ name = \"x\" }", &two[..1])).unwrap();
         assert_eq!((&json["pbc_dps"], &json["axes"]), (&(-0.5).into(), &serde_json::Value::Null));
         assert_eq!((json["warnings"].as_array().unwrap().len(), json["remarks"].as_array().unwrap().len()), (1, 1));
+    }
+
+    #[test]
+    fn an_assumed_line_has_no_probability() {
+        let numbers = report("{ name = \"x\" }", &[outcome(-0.5, Warning::Restless)]).only.unwrap();
+        let higher = |order| CurveTerms {
+            order,
+            order_weights: [0.25, 0.75, 0.0, 0.0],
+            btc2_dps_per_c2: 0.0,
+            btc3_dps_per_c3: 0.0,
+            lag_s: 0.0,
+            play_c: 0.0,
+            bias_instability_dps: 0.0,
+            rate_random_walk_dps_per_rt_s: 0.0,
+            steps: Vec::new(),
+            sway_probability: 0.0,
+        };
+        for (order, assumes_line, kind) in [
+            (1, true, "a line (assumed), known to"),
+            (1, false, "a line (probability 75 %), known to"),
+            (0, true, "a constant (probability 25 %), known to"),
+        ] {
+            let text = curve(&higher(order), &numbers, 1.96, assumes_line);
+            assert!(text.contains(kind), "{text}");
+        }
     }
 }
