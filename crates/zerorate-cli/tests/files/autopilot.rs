@@ -157,6 +157,7 @@ fn values_that_a_flight_controller_lacks_are_refused() {
     bench.write("odd.toml", AXES.replace("gyro_z", "gyro_yaw"));
     for (line, code, said) in [
         ("imu.toml --format px4", 2, "give --device-id ID"),
+        ("imu.toml --format px4 --device-id 0", 2, "which is never 0"),
         ("imu.toml --format px4 --device-id 5 --sensor 4", 2, "gyroscopes 0 to 3"),
         ("imu.toml --format ardupilot --sensor 0", 2, "IMUs 1 to 3"),
         ("imu.toml --format ardupilot --device-id 5", 2, "--device-id is for --format px4"),

@@ -47,10 +47,10 @@ pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) 
         PX4_SENSORS.contains(&sensor),
         InvalidOptions(format!("sensor {sensor}: PX4 has gyroscopes 0 to 3, TC_Gn_…"))
     );
-    let Some(device_id) = device_id else {
+    let Some(device_id) = device_id.filter(|id| *id != 0) else {
         bail!(InvalidOptions(format!(
             "PX4 finds the gyroscope of TC_G{sensor} by its device id, and corrects nothing without one. Give the \
-             device_id of the topic sensor_gyro (`listener sensor_gyro` in the PX4 console)"
+             device_id of the topic sensor_gyro (`listener sensor_gyro` in the PX4 console), which is never 0"
         )));
     };
     let axes = three(export)?;
