@@ -7,13 +7,14 @@ fn n_and_k_cover_the_curve() {
     let fit = of(&Truth { b: 3.0 * HOUR.b, ..HOUR }.noise(360_000, 920));
     let found = fit.covering(Usage::Filter, Some(300.0)).unwrap();
     let claimed = |tau_s: f64| found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0;
-    let at_horizon = (300.0 * RATE_HZ) as u64;
-    for m in fit.curve.iter().map(|point| point.m).chain([at_horizon]) {
+    for m in fit.curve.iter().map(|point| point.m) {
         let (tau_s, dev) = (m as f64 / RATE_HZ, fit.deviation(m));
         if (1.0..=300.0).contains(&tau_s) {
             assert!(claimed(tau_s) >= dev * dev * (1.0 - 1e-9), "{tau_s}");
         }
     }
+    let at_horizon = fit.model.noise_variance((300.0 * RATE_HZ) as u64);
+    assert!(claimed(300.0) >= at_horizon * (1.0 - 1e-9), "{found:?}");
     assert!(found.n >= fit.n.value && found.n <= 2.0 * fit.n.value && found.excess < 3.0, "{found:?}");
     assert!(fit.covering(Usage::Filter, Some(1e-3)).is_none());
 }
