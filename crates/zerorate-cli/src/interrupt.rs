@@ -1,7 +1,8 @@
-//! Ctrl-C, SIGTERM and SIGHUP. The first signal requests a clean end if a loop listens for it; otherwise it ends the
-//! program. A second signal ends the program at once, or within two seconds while a chamber is being set to its safe
-//! temperature. Signals within half a second count as one, because programs such as `timeout` send two. Temporary
-//! files are always removed. On Linux, a program that was started by `nohup` continues when its terminal is closed.
+//! Ctrl-C, SIGTERM and SIGHUP. The first signal requests a clean end if a loop listens for it; otherwise, and while the
+//! program waits for the reader of a pipe, it ends the program. A second signal ends the program at once, or within two
+//! seconds while a chamber is being set to its safe temperature. Signals within half a second count as one, because
+//! programs such as `timeout` send two. Temporary files are always removed. On Linux, a program that was started by
+//! `nohup` continues when its terminal is closed.
 
 use crate::{exit_message, output};
 use anyhow::Context;
@@ -47,7 +48,7 @@ pub fn listen() {
 fn heed(signal: i32) {
     let again = FIRST.get_or_init(Instant::now).elapsed() > SAME;
     stop().ask();
-    if !LISTENED_TO.load(Ordering::Relaxed) || again {
+    if !LISTENED_TO.load(Ordering::Relaxed) || output::opens_stream() || again {
         exit_message::wait(GRACE);
         output::remove_all_for_good();
         exit_message::exit(BY_SIGNAL + signal);

@@ -7,4 +7,4 @@ mod tests;
 
 pub use print::{command_line, print, print_json, print_lines, warn};
 pub use stdio::{Stdout, clear, reader_left, say, show};
-pub use zerorate_jobs::output::{Outputs, StagedOutput, remove_all_for_good};
+pub use zerorate_jobs::output::{Outputs, StagedOutput, opens_stream, remove_all_for_good};

@@ -3,9 +3,10 @@
 use super::OutputError;
 use super::temporary::Temporary;
 use std::ffi::OsStr;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// The ending of every unfinished file's name. No other files have it, so a run can find what killed runs left.
@@ -132,6 +133,22 @@ pub fn lock(file: &File) -> io::Result<()> {
 #[cfg(not(unix))]
 pub fn lock(_: &File) -> io::Result<()> {
     Ok(())
+}
+
+static OPENS_STREAM: AtomicBool = AtomicBool::new(false);
+
+/// True while the program opens a pipe or a device to write to it. Opening a pipe waits for its reader, and cannot
+/// check for a stop.
+pub fn opens_stream() -> bool {
+    OPENS_STREAM.load(Ordering::Relaxed)
+}
+
+/// Opens a pipe or a device to write to it.
+pub fn open_stream(path: &Path) -> io::Result<File> {
+    OPENS_STREAM.store(true, Ordering::Relaxed);
+    let opened = OpenOptions::new().write(true).open(path);
+    OPENS_STREAM.store(false, Ordering::Relaxed);
+    opened
 }
 
 /// Opens a file without following a link or blocking on a pipe.

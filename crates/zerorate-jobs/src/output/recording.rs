@@ -2,7 +2,7 @@
 //! checks four times a second that the file still exists, and syncs the file once a second.
 
 use super::OutputError;
-use super::disk::{claim, lock, open_to_lock, sync_folder};
+use super::disk::{claim, lock, open_stream, open_to_lock, sync_folder};
 use super::identity::Identity;
 use super::place::Place;
 use std::ffi::OsStr;
@@ -39,7 +39,7 @@ impl Recording {
         let failed = |error| OutputError::io("write", path, error);
         let written = Arc::default();
         let (file, target) = match place {
-            Place::Stream { path: stream, .. } => (OpenOptions::new().write(true).open(stream).map_err(failed)?, None),
+            Place::Stream { path: stream, .. } => (open_stream(&stream).map_err(failed)?, None),
             Place::Name { folder, name, replaces } => {
                 let target = folder.join(&name);
                 let file = match replaces {

@@ -1,11 +1,11 @@
 //! An output that gets its final name only when it is complete and synced to the disk.
 
 use super::OutputError;
-use super::disk::{claim, sync_folder};
+use super::disk::{claim, open_stream, sync_folder};
 use super::identity::Identity;
 use super::place::Place;
 use super::temporary::Temporary;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -27,9 +27,9 @@ impl StagedOutput {
     /// Prepares the output: opens a pipe or a device, or creates an unfinished file beside the final name.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
         let destination = match place {
-            Place::Stream { path: stream, .. } => Destination::Stream(
-                OpenOptions::new().write(true).open(stream).map_err(|error| OutputError::io("write", path, error))?,
-            ),
+            Place::Stream { path: stream, .. } => {
+                Destination::Stream(open_stream(&stream).map_err(|error| OutputError::io("write", path, error))?)
+            }
             Place::Name { folder, name, replaces } => {
                 let unfinished = claim(path, &folder, &name)?;
                 Destination::File { unfinished, target: folder.join(name), folder, replaces }
