@@ -9,6 +9,7 @@
 //! A process cannot handle either failure itself. So a command that reads files from untrusted sources runs in a
 //! child process, and the parent reports how the child ended.
 
+use crate::interrupt::is_ignored;
 use crate::output::say;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, set_parent_process_death_signal, setrlimit};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGPIPE, SIGTERM};
@@ -78,8 +79,9 @@ fn confine(Bytes(limit): Bytes) {
 }
 
 /// Starts the child and waits for its end. The child has the standard streams of this process. The kernel sends Ctrl-C
-/// to both processes, but the parent must pass on SIGINT and SIGTERM from other processes. The child starts before the
-/// handlers are installed, so that it ignores the same signals as this process.
+/// to both processes, but the parent must pass on SIGINT and SIGTERM from other processes, and each SIGHUP, which the
+/// kernel may send to the parent alone. The child starts before the handlers are installed, so that it ignores the same
+/// signals as this process.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut command = Command::new("/proc/self/exe");
@@ -89,10 +91,16 @@ fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     }
     let mut child = command.spawn()?;
     let pid = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
-    if let (Some(pid), Ok(mut signals)) = (pid, SignalsInfo::<WithOrigin>::new([SIGINT, SIGTERM])) {
+    let handled = [SIGINT, SIGTERM].into_iter().chain((!is_ignored(SIGHUP)).then_some(SIGHUP));
+    if let (Some(pid), Ok(mut signals)) = (pid, SignalsInfo::<WithOrigin>::new(handled)) {
         thread::spawn(move || {
-            for signal in signals.forever().filter(|origin| origin.cause != Cause::Kernel) {
-                let passed_on = if signal.signal == SIGINT { Signal::INT } else { Signal::TERM };
+            for origin in signals.forever() {
+                let passed_on = match origin.signal {
+                    SIGHUP => Signal::HUP,
+                    _ if origin.cause == Cause::Kernel => continue,
+                    SIGINT => Signal::INT,
+                    _ => Signal::TERM,
+                };
                 let _ = kill_process(pid, passed_on);
             }
         });

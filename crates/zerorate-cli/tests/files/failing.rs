@@ -312,6 +312,22 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
     }
 }
 
+/// The fit of a recording takes a while and checks for no stop. The signal goes to the process that was started.
+#[test]
+fn a_signal_ends_a_calibration_from_a_recording_at_once() {
+    for (signal, code) in [("TERM", 143), ("HUP", 129)] {
+        let bench = Bench::new();
+        bench.zerorate("capture --duration 5m -o rest.arrows").ok();
+        let starter = ["env", "--default-signal=HUP"];
+        let child = unbiased(&bench, &starter, "recalibrate rest.arrows --method warmup -o unit.toml");
+        wait_until("an unfinished file", || bench.names().iter().any(|name| name.starts_with("unit.toml.")));
+        wait_until_it_listens(&child);
+        send(signal, &child);
+        Run::ended(child).ended_with(code);
+        assert_eq!(bench.names(), ["rest.arrows"], "{signal}");
+    }
+}
+
 #[test]
 fn an_interrupted_correction_leaves_nothing() {
     let bench = Bench::new();

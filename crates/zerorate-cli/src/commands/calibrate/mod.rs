@@ -129,7 +129,7 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     let mut outputs = args.result.outputs().reading([&*args.capture])?;
     let setup = Setup { part: args.part.named(&mut outputs)?, names: flag, ..Setup::default() };
     let files = Files::claim(outputs, args.result.output_options(None, false))?;
-    interrupt::listen();
+    // nothing is recorded, so a signal may end the run at once
     let recording = DeviceSpec::replay(args.capture.clone());
     let acquisition = Acquisition::open(&recording, setup, Pace::Free, interrupt::stop(), device::tell())?;
     calibrate(acquisition, plan, &args.result, files)
