@@ -5,6 +5,9 @@ use super::{Deviation, Finding, Remedy, because_of, more_temperatures, rows_with
 use crate::plan::{Setting, SettingNames, State, Wording};
 use core::fmt;
 
+/// Largest change that counts as hardly any change of the temperature, °C.
+const HARDLY_C: f64 = 5.0;
+
 /// A refusal: the measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -80,11 +83,12 @@ rows_with_remedies!(match Refusal {
     Self::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: "small-span",
         text: format_args!(
-            "the temperature hardly changed ({t1_c:.3} to {t2_c:.3} °C, by {:.3} °C), so u(BTC) would be \
+            "the temperature {} ({t1_c:.3} to {t2_c:.3} °C, by {:.3} °C), so u(BTC) would be \
              {u_btc_dps_per_c:.4} °/s/°C, above the limit of {wanted_dps_per_c}",
+            if (t2_c - t1_c).abs() < HARDLY_C { "hardly changed" } else { "changed too little" },
             t2_c - t1_c
         ),
-        remedies: &[Remedy::StartCold, Remedy::LongerWarmUp, Remedy::AcceptMoreUBtc],
+        remedies: acceptable(&[Remedy::StartCold, Remedy::LongerWarmUp, Remedy::AcceptMoreUBtc], u_btc_dps_per_c),
     },
     Self::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c, wanted_dps_per_c } => Row {
         code: "curvature-unseen",
@@ -92,7 +96,7 @@ rows_with_remedies!(match Refusal {
             "u(BTC) would be {u_btc_dps_per_c:.4} °/s/°C, above the limit of {wanted_dps_per_c}: \
              {u_curvature_dps_per_c:.4} of it allows for curvature that two temperatures cannot show"
         ),
-        remedies: &[Remedy::AcceptMoreUBtc, Remedy::AssumeLinear],
+        remedies: acceptable(&[Remedy::AcceptMoreUBtc, Remedy::AssumeLinear], u_btc_dps_per_c),
     },
     Self::Found { finding: Finding { deviation, btc_dps_per_c, .. }, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: { deviation.code() },
@@ -100,10 +104,13 @@ rows_with_remedies!(match Refusal {
             "{deviation}. BTC is off by about {btc_dps_per_c:+.4} °/s/°C, and u(BTC) would be {u_btc_dps_per_c:.4}, \
              above the limit of {wanted_dps_per_c}"
         ),
-        remedies: match deviation {
-            Deviation::Step { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::AcceptMoreUBtc],
-            Deviation::BaseMotion { .. } => &[Remedy::FixToStillPlatform, Remedy::AcceptMoreUBtc],
-            _ => &[Remedy::Chamber, Remedy::CheckNothingMovedSlowly, Remedy::AcceptMoreUBtc],
+        remedies: {
+            let remedies: &'static [Remedy] = match deviation {
+                Deviation::Step { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::AcceptMoreUBtc],
+                Deviation::BaseMotion { .. } => &[Remedy::FixToStillPlatform, Remedy::AcceptMoreUBtc],
+                _ => &[Remedy::Chamber, Remedy::CheckNothingMovedSlowly, Remedy::AcceptMoreUBtc],
+            };
+            acceptable(remedies, u_btc_dps_per_c)
         },
     },
     Self::BaseMotion { hz, size_dps, limit_dps } => Row {
@@ -121,7 +128,7 @@ rows_with_remedies!(match Refusal {
              {typical_dps} is typical. u(BTC) would be {u_btc_dps_per_c:.4} °/s/°C, above the limit of \
              {wanted_dps_per_c}"
         ),
-        remedies: &[Remedy::LinearSupply, Remedy::KeepStill, Remedy::AcceptMoreUBtc],
+        remedies: acceptable(&[Remedy::LinearSupply, Remedy::KeepStill, Remedy::AcceptMoreUBtc], u_btc_dps_per_c),
     },
     Self::Lost { window, lost, samples, limit } => Row {
         code: "lost-samples",
@@ -216,6 +223,15 @@ rows_with_remedies!(match Refusal {
     },
 });
 
+/// The remedies without [`Remedy::AcceptMoreUBtc`] if u(BTC) is more than its setting allows.
+fn acceptable(remedies: &'static [Remedy], u_btc_dps_per_c: f64) -> &'static [Remedy] {
+    let may_accept = Setting::MaxUBtc.bounds().is_none_or(|bounds| u_btc_dps_per_c <= bounds.most);
+    match remedies {
+        [rest @ .., Remedy::AcceptMoreUBtc] | [Remedy::AcceptMoreUBtc, rest @ ..] if !may_accept => rest,
+        all => all,
+    }
+}
+
 impl Wording for Refusal {
     fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         self.text(f)?;
@@ -230,3 +246,26 @@ impl fmt::Display for Refusal {
 }
 
 impl core::error::Error for Refusal {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::string::ToString;
+
+    #[test]
+    fn a_larger_uncertainty_is_advised_only_where_its_setting_allows_it() {
+        let refused =
+            |t2_c, u_btc_dps_per_c| Refusal::Span { t1_c: 25.0, t2_c, u_btc_dps_per_c, wanted_dps_per_c: 0.01 };
+        for (t2_c, u_btc_dps_per_c, says, accepts) in [
+            (25.1, 1.0, "hardly changed", true),
+            (25.1, 1.779, "hardly changed", false),
+            (34.8, 0.02, "changed too little", true),
+        ] {
+            let refusal = refused(t2_c, u_btc_dps_per_c);
+            assert!(refusal.to_string().contains(says), "{refusal}");
+            assert_eq!(refusal.remedies().contains(&Remedy::AcceptMoreUBtc), accepts, "{refusal}");
+        }
+        let curved = Refusal::Curvature { u_btc_dps_per_c: 2.0, u_curvature_dps_per_c: 2.0, wanted_dps_per_c: 0.01 };
+        assert_eq!(curved.remedies(), [Remedy::AssumeLinear]);
+    }
+}
