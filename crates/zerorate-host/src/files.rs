@@ -13,10 +13,15 @@ use zerorate_record::{CaptureError, CaptureReader};
 /// Opens a regular file; a folder fails when it is opened or read. Pipes, sockets and devices are refused before
 /// opening, because opening them may block forever, and because they have no length and maybe no end.
 pub fn open(path: &Path) -> Result<Input, InputError> {
+    open_advising(path, "")
+}
+
+/// Opens a file like [`open`]. `or` follows the advice to copy a pipe into a file.
+fn open_advising(path: &Path, or: &str) -> Result<Input, InputError> {
     let failed = |error| InputError::io("read", path, error);
-    let metadata = path.metadata().map_err(|error| failed(not_an_address(path, error)))?;
+    let metadata = path.metadata().map_err(|error| failed(not_a_path(path, error)))?;
     if !metadata.is_file() && !metadata.is_dir() {
-        let how = "it is a pipe or a device: copy it into a file, or pipe a log into `zerorate allan -`";
+        let how = format!("it is a pipe or a device: copy it into a file{or}");
         return Err(failed(std::io::Error::other(how)));
     }
     let file = File::open(path).map_err(failed)?;
@@ -81,7 +86,8 @@ pub fn log(path: &Path) -> Result<Parts, InputError> {
         return Ok(vec![(path.to_owned(), spooled(std::io::stdin().lock()).map_err(failed)?)].into());
     }
     if !path.is_dir() {
-        return Ok(vec![(path.to_owned(), open(path)?)].into());
+        let file = open_advising(path, ", or pipe it into this command, with `-` in its place")?;
+        return Ok(vec![(path.to_owned(), file)].into());
     }
     let description = description(path)?;
     let files = parts(path, &description)?.into_iter().map(|part| Ok((part.clone(), open(&part)?)));
@@ -111,10 +117,15 @@ pub fn log_length(path: &Path) -> u64 {
     }
 }
 
-/// Replaces the error by advice to download the file if the path is a URL.
-fn not_an_address(path: &Path, error: std::io::Error) -> std::io::Error {
-    let is_address = path.to_str().is_some_and(|text| text.contains("://"));
-    if is_address { std::io::Error::other("addresses are not fetched; download the file first") } else { error }
+/// Replaces the error of a path that does not exist by advice, if the path is a URL or means standard input.
+fn not_a_path(path: &Path, error: std::io::Error) -> std::io::Error {
+    match path.to_str() {
+        Some(STDIN) => std::io::Error::other("this command does not read stdin; give it a file"),
+        Some(text) if text.contains("://") => {
+            std::io::Error::other("addresses are not fetched; download the file first")
+        }
+        _ => error,
+    }
 }
 
 /// Copies a pipe to a temporary file, because several formats are not read sequentially.
@@ -241,6 +252,37 @@ mod tests {
         assert_eq!(split(&names).unwrap(), [names[1], names[0]].map(PathBuf::from));
         let others = [&["a_0.bag", "b_1.bag"][..], &["a_0.bag", "a_2.bag"], &["a.bag", "b.bag"], &["a_0.bag"]];
         assert!(others.into_iter().all(|names| split(names).is_none()));
+    }
+
+    #[test]
+    fn what_is_not_a_recording_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let contents: [(&str, &[u8]); 4] = [
+            ("a.png", b"\x89PNG\r\n"),
+            ("unit.toml", b"# A zerorate calibration"),
+            ("log.csv", b"t,x\n"),
+            ("empty", b""),
+        ];
+        for (name, content) in contents {
+            std::fs::write(path(name), content).expect("room");
+        }
+        let no_part = "name its part";
+        for (path, says, advises) in [
+            (path("a.png"), "it is a picture", false),
+            (path("unit.toml"), "it is a calibration", false),
+            (path("empty"), "it is empty", false),
+            (path("log.csv"), "is not a capture of zerorate", true),
+            (folder.path().to_owned(), "it is a directory", false),
+            (STDIN.into(), "does not read stdin", false),
+            ("/dev/null".into(), "copy it into a file", false),
+        ] {
+            let error = anyhow::Error::from(rows(&path, None).map(drop).expect_err("no rows"));
+            let text = format!("{error:#}");
+            assert!(text.contains(says) && text.contains(no_part) == advises, "{text}");
+        }
+        let error = anyhow::Error::from(log(Path::new("/dev/null")).map(drop).expect_err("no log"));
+        assert!(format!("{error:#}").ends_with("with `-` in its place"), "{error:#}");
     }
 
     #[test]

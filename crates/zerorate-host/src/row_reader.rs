@@ -3,7 +3,7 @@
 use crate::PartLog;
 use crate::warning::of_capture;
 use std::io::Seek;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use zerorate::Part;
 use zerorate_input::{Input, InputError};
 use zerorate_logs::{ColumnOptions, LogError, LogWarning};
@@ -34,8 +34,8 @@ impl RowReader {
                 Ok(Self::Log(Box::new(PartLog::open(path, input, part, args)?)))
             }
             (Err(CaptureError::NotACapture { path, why }), None) => {
-                let why = format!("{why}; for a log of other software name its part, as docs/formats/part.md says");
-                Err(InputError::from(CaptureError::NotACapture { path, why }).into())
+                let kind = input.rewind().map_err(failed).and_then(|()| zerorate_logs::kind(&path, input));
+                Err(not_a_capture(path, why, kind).into())
             }
             (Err(error), _) => Err(InputError::from(error).into()),
         }
@@ -58,6 +58,17 @@ impl RowReader {
             Self::Log(log) => log.warnings().to_vec(),
         }
     }
+}
+
+/// The error for a file that is not a capture if no part is given. `kind` is the format of the file in words.
+fn not_a_capture(path: PathBuf, why: String, kind: Result<String, InputError>) -> InputError {
+    let why = match kind {
+        Err(known @ InputError::NotALog { .. }) => return known,
+        // a folder
+        Err(_) => why,
+        Ok(_) => format!("{why}; for a log of other software name its part, as docs/formats/part.md says"),
+    };
+    CaptureError::NotACapture { path, why }.into()
 }
 
 impl Iterator for RowReader {
