@@ -13,6 +13,7 @@ use zerorate_input::Opened;
 use zerorate_input::delimited::is_table;
 use zerorate_input::table::BatchSource;
 use zerorate_input::{Input, InputError};
+use zerorate_jobs::output::is_being_recorded;
 use zerorate_record::table;
 use zerorate_record::{CaptureError, CaptureInfo, Checked};
 use zerorate_view::duration::Seconds;
@@ -72,6 +73,9 @@ struct Verdict {
     /// True if the content is unknown, because the file does not exist or this program cannot read it.
     #[serde(skip)]
     unread: bool,
+    /// True if the file has no end because a running process records into it.
+    #[serde(skip)]
+    being_recorded: bool,
 }
 
 #[derive(Serialize)]
@@ -153,7 +157,11 @@ fn capture(path: &Path, source: Box<dyn BatchSource>) -> Result<Verdict, Capture
     let notes =
         table.warnings().iter().map(ToString::to_string).filter(|note| Some(note) != behind.as_ref()).collect();
     let damage = damage.or(behind);
-    let remedy = (table.is_torn() || damage.is_some()).then(|| remedy(path, whole_rows));
+    let being_recorded = table.is_torn() && damage.is_none() && is_being_recorded(path);
+    let remedy = match being_recorded {
+        true => Some("verify it again when its recording has ended".to_owned()),
+        false => (table.is_torn() || damage.is_some()).then(|| remedy(path, whole_rows)),
+    };
     let found = table.found();
     Ok(Verdict {
         form,
@@ -169,6 +177,7 @@ fn capture(path: &Path, source: Box<dyn BatchSource>) -> Result<Verdict, Capture
         damage,
         remedy,
         notes,
+        being_recorded,
         ..Verdict::default()
     })
 }
@@ -202,6 +211,7 @@ impl Verdict {
             (Some(_), _) if self.form == OTHER => "NOT A CAPTURE",
             (Some(_), _) if self.unread => "NOT READ",
             (Some(_), _) => "DAMAGED",
+            (None, true) if self.being_recorded => "BEING RECORDED",
             (None, true) => "TORN",
             (None, false) if self.checked => "whole",
             (None, false) => "readable, unchecked",

@@ -42,6 +42,20 @@ fn whole_files_in_every_form_have_one_hash() {
     assert!(text.contains("unit.csv: whole, CSV, version 2, 20000 rows") && text.contains(&hashes[0]), "{text}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_running_recording_is_not_called_torn() {
+    let bench = bench();
+    let whole = fs::read(bench.path("unit.arrows")).unwrap();
+    bench.write("now.arrows", &whole[..whole.len() / 2]);
+    let recording = fs::File::open(bench.path("now.arrows")).unwrap();
+    recording.lock().unwrap();
+    let said = bench.zerorate("verify now.arrows").ended_with(1).stdout;
+    assert!(said.contains("BEING RECORDED") && said.contains("has ended") && !said.contains("repair"), "{said}");
+    drop(recording);
+    assert!(bench.zerorate("verify now.arrows").stdout.contains("TORN"));
+}
+
 #[test]
 fn torn_and_damaged_files_are_told_apart() {
     let bench = bench();

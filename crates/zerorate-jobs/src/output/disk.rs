@@ -94,6 +94,12 @@ fn owner(_: &Path) -> Owner {
     Owner::Unknown
 }
 
+/// True if a running process records into the file. False where that is not known, as without locks.
+#[must_use]
+pub fn is_being_recorded(path: &Path) -> bool {
+    path.canonicalize().is_ok_and(|file| matches!(owner(&file), Owner::Alive))
+}
+
 /// Syncs the names in a folder to the disk, if the file system supports that.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
     if cfg!(not(unix)) {
@@ -139,6 +145,7 @@ static OPENS_STREAM: AtomicBool = AtomicBool::new(false);
 
 /// True while the program opens a pipe or a device to write to it. Opening a pipe waits for its reader, and cannot
 /// check for a stop.
+#[must_use]
 pub fn opens_stream() -> bool {
     OPENS_STREAM.load(Ordering::Relaxed)
 }

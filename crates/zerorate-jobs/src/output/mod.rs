@@ -17,7 +17,7 @@ mod staged;
 mod streams;
 mod temporary;
 
-pub use disk::opens_stream;
+pub use disk::{is_being_recorded, opens_stream};
 pub use error::OutputError;
 pub use recording::Recording;
 pub use rescue::rescue;
