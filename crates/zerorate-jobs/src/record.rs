@@ -11,7 +11,8 @@ use std::path::PathBuf;
 use zerorate::SettingNames;
 use zerorate::calibration::Notes;
 use zerorate::health::{FaultCounts, Health};
-use zerorate_record::{Format, Row, valid};
+use zerorate_input::InputError;
+use zerorate_record::{CaptureError, Format, Row, valid};
 
 /// The settings of a recording.
 #[derive(Clone, Debug)]
@@ -139,9 +140,23 @@ pub fn record(
     let file = outputs.recording(&options.output)?;
     let mut writer = Recorder::create(file, options.format, &info)?;
     let recorded = follow(acquisition, options.length, show, |row| Ok(writer.push(row)?));
-    let saved = writer.finish()?.samples;
+    let saved = writer.finish().map_err(|error| with_rescue(error, options))?.samples;
     let is_whole = recorded.with_context(|| format!("{} ends after {saved} samples", options.output.display()))?;
     Ok(report(acquisition, options, is_whole, names))
+}
+
+/// Adds how to keep the samples of a file that could not be written further, as on a full disk.
+fn with_rescue(error: CaptureError, options: &RecordOptions) -> anyhow::Error {
+    let is_cut = matches!(error, CaptureError::Input(InputError::Io { action: "write", .. }));
+    let error = anyhow::Error::from(error);
+    // nothing can be read of a Parquet file without its end
+    if !is_cut || options.format == Format::Parquet || !options.output.is_file() {
+        return error;
+    }
+    let file = options.output.display();
+    error.context(format!(
+        "{file} is not complete (`zerorate repair {file} -o NEW.arrows` keeps the whole seconds before)"
+    ))
 }
 
 /// Returns true if the length was reached.

@@ -93,6 +93,15 @@ fn a_log_that_outgrows_its_disk_is_a_failure_and_the_object_has_the_calibration(
 }
 
 #[test]
+fn a_capture_that_outgrows_its_disk_says_how_to_keep_what_it_holds() {
+    let bench = Bench::new();
+    let line = format!("ulimit -f 2000; trap '' XFSZ; exec {PROGRAM} capture --duration 60s -o cut.arrows");
+    let run = Run::of(Command::new("sh").args(["-c", &line]).current_dir(bench.dir.path()));
+    run.ended_with(1).saying(&["`zerorate repair cut.arrows -o NEW.arrows`", "cannot write cut.arrows: "]);
+    bench.zerorate("repair cut.arrows -o NEW.arrows").ended_with(0);
+}
+
+#[test]
 fn a_full_device_costs_no_result() {
     let bench = Bench::new();
     let run = Run::of(&mut command(&bench, &format!("{CALIBRATE} -o /dev/full")));
