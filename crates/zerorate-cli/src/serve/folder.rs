@@ -3,7 +3,7 @@
 
 use crate::output::{Outputs, say, warn};
 use crate::wording::text;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,6 +33,7 @@ impl Folder {
     pub fn read(&mut self, session: &mut Session) -> Result<()> {
         let Some(folder) = &self.path else { return Ok(()) };
         let about = || format!("--folder {}", folder.display());
+        ensure!(!folder.is_file(), "{}: it is a file, not a folder", about());
         fs::create_dir_all(folder).with_context(about)?;
         let entries = fs::read_dir(folder).with_context(about)?;
         let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();

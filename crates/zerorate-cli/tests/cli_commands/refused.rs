@@ -52,6 +52,6 @@ fn requests_about_a_calibrated_rate_are_refused() {
 fn requests_about_a_server_are_refused() {
     refused(&[
         ("serve --device twin: --listen 192.0.2.1:8080", 1, "this machine has another address"),
-        ("serve --device twin: --listen 127.0.0.1:0 --folder noise.bin", 1, "--folder noise.bin: "),
+        ("serve --device twin: --listen 127.0.0.1:0 --folder noise.bin", 1, "--folder noise.bin: it is a file"),
     ]);
 }

@@ -44,7 +44,11 @@ impl PlanFile {
             .into());
         }
         let plan = if is_csv { course(&text) } else { ChamberPlan::parse(&text).map_err(|error| error.to_string()) };
-        let plan = plan.map_err(|why| InvalidOptions(format!("{shown}: {why}")))?;
+        let is_calibration = text.starts_with("# A zerorate calibration");
+        let plan = plan.map_err(|why| match is_calibration {
+            true => InvalidOptions(format!("{shown} is not a plan: it is a calibration")),
+            false => InvalidOptions(format!("{shown}: {why}")),
+        })?;
         Ok(Self { plan, text, name: shown })
     }
 }

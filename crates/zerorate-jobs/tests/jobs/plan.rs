@@ -26,7 +26,7 @@ fn the_log_of_a_chamber_is_a_plan_for_a_recording() {
 #[test]
 fn a_broken_plan_is_refused_with_its_line() {
     let folder = Folder::new();
-    let cases: [(&str, &[u8], &str); 8] = [
+    let cases: [(&str, &[u8], &str); 9] = [
         ("did.csv", b"", "columns t_s and temp_c are needed; it has none"),
         ("did.csv", b"time,temp\n0,25\n", "columns t_s and temp_c are needed; it has time, temp"),
         ("did.csv", b"t_s,temp_c\n0,25\n10,x\n", "line 3: t_s and temp_c must be numbers"),
@@ -34,6 +34,11 @@ fn a_broken_plan_is_refused_with_its_line() {
         ("did.csv", b"t_s,temp_c\n0,25\n", "it has fewer than two rows"),
         ("did.csv", b"t_s,temp_c\n10,25\n0,25\n", "row 2: its t_s is not after the one before"),
         ("did.csv", b"t_s,temp_c\n0,\xff\n", "is not a plan: it is not text in UTF-8"),
+        (
+            "unit.toml",
+            b"# A zerorate calibration (docs\nchecksum = \"sha256:00\"\n",
+            "unit.toml is not a plan: it is a calibration",
+        ),
         ("bad.toml", b"schema = 1\n[[step]]\nto_c = 15\nramp = 2\n", "line 4, `ramp = 2`: unknown field"),
     ];
     for (name, text, why) in cases {
