@@ -80,8 +80,8 @@ fn confine(Bytes(limit): Bytes) {
 
 /// Starts the child and waits for its end. The child has the standard streams of this process. The kernel sends Ctrl-C
 /// to both processes, but the parent must pass on SIGINT and SIGTERM from other processes, and each SIGHUP, which the
-/// kernel may send to the parent alone. The child starts before the handlers are installed, so that it ignores the same
-/// signals as this process.
+/// kernel may send to the parent alone. The child starts before the handlers are installed, so that it ignores the
+/// same signals as this process.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut command = Command::new("/proc/self/exe");

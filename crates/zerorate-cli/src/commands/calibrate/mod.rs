@@ -8,7 +8,6 @@ mod text;
 
 use super::serial::{NotesArgs, one_line};
 use crate::device::{self, DeviceArgs, SamplingArgs};
-use crate::interrupt;
 use crate::output::{Outputs, say, warn};
 use crate::part::PartArgs;
 use crate::progress::Meter;
@@ -19,7 +18,7 @@ use plan::PlanArgs;
 use std::path::PathBuf;
 pub use text::remarks;
 use zerorate::Plan;
-use zerorate_host::{DeviceSpec, Pace, Setup};
+use zerorate_host::{DeviceSpec, Pace, Setup, Stop};
 use zerorate_jobs::Acquisition;
 use zerorate_jobs::calibrate::{Files, Job, OutputOptions, prepare};
 
@@ -129,9 +128,9 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     let mut outputs = args.result.outputs().reading([&*args.capture])?;
     let setup = Setup { part: args.part.named(&mut outputs)?, names: flag, ..Setup::default() };
     let files = Files::claim(outputs, args.result.output_options(None, false))?;
-    // nothing is recorded, so a signal may end the run at once
+    // nothing is recorded, so a signal ends the run at once, and no stop is asked for
     let recording = DeviceSpec::replay(args.capture.clone());
-    let acquisition = Acquisition::open(&recording, setup, Pace::Free, interrupt::stop(), device::tell())?;
+    let acquisition = Acquisition::open(&recording, setup, Pace::Free, &Stop::default(), device::tell())?;
     calibrate(acquisition, plan, &args.result, files)
 }
 
