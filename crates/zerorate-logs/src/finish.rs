@@ -62,14 +62,17 @@ impl Clock {
         args.time_column.is_none() && self.unit(args).is_none()
     }
 
-    /// Scales times that count in a multiple of s, ms, us or ns, as the name of their column states.
-    fn scale_ticks(&mut self, args: &ColumnOptions) {
-        let Self::Column(name, times) = self else { return };
+    /// Scales times that count in a multiple of s, ms, us or ns, as the name of their column states. A counter wraps
+    /// around at a number of its own steps, so it is unwrapped before. Returns the warning about that.
+    fn scale_ticks(&mut self, path: &Path, args: &ColumnOptions) -> Option<LogWarning> {
+        let Self::Column(name, times) = self else { return None };
         let known = ticks(name).or_else(|| time_unit::of_xsens(name, times));
-        if let Some((unit, step)) = known.filter(|_| args.time_unit.or(times.unit).is_none()) {
-            times.scale(step);
-            times.unit = Some(unit);
-        }
+        let (unit, step) = known.filter(|_| args.time_unit.or(times.unit).is_none())?;
+        let unwrapped = order::unwrap_ticks(times);
+        times.scale(step);
+        times.unit = Some(unit);
+        let (path, column) = (path.display().to_string(), name.clone());
+        unwrapped.map(|how| LogWarning::TimesRepaired { path, column, how })
     }
 
     /// The name of the time column and the rate in Hz, if the column holds the steps between rows instead of times.
@@ -95,7 +98,8 @@ impl RawColumns {
     /// warnings about irregular times.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         self.add_fraction(path, args.names)?;
-        self.clock.scale_ticks(args);
+        let unwrapped = self.clock.scale_ticks(path, args);
+        self.warnings.extend(unwrapped);
         mixed_rows::check(self, path, args)?;
         self.separate_sensors(path, args)?;
         if self.clock.is_guess(args) {

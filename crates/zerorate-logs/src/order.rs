@@ -69,8 +69,7 @@ pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<
     };
     let first = times.first();
     let mut said = Vec::new();
-    let mut rows: Vec<TimedRow> =
-        times.since_first().iter().enumerate().map(|(row, time)| TimedRow { row, time: *time }).collect();
+    let mut rows = timed_rows(times);
     said.extend(restamp(&mut rows, interval));
     said.extend(unwrap(&mut rows, first, interval));
     said.extend(sort(&mut rows, (first, times.unit), interval)?);
@@ -84,11 +83,23 @@ pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<
     Ok(said)
 }
 
+/// Unwraps a counter of ticks, in its own steps. Returns the text about it.
+pub fn unwrap_ticks(times: &mut Times) -> Option<String> {
+    let (mut rows, first) = (timed_rows(times), times.first());
+    let said = unwrap(&mut rows, first, times.interval()?)?;
+    times.replace(rows.iter().map(|row| row.time).collect());
+    Some(said)
+}
+
 /// A row of the file, and its time since the first row, in the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TimedRow {
     row: usize,
     time: f64,
+}
+
+fn timed_rows(times: &Times) -> Vec<TimedRow> {
+    times.since_first().iter().enumerate().map(|(row, time)| TimedRow { row, time: *time }).collect()
 }
 
 /// Replaces the time of a row that is not between its neighbours, if exactly one row fits between them.

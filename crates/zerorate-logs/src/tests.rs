@@ -383,6 +383,20 @@ fn a_unit_of_time_may_be_a_number_of_ticks() {
     }
 }
 
+/// Counters of 16, 24 and 32 bits, which wrap around at a number of ticks.
+#[test]
+fn counters_of_ticks_are_unwrapped() {
+    let cases: [(&str, u32, u64); 4] =
+        [("ticks_100us", 16, 100), ("ts [25 us]", 24, 400), ("ts (25us/LSB)", 32, 400), ("SampleTimeFine", 32, 100)];
+    for (name, bits, step) in cases {
+        let modulus = 1_u64 << bits;
+        let row = |at: u64| format!("{},{}\n", (modulus - 20_000 + at * step) % modulus, at % 7);
+        let text = (0..300).map(row).fold(format!("{name},gz_dps\n"), |text, row| text + &row);
+        let column = read_file(text, "--column gz_dps").unwrap();
+        assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{name}: {}", column.rate_hz);
+    }
+}
+
 /// A column `millis` that counts microseconds.
 #[test]
 fn a_slow_time_whose_name_alone_states_the_unit_is_asked_for() {
