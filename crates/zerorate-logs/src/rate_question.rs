@@ -1,6 +1,6 @@
 //! The error that asks for the rate of a log that does not state it.
 
-use crate::clock::usual_step;
+use crate::clock::{median, usual_step};
 use crate::error::LogError;
 use crate::sample::{Cell, Sampled};
 use crate::setting::{Names, Setting};
@@ -125,7 +125,9 @@ impl<'a> Rising<'a> {
             return None;
         }
         let rows = times.since_first();
-        let counts_rows = rows.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+        // a counter of rows or packets may have lost some
+        let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let counts_rows = steps.iter().all(|step| step.fract() == 0.0) && median(&mut steps) == 1.0;
         if rows.len() < FEWEST || counts_rows || !rows.is_sorted_by(|one, next| one < next) {
             return None;
         }

@@ -417,6 +417,10 @@ fn the_question_for_the_rate_proposes_the_column_that_rises_evenly() {
     let why = fails((0..300).map(row).collect::<String>(), "--column 3");
     let proposed = "--time-column 2 with --time-unit ns if it is the time, as it rises evenly (20.000 Hz)";
     assert!(why.contains(proposed), "{why}");
+    // a counter of which a number is lost is not proposed
+    let lost: String = (0..300).filter(|at| *at != 99).map(|at| format!("{at},{}\n", at % 7)).collect();
+    let why = fails(format!("seq,gz_dps\n{lost}"), "--column gz_dps");
+    assert!(why.contains("or --time-column if a column holds the time"), "{why}");
     let text: String = (0..300).map(|at| format!("59:{:02}.{},{}\n", at / 100, at / 10 % 10, at % 7)).collect();
     let why = fails(format!("Time,gz\n{text}"), "");
     assert!(why.contains("column `Time` (`59:00.0`) lacks the hour") && why.contains("as Excel shows"), "{why}");
