@@ -27,6 +27,9 @@ pub struct DateFormat {
     /// The number of digits to which a fraction of a second must be filled with zeros in front: 3 if 5 ms are written
     /// as `12:00:01.5`, and 6 if the fraction counts µs. `None` for usual fractions.
     unpadded: Option<usize>,
+    /// True if the field behind the third colon counts the frames of a second, as in a timecode. Such times are not
+    /// read, because the number of frames is not known.
+    has_frames: bool,
 }
 
 /// Share of the cells that must be times, and of the rows, besides one, at which times may go back, as at midnight.
@@ -37,13 +40,17 @@ const FALLS: f64 = 0.01;
 const SECONDS: &str = " sec";
 const MAX_S: f64 = 9e9;
 
+/// Least number of the last frame of a second in a timecode, which has 24 frames or more.
+const FEWEST_FRAMES: i64 = 20;
+
 impl DateColumn {
     pub fn of<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
         let decided = cells.clone().find_map(order_of);
         let order = decided.or_else(|| cells.clone().find_map(dotted).map(|_| DateOrder::DayFirst));
+        let has_frames = have_frames(cells.clone());
         let count = cells.clone().count() as f64;
         let with = |unpadded| {
-            let format = DateFormat { order, unpadded };
+            let format = DateFormat { order, unpadded, has_frames };
             let clear = cells.clone().filter(|cell| is_clear(cell));
             let times: Vec<i64> = clear.filter_map(|cell| nanoseconds(cell, format)).collect();
             let falls = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
@@ -56,6 +63,21 @@ impl DateColumn {
         let unpadded = digits.map(|digits| with(Some(digits))).filter(|(others, _)| others * 2 < falls);
         unpadded.map_or(found, |(_, unpadded)| unpadded)
     }
+}
+
+/// True if the fields behind the third colon count frames: two digits that stay below 60, leave few numbers out, and
+/// fall where a second begins. Hundredths of a second reach higher numbers.
+fn have_frames<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
+    let frames: Vec<i64> = cells.filter_map(frame).collect();
+    let last = frames.iter().max().copied().unwrap_or_default();
+    let numbers = (0..=last).filter(|number| frames.contains(number)).count() as i64;
+    (FEWEST_FRAMES..60).contains(&last) && 2 * numbers > last + 1 && frames.windows(2).any(|pair| pair[1] < pair[0])
+}
+
+/// The field of two digits behind the third colon of a time.
+fn frame(cell: &str) -> Option<i64> {
+    let field = cell.splitn(4, ':').nth(3).filter(|field| field.len() == 2 && parts(cell).is_some())?;
+    number(field, 2)
 }
 
 /// The range of the digits of the fraction of a second in a time.
@@ -77,10 +99,13 @@ fn is_clear(cell: &str) -> bool {
 /// a zone is taken as UTC, which no interval depends on. If the order of day and month is not known, only the time of
 /// day counts.
 pub fn nanoseconds(cell: &str, format: DateFormat) -> Option<i64> {
-    let DateFormat { order, unpadded } = format;
+    let DateFormat { order, unpadded, has_frames } = format;
+    if has_frames && frame(cell).is_some() {
+        return None;
+    }
     if let Some((digits, place)) = unpadded.zip(fraction(cell)) {
         let padded = format!("{}{:0>digits$}{}", &cell[..place.start], &cell[place.clone()], &cell[place.end..]);
-        return nanoseconds(&padded, DateFormat { order, unpadded: None });
+        return nanoseconds(&padded, DateFormat { unpadded: None, ..format });
     }
     of_duration(cell).or_else(|| of_iso(cell)).or_else(|| {
         let (fields, clock_ns) = parts(cell)?;
@@ -96,6 +121,7 @@ pub fn reason(cell: &str) -> Option<&'static str> {
             "lacks the hour and all digits behind the tenths, as Excel shows times; format the column as yyyy-mm-dd \
              hh:mm:ss.000 and export it again"
         }
+        None if frame(cell).is_some() => "is a timecode that ends with a number of frames; write decimals of a second",
         None => "is not a time such as 2026-03-01 12:00:00.25 or 12:00:00.25",
     })
 }
@@ -342,6 +368,21 @@ mod tests {
             90
         );
         assert_eq!(first_ms(&["12:00:00.5", "12:00:00.75", "12:00:01", "12:00:01.25"]), 500);
+    }
+
+    /// A timecode of 25 frames a second, and hundredths of a second.
+    #[test]
+    fn frames_are_not_parts_of_a_second() {
+        let read = |per_s: u32, step: u32| {
+            let cell = |row: u32| format!("10:00:{:02}:{:02}", row * step / per_s, row * step % per_s);
+            let cells: Vec<String> = (0..120).map(cell).collect();
+            let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
+            let column = DateColumn::of(cells.iter().copied());
+            (column.are_times, nanoseconds(cells[1], column.format).map(|ns| ns / 10_000_000 % 100))
+        };
+        assert_eq!([read(25, 1), read(60, 1)], [(false, None); 2]);
+        assert_eq!([read(100, 1), read(100, 50)], [(true, Some(1)), (true, Some(50))]);
+        assert!(reason("10:00:00:01").is_some_and(|why| why.contains("timecode")));
     }
 
     #[test]
