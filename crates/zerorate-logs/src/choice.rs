@@ -148,6 +148,8 @@ impl Columns<'_> {
 
     /// The warning about columns without numbers, if all columns were requested.
     pub fn left_out(&self, wanted: ColumnSelection<'_>, time: Option<usize>) -> Option<LogWarning> {
+        // a given rate is compared with the times
+        let time = time.or_else(|| self.time(&[]));
         let is_left = |at: &usize| !self.numeric[*at] && Some(*at) != time;
         let left: Vec<&str> = (0..self.names.len()).filter(is_left).map(|at| self.names[at]).collect();
         let is_said = matches!(wanted, ColumnSelection::All) && !left.is_empty();
@@ -156,7 +158,7 @@ impl Columns<'_> {
 
     /// The column outside `values` with the time: the only one whose name states a unit of time, the only one with the
     /// name of a time, or the time column of the sensor that `values` belong to.
-    fn time(&self, values: &[usize]) -> Option<usize> {
+    pub fn time(&self, values: &[usize]) -> Option<usize> {
         let is_likely = |at: &usize| !values.contains(at) && self.numeric[*at] && is_named_time(self.names[*at]);
         let likely: Vec<usize> = (0..self.names.len()).filter(is_likely).collect();
         let is_of_sensor = |at: &&usize| self.names[**at].ends_with("header.stamp");

@@ -1,10 +1,13 @@
 //! Compares a rate that the user or the log states with the timestamps of the log.
 
-use crate::TimeUnit;
-use crate::clock::median;
-use crate::sample::Sampled;
+use crate::choice::Columns;
+use crate::clock::{Times, median};
+use crate::sample::{Cell, Sampled};
 use crate::setting::Names;
+use crate::text::dates::{self, DateColumn};
+use crate::time_names::{fraction_of_clock_s, fraction_s, ticks};
 use crate::warning::LogWarning;
+use crate::{TimeUnit, time_unit};
 use std::path::Path;
 
 /// Relative difference between a given rate and the rate of the stamps above which a warning is given. The clocks of a
@@ -26,14 +29,12 @@ pub fn doubt(path: &Path, given_hz: f64, (stamps_hz, within): (f64, f64)) -> Opt
 }
 
 /// The rate of the stamps in Hz, and its relative tolerance. `all_hz` is the rate of all rows, if it is known. If not,
-/// the first rows of the only column whose type or name states a unit of time tell the rate.
-pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> {
+/// the first rows tell the rate, by the column that would be the time if no rate were given.
+pub fn of_stamps(path: &Path, all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> {
     if let Some(rate_hz) = all_hz {
         return Some((rate_hz, RATE_OFF));
     }
-    let mut stating = sample.iter().filter_map(|column| Some((column, column.stated_time()?)));
-    let (column, unit) = stating.next().filter(|_| stating.next().is_none())?;
-    let times = column.times()?;
+    let (times, unit) = first_times(path, sample)?;
     let rows = times.since_first();
     if rows.is_sorted_by(|one, next| one < next) {
         return times.time_base(unit, Names::default()).ok().map(|time_base| (time_base.rate_hz, RATE_OFF));
@@ -52,4 +53,57 @@ fn median_rate_hz(rows: &[f64], unit: TimeUnit) -> Option<f64> {
     let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     let rise = steps.len() > FEWEST_STEPS && 10 * steps.len() >= 9 * (rows.len() - 1);
     rise.then(|| unit.per_s() / median(&mut steps))
+}
+
+/// The times of the first rows, and their unit.
+fn first_times(path: &Path, sample: &[Sampled]) -> Option<(Times, TimeUnit)> {
+    let dates: Vec<DateColumn> = sample.iter().map(|column| DateColumn::of(words(column))).collect();
+    let is_clock = |(column, dates): (&Sampled, &DateColumn)| dates.are_times || column.time_unit.is_some();
+    let clocks = sample.iter().zip(&dates).map(is_clock).collect();
+    let is_numeric = |column: &Sampled| column.time_unit.is_none() && words(column).next().is_none();
+    let numeric = sample.iter().map(is_numeric).collect();
+    let names = sample.iter().map(|column| &*column.name).collect();
+    let at = Columns { path, names, numeric, clocks, settings: Names::default() }.time(&[])?;
+    let (column, DateColumn { are_times, format }) = (&sample[at], dates[at]);
+    if are_times {
+        let mut times = Times::new();
+        let all = words(column).filter_map(|word| dates::nanoseconds(word, format));
+        all.for_each(|ns| times.push_integer(ns));
+        return Some((with_fraction(times, TimeUnit::Ns, sample, fraction_of_clock_s)?, TimeUnit::Ns));
+    }
+    let mut times = column.times()?;
+    if let Some(unit) = column.stated_time() {
+        return Some((with_fraction(times, unit, sample, |name| fraction_s(name, &column.name))?, unit));
+    }
+    if let Some((unit, step)) = ticks(&column.name).or_else(|| time_unit::of_xsens(&column.name, &times)) {
+        times.scale(step);
+        return Some((times, unit));
+    }
+    let unit = time_unit::dated(&times)?;
+    Some((times, unit))
+}
+
+fn words(column: &Sampled) -> impl Iterator<Item = &str> + Clone {
+    column.cells.iter().filter_map(Cell::as_word)
+}
+
+/// The times with the fractions of a second in another column, if there is one. `unit_s` tells the unit of a fraction,
+/// s, by the name of its column. `None` if the columns are not whole seconds and fractions.
+fn with_fraction(
+    mut times: Times,
+    unit: TimeUnit,
+    sample: &[Sampled],
+    unit_s: impl Fn(&str) -> Option<f64>,
+) -> Option<Times> {
+    let rest = sample.iter().find_map(|column| Some((column.times()?, unit_s(&column.name)?)));
+    let Some((rest, unit_s)) = rest else { return Some(times) };
+    let is_whole = |since: &f64| since % unit.per_s() == 0.0;
+    let is_rest = |since: &f64| (0.0..1.0).contains(&((rest.first() + since) * unit_s));
+    if !times.since_first().iter().all(is_whole) || !rest.since_first().iter().all(is_rest) {
+        return None;
+    }
+    let since = |(whole, rest): (&f64, &f64)| whole + unit.per_s() * unit_s * rest;
+    let all = times.since_first().iter().zip(rest.since_first()).map(since).collect();
+    times.replace(all);
+    Some(times)
 }

@@ -361,6 +361,30 @@ fn dates_tell_the_unit_of_a_time() {
     assert!(why.contains("--time-column time with --time-unit us if it is the time, as it rises evenly"), "{why}");
 }
 
+/// Stamps of 100 rows a second. The last ones count on where a fraction of a second would begin again.
+#[test]
+fn a_given_rate_is_compared_with_each_kind_of_stamps() {
+    type Stamp = fn(u64) -> String;
+    let kinds: [(&str, Stamp, bool); 7] = [
+        ("Timestamp", |at| format!("12:00:{:02}.{:02}0", at / 100, at % 100), true),
+        ("", |at| format!("2026-03-01 12:00:{:02}.{:02}", at / 100, at % 100), true),
+        ("time", |at| (1_700_000_000_000_000_000 + at * 10_000_000).to_string(), true),
+        ("time,ms", |at| format!("12:00:{:02},{}", at / 100, at % 100 * 10), true),
+        ("ticks_100us", |at| (at * 100).to_string(), true),
+        ("sec,nanosec", |at| format!("{},{}", 17 + at / 100, at % 100 * 10_000_000), true),
+        ("sec,nanosec", |at| format!("{},{}", 17 + at / 100, at * 10_000_000), false),
+    ];
+    for (names, stamp, tells) in kinds {
+        let rows: String = (0..300).map(|at| format!("{},{}\n", stamp(at), at % 7)).collect();
+        let contradicts = |rate_hz: u32| {
+            let options = format!("--column gz_dps --rate {rate_hz}");
+            let column = read_file(format!("{names},gz_dps\n{rows}"), &options).unwrap();
+            column.warnings.iter().any(|warning| warning.code() == "rate-contradicts")
+        };
+        assert_eq!([50, 100].map(contradicts), [tells, false], "{names}");
+    }
+}
+
 /// A log of 300 rows, with a time column that has this name and rises by this step.
 fn stepping(name: &str, step: f64) -> String {
     (0..300).map(|at| format!("{},{}\n", f64::from(at) * step, at % 7)).fold(format!("{name},gz_dps\n"), |a, b| a + &b)
