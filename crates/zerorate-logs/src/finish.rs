@@ -12,7 +12,7 @@ use crate::setting::{Names, Setting};
 use crate::stated_rate::StatedRate;
 use crate::time_names::{fraction_of_clock_s, fraction_s, is_step, ticks};
 use crate::warning::LogWarning;
-use crate::{given_rate, lost_digits, mixed_rows, order, rate_changes, time_unit, unsigned};
+use crate::{clock_digits, given_rate, lost_digits, mixed_rows, order, rate_changes, time_unit, unsigned};
 use std::path::Path;
 use zerorate_allan::Gap;
 use zerorate_input::{InputError, Quantity, TimeUnit};
@@ -75,6 +75,18 @@ impl Clock {
         unwrapped.map(|how| LogWarning::TimesRepaired { path, column, how })
     }
 
+    /// Converts times whose digits are those of a clock to times of day. Returns the warning about that.
+    fn read_digits(&mut self, path: &Path, args: &ColumnOptions) -> Option<LogWarning> {
+        let Self::Column(name, times) = self else { return None };
+        let mut of_day = if times.unit.is_none() { clock_digits::times_of_day(times)? } else { return None };
+        let unit = args.time_unit.unwrap_or(TimeUnit::S);
+        of_day.scale(unit.per_s());
+        of_day.unit = Some(unit);
+        *times = of_day;
+        let how = "the digits are those of a clock, and are read as the time of day".to_owned();
+        Some(LogWarning::TimesRepaired { path: path.display().to_string(), column: name.clone(), how })
+    }
+
     /// The name of the time column and the rate in Hz, if the column holds the steps between rows instead of times.
     fn rate_of_steps(&self) -> Option<(&str, f64)> {
         let Self::Column(name, times) = self else { return None };
@@ -99,7 +111,8 @@ impl RawColumns {
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         self.add_fraction(path, args.names)?;
         let unwrapped = self.clock.scale_ticks(path, args);
-        self.warnings.extend(unwrapped);
+        let read = self.clock.read_digits(path, args);
+        self.warnings.extend(unwrapped.into_iter().chain(read));
         mixed_rows::check(self, path, args)?;
         self.separate_sensors(path, args)?;
         if self.clock.is_guess(args) {

@@ -14,6 +14,7 @@ mod binary;
 mod checks;
 mod choice;
 mod clock;
+mod clock_digits;
 mod column;
 mod column_checks;
 mod cut;

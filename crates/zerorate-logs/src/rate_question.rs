@@ -1,6 +1,7 @@
 //! The error that asks for the rate of a log that does not state it.
 
 use crate::clock::{median, usual_step};
+use crate::clock_digits::times_of_day;
 use crate::error::LogError;
 use crate::sample::{Cell, Sampled};
 use crate::setting::{Names, Setting};
@@ -42,6 +43,9 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
     let remedy = unread(sample).map(|why| format!("{why}, or give {rate} in Hz"));
     let remedy =
         remedy.or_else(|| clocks(sample).map(|all| format!("give {rate} in Hz, or {time} with one of: {all}")));
+    let digits =
+        || clock_of_digits(sample).map(|name| format!("give {rate} in Hz, or {time} {name} if it is the time"));
+    let remedy = remedy.or_else(digits);
     let remedy = remedy.or_else(|| rising(sample).map(rises)).or_else(|| since_epoch(sample, rate));
     let remedy = remedy.or_else(|| steps(sample, rate));
     let remedy = remedy.unwrap_or_else(named);
@@ -71,6 +75,12 @@ fn clocks(sample: &[Sampled]) -> Option<String> {
     let are_times = |column: &&Sampled| DateColumn::of(column.cells.iter().filter_map(Cell::as_word)).are_times;
     let all: Vec<String> = sample.iter().filter(are_times).map(|column| format!("`{}`", column.name)).collect();
     (all.len() > 1).then(|| all.join(", "))
+}
+
+/// The first column of times whose digits are those of a clock.
+fn clock_of_digits(sample: &[Sampled]) -> Option<String> {
+    let are_digits = |column: &&Sampled| column.times().and_then(|times| times_of_day(&times)).is_some();
+    sample.iter().find(are_digits).map(|column| quoted(&column.name))
 }
 
 /// Advice with the rate of a column that counts since an epoch in an unusual unit.

@@ -465,6 +465,19 @@ fn the_question_for_the_rate_names_days_and_several_clocks() {
     assert!(why.contains("--time-column with one of: `0`, `1`"), "{why}");
 }
 
+/// The `hhmmss.s` of NMEA, over the end of a minute.
+#[test]
+fn times_whose_digits_are_those_of_a_clock_are_proposed_and_read() {
+    let row = |at: u64| format!("12{:02}{:02}.{},{}\n", 58 + at / 600, at / 10 % 60, at % 10, at % 7);
+    let text = (0..1000).map(row).fold("utc,gz\n".to_owned(), |text, row| text + &row);
+    let why = fails(&text, "--column gz");
+    assert!(why.contains("or --time-column utc if it is the time"), "{why}");
+    for unit in ["", "--time-unit s"] {
+        let column = read_file(&text, &format!("--column gz --time-column utc {unit}")).unwrap();
+        assert!((column.rate_hz - 10.0).abs() < 1e-6 && column.missing() == 0, "{}", column.rate_hz);
+    }
+}
+
 /// A spreadsheet keeps 6 or 7 digits of a stamp, and float32 keeps 7.
 #[test]
 fn stamps_that_lost_their_digits_name_the_cause() {
