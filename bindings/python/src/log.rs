@@ -265,8 +265,14 @@ fn refused(argument: &str, why: String) -> PyErr {
     PyValueError::new_err(format!("{argument}=: {why}"))
 }
 
-const TIME_UNITS: [(&str, TimeUnit); 4] =
-    [("s", TimeUnit::S), ("ms", TimeUnit::Ms), ("us", TimeUnit::Us), ("ns", TimeUnit::Ns)];
+const TIME_UNITS: [(&str, TimeUnit); 6] = [
+    ("s", TimeUnit::S),
+    ("ms", TimeUnit::Ms),
+    ("us", TimeUnit::Us),
+    ("ns", TimeUnit::Ns),
+    ("min", TimeUnit::Min),
+    ("h", TimeUnit::H),
+];
 const DECIMALS: [(&str, Decimal); 4] =
     [(".", Decimal::Point), (",", Decimal::Comma), ("point", Decimal::Point), ("comma", Decimal::Comma)];
 

@@ -178,7 +178,7 @@ def test_a_rejected_model_gives_a_file_only_if_accepted() -> None:
         ("`furlong` is not a unit", {"gyro": rest(300)[:, :3]}, {"gyro_unit": "furlong"}),
         ("above zero", {"gyro": rest(300)[:, :3]}, {"gyro_unit": "dps", "gyro_scale": -1.0}),
         ("rate_hz=", {"gx_dps": rest(300)[:, 0]}, {"rate_hz": None}),
-        ("time_unit='h'", {"t": np.arange(300.0), "gx_dps": rest(300)[:, 0]}, {"time_column": "t", "time_unit": "h"}),
+        ("time_unit='d'", {"t": np.arange(300.0), "gx_dps": rest(300)[:, 0]}, {"time_column": "t", "time_unit": "d"}),
     ],
 )
 def test_errors_speak_of_arguments(match: str, data: Any, options: dict[str, Any]) -> None:

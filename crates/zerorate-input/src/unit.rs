@@ -224,11 +224,15 @@ pub enum TimeUnit {
     Us,
     /// Nanoseconds.
     Ns,
+    /// Minutes.
+    Min,
+    /// Hours.
+    H,
 }
 
 impl TimeUnit {
-    /// All units, from the longest to the shortest.
-    pub const ALL: [Self; 4] = [Self::S, Self::Ms, Self::Us, Self::Ns];
+    /// All units.
+    pub const ALL: [Self; 6] = [Self::S, Self::Ms, Self::Us, Self::Ns, Self::Min, Self::H];
 
     /// The symbol of the unit, such as `us`.
     pub fn name(self) -> &'static str {
@@ -237,6 +241,8 @@ impl TimeUnit {
             Self::Ms => "ms",
             Self::Us => "us",
             Self::Ns => "ns",
+            Self::Min => "min",
+            Self::H => "h",
         }
     }
 
@@ -247,6 +253,8 @@ impl TimeUnit {
             Self::Ms => 1e3,
             Self::Us => 1e6,
             Self::Ns => 1e9,
+            Self::Min => 1.0 / 60.0,
+            Self::H => 1.0 / 3600.0,
         }
     }
 

@@ -3,7 +3,9 @@
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
-use crate::time_names::{fraction_of_clock_s, fraction_s, is_bare_unit, is_like_time, is_named_time, states_time};
+use crate::time_names::{
+    fraction_of_clock_s, fraction_s, is_bare_unit, is_in_longer_unit, is_like_time, is_named_time, states_time,
+};
 use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_input::{Quantity, Unit, is_celsius};
@@ -222,6 +224,10 @@ impl Columns<'_> {
         };
         let (bare, clear): (Vec<usize>, Vec<usize>) =
             (0..self.names.len()).filter(states).partition(|at| is_bare_unit(self.names[*at]));
+        // a time in minutes may have fewer digits than another
+        let (longer, shorter): (Vec<usize>, Vec<usize>) =
+            clear.into_iter().partition(|at| is_in_longer_unit(self.names[*at]));
+        let clear = if shorter.is_empty() { longer } else { shorter };
         let pair = |of: &[usize]| match *of {
             [one, other] if self.is_fraction(other, one) => Some(one),
             [one, other] if self.is_fraction(one, other) => Some(other),

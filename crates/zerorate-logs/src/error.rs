@@ -54,7 +54,7 @@ pub fn object_of_matlab(path: &Path, name: &str, class: &str) -> LogError {
 
 pub fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {
     let why = format!("does not state the unit of its time column `{column}`");
-    LogError::Ask(format!("{} {why}; give {} s, ms, us or ns", path.display(), names.of(Setting::TimeUnit)))
+    LogError::Ask(format!("{} {why}; give {} s, ms, us, ns, min or h", path.display(), names.of(Setting::TimeUnit)))
 }
 
 pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {

@@ -104,11 +104,20 @@ fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
 
 /// True if a name states a unit or a scale of time that is not known, so that no unit can be proposed.
 fn has_other_unit(name: &str) -> bool {
-    let words = ["min", "mins", "minutes", "h", "hours", "days", "ticks", "tick", "cycles", "khz", "mhz", "hz", "ps"];
+    let words = ["days", "ticks", "tick", "cycles", "khz", "mhz", "hz", "ps"];
     let name_lower = name.to_lowercase();
     let is_counter = name_lower.contains("32k") || name_lower.contains("32768");
-    !states_time(name)
-        && (is_counter || name_lower.split(|c: char| !c.is_alphabetic()).any(|word| words.contains(&word)))
+    !states_time(name) && (is_counter || has_word(name, &words))
+}
+
+fn has_word(name: &str, words: &[&str]) -> bool {
+    name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| words.contains(&word))
+}
+
+/// Minutes or hours, if the name of a column suggests that it counts them.
+fn longer_unit(name: &str) -> Option<TimeUnit> {
+    let minutes = has_word(name, &["min", "mins", "minute", "minutes"]).then_some(TimeUnit::Min);
+    minutes.or(has_word(name, &["h", "hr", "hrs", "hour", "hours"]).then_some(TimeUnit::H))
 }
 
 /// A column of numbers that rises as a time does.
@@ -142,9 +151,9 @@ impl<'a> Rising<'a> {
             return None;
         }
         let per_unit = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz;
-        let dated = time_unit::dated(&times);
-        let unit = dated.or_else(|| time_unit::usual(per_unit))?;
-        let other = time_unit::other(per_unit, unit).filter(|_| dated.is_none());
+        let stated = longer_unit(&column.name).or_else(|| time_unit::dated(&times));
+        let unit = stated.or_else(|| time_unit::usual(per_unit))?;
+        let other = time_unit::other(per_unit, unit).filter(|_| stated.is_none());
         Some(Self { column: &column.name, unit, other, rate_hz: per_unit * unit.per_s() })
     }
 }

@@ -246,7 +246,9 @@ fn a_time_column_gives_rate_and_gaps() {
     assert!(fails("t_s,b_ms,gz\n0,0,1\n1,1,2\n2,2,1\n", "--column gz").contains("give --rate in Hz"));
     let iso = "when,gz\n2024-02-28T23:59:59.5,1\n2024-02-29T00:00:00,2\n2024-02-29T00:00:00.5,3\n";
     assert_eq!(read_file(iso, "--column gz --time-column when").unwrap().rate_hz, 2.0);
-    assert!(fails(rows(1.0, "t,gz\n"), "--column gz --time-column t").contains("give --time-unit s, ms, us or ns"));
+    assert!(
+        fails(rows(1.0, "t,gz\n"), "--column gz --time-column t").contains("give --time-unit s, ms, us, ns, min or h")
+    );
     assert!(
         fails(rows(1.0, "t,gz\n"), "--column gz")
             .contains("give --rate in Hz, or --time-column t with --time-unit s if it is the time")
@@ -463,6 +465,20 @@ fn the_question_for_the_rate_names_days_and_several_clocks() {
     let twice = |at: u32| format!("12:00:{0:02}.{1:02},12:00:{0:02}.{1:02},0.{2}\n", at / 100, at % 100, at % 7);
     let why = fails((0..300).map(twice).collect::<String>(), "");
     assert!(why.contains("--time-column with one of: `0`, `1`"), "{why}");
+}
+
+#[test]
+fn minutes_are_proposed_and_read() {
+    let text = stepping("time_min", 1.0 / 6000.0);
+    let why = fails(&text, "--column gz_dps");
+    assert!(why.contains("--time-unit min if it is the time, as it rises evenly (100.000 Hz)"), "{why}");
+    let column = read_file(&text, "--column gz_dps --time-column time_min --time-unit min").unwrap();
+    assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
+    // the times in s have more digits
+    let row = |at: u32| format!("{:.5},{:.2},{}\n", f64::from(at) / 360_000.0, f64::from(at) / 100.0, at % 7);
+    let text = (0..300).map(row).fold("Elapsed Time (hr),Time (s),gz_dps\n".to_owned(), |text, row| text + &row);
+    let column = read_file(&text, "--column gz_dps").unwrap();
+    assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{}", column.rate_hz);
 }
 
 /// The `hhmmss.s` of NMEA, over the end of a minute.

@@ -39,6 +39,11 @@ pub fn is_bare_unit(name: &str) -> bool {
     name.chars().all(char::is_alphanumeric) && !name.to_lowercase().contains("time")
 }
 
+/// True if the name of a column states a time in minutes or hours. Another time of the log may have more digits.
+pub fn is_in_longer_unit(name: &str) -> bool {
+    ticks(name).is_some_and(|(unit, step)| unit == TimeUnit::S && step >= 60.0)
+}
+
 /// Name of the time column of Xsens's sensors. The unit of the times depends on the sensor.
 pub const SAMPLE_TIME_FINE: &str = "SampleTimeFine";
 
@@ -68,9 +73,9 @@ pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     let is_time = is_short || is_like_time(&name) || name.contains("tick");
     let text = name.trim_end_matches([']', ')']);
     let text = text.strip_suffix("/lsb").unwrap_or(text);
-    let longer = [("min", 60.0), ("minutes", 60.0), ("h", 3600.0), ("hours", 3600.0)];
-    let ends = |word: &str| text.strip_suffix(word).is_some_and(|rest| rest.ends_with(['[', '(']));
-    if let Some((_, step)) = longer.into_iter().find(|(word, _)| is_time && ends(word)) {
+    let longer = [(60.0, &["min", "mins", "minutes"][..]), (3600.0, &["h", "hr", "hrs", "hours"])];
+    let ends = |word: &&str| text.strip_suffix(*word).is_some_and(|rest| rest.ends_with(['[', '(']));
+    if let Some((step, _)) = longer.into_iter().find(|(_, words)| is_time && words.iter().any(ends)) {
         return Some((TimeUnit::S, step));
     }
     // `ms` also ends with `s`, so seconds come last
@@ -156,6 +161,7 @@ mod tests {
             ("Time (100us)", Some((TimeUnit::Us, 100.0))),
             ("Time (min)", Some((TimeUnit::S, 60.0))),
             ("t [h]", Some((TimeUnit::S, 3600.0))),
+            ("Elapsed Time (hr)", Some((TimeUnit::S, 3600.0))),
             ("loop_time_min", None),
             ("ticks_0.1_ms", Some((TimeUnit::Ms, 0.1))),
             ("timestamp_10ns", Some((TimeUnit::Ns, 10.0))),

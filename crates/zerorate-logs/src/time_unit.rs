@@ -7,6 +7,9 @@ use crate::time_names::SAMPLE_TIME_FINE;
 use std::path::Path;
 use zerorate_input::TimeUnit;
 
+/// The units that a rate or a date can tell, from the longest to the shortest.
+const UNITS: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];
+
 /// Plausible rates of sensors, Hz: from one sample in 100 s to somewhat above the 32 kHz of the fastest IMUs.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=50_000.0;
 
@@ -38,19 +41,19 @@ pub fn dated(times: &Times) -> Option<TimeUnit> {
 const SLOWEST_HZ: f64 = 2.0;
 
 fn date(first: f64) -> Option<TimeUnit> {
-    TimeUnit::ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
+    UNITS.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
 }
 
 /// The unit that gives the most usual rate, for `per_unit` rows in each unit; `None` if that rate is not one of a
 /// sensor.
 pub fn usual(per_unit: f64) -> Option<TimeUnit> {
-    nearest(per_unit, TimeUnit::ALL.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
+    nearest(per_unit, UNITS.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
 }
 
 /// Another unit that gives a rate of an IMU, for `per_unit` rows in each unit.
 pub fn other(per_unit: f64, unit: TimeUnit) -> Option<TimeUnit> {
     let fits = |other: &TimeUnit| *other != unit && RATES_OF_IMUS_HZ.contains(&(per_unit * other.per_s()));
-    nearest(per_unit, TimeUnit::ALL.into_iter().filter(fits))
+    nearest(per_unit, UNITS.into_iter().filter(fits))
 }
 
 /// The one of these units that gives the rate nearest to [`USUAL_HZ`].
@@ -132,7 +135,7 @@ fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
     if RATES_HZ.contains(&rate_hz) {
         return None;
     }
-    nearest(rate_hz / unit.per_s(), TimeUnit::ALL.into_iter().filter(|other| *other != unit))
+    nearest(rate_hz / unit.per_s(), UNITS.into_iter().filter(|other| *other != unit))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ const KINDS: Record<LogSetting, Kind> = {
   where: { words: "Only the rows with", hint: "SensorId=1" },
   rate_hz: { words: "Sample rate, Hz", hint: "100", number: true },
   time_column: { words: "Time column", hint: "t" },
-  time_unit: { words: "Unit of time", hint: "", options: ["", "s", "ms", "us", "ns"] },
+  time_unit: { words: "Unit of time", hint: "", options: ["", "s", "ms", "us", "ns", "min", "h"] },
   temp_column: { words: "Temperature column", hint: "temp_c" },
   skip: { words: "Leave out before", hint: "45m after the start, or 12:30:00" },
   until: { words: "Leave out after", hint: "2h after the start, or 14:30:00" },

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         skip: _log.CutTime | None
         until: _log.CutTime | None
         time_column: str | int | None
-        time_unit: Literal["s", "ms", "us", "ns"] | None
+        time_unit: Literal["s", "ms", "us", "ns", "min", "h"] | None
         increments: bool | None
         decimal: Literal[".", ","] | None
         raw: str | None
@@ -92,7 +92,7 @@ def allan(
     skip: _log.CutTime | None = None,
     until: _log.CutTime | None = None,
     time_column: str | int | None = None,
-    time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    time_unit: Literal["s", "ms", "us", "ns", "min", "h"] | None = None,
     increments: bool | None = None,
     decimal: Literal[".", ","] | None = None,
     raw: str | None = None,

@@ -91,7 +91,7 @@ def read_log(
     *,
     rate_hz: float | None = None,
     time_column: str | int | None = None,
-    time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    time_unit: Literal["s", "ms", "us", "ns", "min", "h"] | None = None,
     unit: str | None = None,
     force_unit: bool = False,
     scale: float | None = None,

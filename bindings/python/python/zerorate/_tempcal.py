@@ -244,7 +244,7 @@ def tempcal(
     accel_range: float | None = None,
     increments: bool | None = None,
     time_column: str | int | None = None,
-    time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    time_unit: Literal["s", "ms", "us", "ns", "min", "h"] | None = None,
     decimal: Literal[".", ","] | None = None,
     raw: str | None = None,
     max_bad: float | None = None,

@@ -93,7 +93,7 @@ fn unit(text: &Option<String>) -> Result<Option<Unit>, LogError> {
 }
 
 fn time_unit(text: &str) -> Result<TimeUnit, LogError> {
-    let unknown = || LogError::Ask("“unit of time” takes s, ms, us or ns".to_owned());
+    let unknown = || LogError::Ask("“unit of time” takes s, ms, us, ns, min or h".to_owned());
     TimeUnit::ALL.into_iter().find(|unit| unit.name() == text).ok_or_else(unknown)
 }
 
