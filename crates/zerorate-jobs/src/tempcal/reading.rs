@@ -243,8 +243,8 @@ fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<C
 
 /// The warning that a temperature states no unit.
 fn assumed_celsius(path: &Path, name: &str, (low, high): (f64, f64)) -> String {
-    let path = path.display();
-    format!("units-taken: {path}: {name} states no unit, and is taken in °C ({low:.1} to {high:.1})")
+    let text = format!("{name} states no unit, and is taken in °C ({low:.1} to {high:.1})");
+    LogWarning::OfReadings { path: path.display().to_string(), code: "units-taken", text }.coded()
 }
 
 /// The unit that impossible temperatures may be in. A few tens of kelvins may also be a few tenths of °C.
