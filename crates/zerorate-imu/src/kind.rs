@@ -79,7 +79,8 @@ impl Kind {
             "user_acc",
         ];
         let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity", "mag", "load"];
-        let of_calibration = ["offset", "offsets", "scale", "cov"];
+        let of_calibration = ["offset", "offsets", "cov"];
+        let of_results = ["corrected", "removed", "compensated", "free"];
         // the name without its unit; gauss are written like g: `mx [G]`, `Bx (mG)`, `magX [G]`
         let own = name.split(['[', '(']).next().unwrap_or_default();
         let is_magnetic = is_in_g && (is_short(own, "mbh") || has_word(own, |word| word.starts_with("mag")));
@@ -87,7 +88,8 @@ impl Kind {
             || is_magnetic
             || beside.iter().any(|part| name.contains(part))
             || has_word(&name, |word| words.contains(&word))
-            || has_word(own, |word| of_calibration.contains(&word));
+            || has_word(own, |word| of_calibration.contains(&word))
+                && !has_word(own, |word| of_results.contains(&word));
         let is_doubtful = || ["wheel", "motor"].iter().any(|part| name.contains(part));
         !(is_beside || others && is_doubtful())
     }

@@ -291,7 +291,7 @@ impl TimeUnit {
 pub fn is_celsius(name: &str) -> bool {
     let lower = name.to_lowercase();
     match bracketed(&lower) {
-        Some(inner) => ["c", "°c", "ºc", "degc", "deg c", "celsius"].contains(&inner.trim()),
+        Some(inner) => ["c", "°c", "ºc", "℃", "degc", "deg c", "celsius"].contains(&inner.trim()),
         None => ["c", "degc", "deg_c", "celsius"].iter().any(|ending| has_ending(&lower, ending)),
     }
 }

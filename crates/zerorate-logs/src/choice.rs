@@ -357,7 +357,7 @@ impl Columns<'_> {
             return self.ambiguous("has no column of numbers", Setting::Column);
         }
         let path = self.path.display();
-        LogError::Ask(format!("{path} has no column of numbers apart from times; it has: {}", self.listed()))
+        LogError::Ask(format!("{path} has no column of numbers that is not a time; it has: {}", self.listed()))
     }
 
     fn ambiguous(&self, why: &str, setting: Setting) -> LogError {

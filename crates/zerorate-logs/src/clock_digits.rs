@@ -37,7 +37,7 @@ fn read(times: &Times, per_s: f64) -> Option<Times> {
     let ends: Vec<usize> = (1..rows.len()).filter(|row| minutes[*row] != minutes[row - 1]).collect();
     let is_even = |row: &&usize| (0.0..STEP * interval_s).contains(&(rows[**row] - rows[**row - 1]));
     let even = ends.iter().filter(is_even).count();
-    (interval_s < LONGEST_S && even > 0 && 2 * even >= ends.len()).then_some(of_day)
+    (times.first() > 0.0 && interval_s < LONGEST_S && even > 0 && 2 * even >= ends.len()).then_some(of_day)
 }
 
 #[cfg(test)]

@@ -18,6 +18,9 @@ const RATE_OFF: f64 = 0.02;
 /// stamps give the rate less precisely.
 const COARSE_RATE_OFF: f64 = 0.1;
 
+/// Rows come in bursts if their usual step is this many times shorter than the mean step.
+const BURSTS: f64 = 2.0;
+
 /// A rate is computed from a coarse clock only if the clock makes more steps than this in the first rows.
 const FEWEST_STEPS: usize = 20;
 
@@ -37,7 +40,10 @@ pub fn of_stamps(path: &Path, all_hz: Option<f64>, sample: &[Sampled]) -> Option
     let (times, unit) = first_times(path, sample)?;
     let rows = times.since_first();
     if rows.is_sorted_by(|one, next| one < next) {
-        return times.time_base(unit, Names::default()).ok().map(|time_base| (time_base.rate_hz, RATE_OFF));
+        let mean_hz = (rows.len() - 1) as f64 * unit.per_s() / rows.last()?;
+        let rate_hz = times.time_base(unit, Names::default()).ok()?.rate_hz;
+        // the short steps of rows that come in bursts tell no rate
+        return (rate_hz < BURSTS * mean_hz).then_some((rate_hz, RATE_OFF));
     }
     if !rows.is_sorted() {
         return median_rate_hz(rows, unit).map(|rate_hz| (rate_hz, COARSE_RATE_OFF));

@@ -85,10 +85,12 @@ pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<
 
 /// Unwraps a counter of ticks, in its own steps. Returns the text about it.
 pub fn unwrap_ticks(times: &mut Times) -> Option<String> {
-    let (mut rows, first) = (timed_rows(times), times.first());
-    let said = unwrap(&mut rows, first, times.interval()?)?;
+    let (mut rows, first, interval) = (timed_rows(times), times.first(), times.interval()?);
+    // a wrong stamp is no wrap
+    let stray = restamp(&mut rows, interval);
+    let wraps = unwrap(&mut rows, first, interval)?;
     times.replace(rows.iter().map(|row| row.time).collect());
-    Some(said)
+    Some(stray.into_iter().chain([wraps]).collect::<Vec<_>>().join("; "))
 }
 
 /// A row of the file, and its time since the first row, in the unit of the file.

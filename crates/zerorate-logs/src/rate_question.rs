@@ -144,10 +144,11 @@ impl<'a> Rising<'a> {
             return None;
         }
         let rows = times.since_first();
-        // a counter of rows or packets may have lost some
+        // a counter of rows or packets may have lost some, and so may times in ms
         let mut steps: Vec<f64> = rows.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let counts_rows = steps.iter().all(|step| step.fract() == 0.0) && median(&mut steps) == 1.0;
-        if rows.len() < FEWEST || counts_rows || !rows.is_sorted_by(|one, next| one < next) {
+        let is_counter = counts_rows && (!is_like_time(&column.name) || steps.iter().all(|step| *step == 1.0));
+        if rows.len() < FEWEST || is_counter || !rows.is_sorted_by(|one, next| one < next) {
             return None;
         }
         let per_unit = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz;

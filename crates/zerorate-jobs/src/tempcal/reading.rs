@@ -247,10 +247,10 @@ fn assumed_celsius(path: &Path, name: &str, (low, high): (f64, f64)) -> String {
     LogWarning::OfReadings { path: path.display().to_string(), code: "units-taken", text }.coded()
 }
 
-/// The unit that impossible temperatures may be in. A few tens of kelvins may also be a few tenths of °C.
+/// The unit that impossible temperatures may be in. Kelvins may also be tenths of °C.
 fn looks_like(low: f64, high: f64) -> &'static str {
     match () {
-        () if low >= 230.0 && high <= 400.0 && high - low < 100.0 => ", which looks like kelvins or 0.1 °C",
+        () if low >= 230.0 && high <= 400.0 => ", which looks like kelvins or 0.1 °C",
         () if low >= -800.0 && high <= 1800.0 => ", which looks like 0.1 °C",
         () => "",
     }

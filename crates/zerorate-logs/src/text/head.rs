@@ -458,7 +458,10 @@ fn are_names(cells: &[String], width: usize) -> bool {
 /// True if cells begin as a row does, with a number or a time. A line of units may begin with a 1, too.
 fn starts_row(cells: &[String]) -> bool {
     let is_time = |cell: &String| nanoseconds(cell, DateFormat::default()).is_some();
-    cells.len() > 1 && cells.first().is_some_and(|cell| is_number(cell) || is_time(cell)) && !state_units(cells)
+    cells.len() > 1
+        && cells.first().is_some_and(|cell| is_number(cell) || is_time(cell))
+        && !state_units(cells)
+        && !cells.iter().any(|cell| Unit::of_column(cell).is_some())
 }
 
 /// True if these are the units under a line of names.

@@ -2,6 +2,7 @@
 
 use super::super::number::Numerals;
 use super::head::shortened;
+use std::collections::HashSet;
 use zerorate_input::Unit;
 use zerorate_input::delimited::Delimiter;
 
@@ -10,32 +11,36 @@ pub type Header = [(u64, String)];
 
 /// True if a line is a line of the header again. A logger writes it when it restarts.
 pub fn is_again(line: &str, header: &Header, delimiter: Delimiter) -> bool {
-    header.iter().any(|(_, known)| cells(line, delimiter) == cells(known, delimiter))
+    header.iter().any(|(_, known)| cells(line, delimiter).eq(cells(known, delimiter)))
 }
 
 /// The error for a line that names other columns, or the same ones in another order or unit.
 pub fn other(line: &str, header: &Header, delimiter: Delimiter) -> Option<String> {
-    let names = cells(line, delimiter);
-    let are_names = names.iter().enumerate().all(|(at, name)| is_word(name) && !names[..at].contains(name));
-    let (number, known) = header.iter().find(|(_, known)| differ(&names, &cells(known, delimiter)))?;
+    let names: Vec<&str> = cells(line, delimiter).collect();
+    let is_as_wide = |known: &str| cells(known, delimiter).take(names.len() + 1).count() == names.len();
+    let mut as_wide = header.iter().filter(|(_, known)| is_as_wide(known));
+    let (number, known) = as_wide.find(|(_, known)| differ(&names, &cells(known, delimiter).collect::<Vec<_>>()))?;
+    let mut seen = HashSet::new();
+    let are_names = names.iter().all(|name| is_word(name) && seen.insert(*name));
     let (line, known) = (shortened(line), shortened(known));
     let what = format!("the header `{line}` begins another log than `{known}` in line {number}; cut the log there");
     are_names.then_some(what)
 }
 
-/// True if two lines of as many cells share a cell and differ in several ones, or if they state two units of one
-/// column. A name that a bad cable changed does not count.
+/// True if two lines of as many cells differ in several of them, and have the same first cell or the same names in
+/// another order, or if they state two units of one column. A name that a bad cable changed does not count.
 fn differ(names: &[&str], known: &[&str]) -> bool {
     let pairs = || names.iter().zip(known).filter(|(name, known)| name != known);
     let are_units = |(name, known): (&&str, &&str)| {
         Unit::of_column(name).zip(Unit::of_column(known)).is_some_and(|(unit, known)| unit != known)
     };
-    let is_shared = names.iter().any(|name| known.contains(name));
-    names.len() == known.len() && (is_shared && pairs().count() > 1 || pairs().any(are_units))
+    let of_log: HashSet<&str> = known.iter().copied().collect();
+    let is_shared = names.first() == known.first() || names.iter().all(|name| of_log.contains(name));
+    is_shared && pairs().count() > 1 || pairs().any(are_units)
 }
 
-fn cells(line: &str, delimiter: Delimiter) -> Vec<&str> {
-    delimiter.cells(line.trim_start_matches('\u{FEFF}')).collect()
+fn cells(line: &str, delimiter: Delimiter) -> impl Iterator<Item = &str> {
+    delimiter.cells(line.trim_start_matches('\u{FEFF}'))
 }
 
 fn is_word(cell: &str) -> bool {
@@ -57,6 +62,7 @@ mod tests {
             ("t_s,gx_dps,gy_rad_s", false, true),
             ("t_s,ax,ay", false, true),
             ("t_s,gx_dps", false, false),
+            ("event,start,gx_dps", false, false),
             ("t_s,gx_dps,gy_dqs", false, false),
             ("t_s,gx_\u{FFFD},g_dps", false, false),
             ("t_s,t_s,gx_dps", false, false),

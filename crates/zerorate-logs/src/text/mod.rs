@@ -216,7 +216,7 @@ impl<'a> TextColumns<'a> {
             first,
         });
         let restarted = broken.again.filter(|_| cut.time.is_none()).map(|line| {
-            let why = "the header again: without a time column, nothing tells how long the log paused there";
+            let why = "the header again: as no time column is read, nothing tells how long the log paused there";
             LogWarning::LinesBroken(format!("{}: line {line} is {why}", path.display()))
         });
         let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad))?;

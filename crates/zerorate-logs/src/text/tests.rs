@@ -241,7 +241,7 @@ fn choices_that_a_file_offers() {
     let said = fails("[00010] GYRO X=312 Y=7\n[00020] GYRO X=311 Y=5\n", "--rate 1");
     assert!(said.contains("(`[00010] GYRO X=312 Y=7`: `[00010]` is not one): is it a log?"), "{said}");
     let said = fails("t_s,gx\n0.0,5 V\n0.1,6 V\n", "--rate 1 --time-column t_s");
-    assert!(said.ends_with("has no column of numbers apart from times; it has: 0 `t_s`, 1 `gx`"), "{said}");
+    assert!(said.ends_with("has no column of numbers that is not a time; it has: 0 `t_s`, 1 `gx`"), "{said}");
 }
 
 /// A text is read in blocks of whole lines. The rows are the same wherever one block ends and the next begins.
