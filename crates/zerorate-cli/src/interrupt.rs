@@ -1,5 +1,5 @@
-//! Ctrl-C, SIGTERM and SIGHUP. The first signal requests a clean end if a loop listens for it; otherwise, and while
-//! the program waits for the reader of a pipe, it ends the program. A second signal ends the program at once, or
+//! Ctrl-C, SIGTERM and SIGHUP. The first signal requests a clean end if a loop listens for it; otherwise, and until a
+//! reader has opened a pipe that is written, it ends the program. A second signal ends the program at once, or
 //! within two seconds while a chamber is being set to its safe temperature. Signals within half a second count as one,
 //! because programs such as `timeout` send two. Temporary files are always removed. On Linux, a program that was
 //! started by `nohup` continues when its terminal is closed.

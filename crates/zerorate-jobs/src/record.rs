@@ -155,7 +155,7 @@ fn with_rescue(error: CaptureError, options: &RecordOptions) -> anyhow::Error {
     }
     let file = options.output.display();
     error.context(format!(
-        "{file} is not complete (`zerorate repair {file} -o NEW.arrows` keeps the whole seconds before)"
+        "{file} is not complete (`zerorate repair {file} -o NEW.arrows` keeps the whole seconds before, if any)"
     ))
 }
 

@@ -140,7 +140,7 @@ fn no_place(format: &str) -> anyhow::Error {
     Usage(format!(
         "--format {format} has no place for a bias over temperature: {why}. Correct the rates before they reach it \
          (`zerorate stream`, `zerorate correct`, or --format c in the driver), and take \
-         `zerorate imu --format {format}` {instead}"
+         `zerorate imu LOG --format {format} -o FILE` {instead}"
     ))
     .into()
 }

@@ -29,7 +29,7 @@ const OTHER: &str = "other";
 /// The exit code is 0 if all files are undamaged, and 1 if not. Every checksum in a file is computed again, and time,
 /// edges and losses of the rows are compared. For a torn file (a power cut, a killed process) or a damaged one the
 /// command names the place and the remedy: `zerorate repair` writes the undamaged blocks before that place to a new
-/// file.
+/// file. A file that is being recorded is not whole yet; verify it again later.
 #[derive(Args, Debug)]
 pub struct VerifyArgs {
     /// Captures in any form, and calibrations.
@@ -108,6 +108,9 @@ pub fn run(args: &VerifyArgs) -> Result<()> {
     Ok(())
 }
 
+/// The advice about a file that a running process records into.
+const AGAIN: &str = "verify it again when its recording has ended";
+
 fn verdict(path: &Path) -> Verdict {
     let file = path.display().to_string();
     let opened = files::open(path).map_err(CaptureError::from);
@@ -117,6 +120,11 @@ fn verdict(path: &Path) -> Verdict {
         Err(error) => Err(error),
     };
     let verdict = found.unwrap_or_else(|error| {
+        // nothing can be read of a Parquet file before its end, and of a CSV in its first second
+        if is_being_recorded(path) {
+            let remedy = Some(AGAIN.to_owned());
+            return Verdict { torn: true, being_recorded: true, remedy, ..Verdict::default() };
+        }
         let other = "verify checks captures and calibrations; `zerorate allan` reads other logs. If this was a \
                      capture, take another copy";
         let (remedy, form) = match error {
@@ -154,12 +162,16 @@ fn capture(path: &Path, source: Box<dyn BatchSource>) -> Result<Verdict, Capture
         }
     };
     let behind = table.behind_end().map(ToString::to_string);
-    let notes =
-        table.warnings().iter().map(ToString::to_string).filter(|note| Some(note) != behind.as_ref()).collect();
+    let mut notes: Vec<String> = table.warnings().iter().map(ToString::to_string).collect();
+    notes.retain(|note| Some(note) != behind.as_ref());
     let damage = damage.or(behind);
     let being_recorded = table.is_torn() && damage.is_none() && is_being_recorded(path);
+    if being_recorded {
+        // it is not closed yet, and nothing of it is dropped
+        notes.clear();
+    }
     let remedy = match being_recorded {
-        true => Some("verify it again when its recording has ended".to_owned()),
+        true => Some(AGAIN.to_owned()),
         false => (table.is_torn() || damage.is_some()).then(|| remedy(path, whole_rows)),
     };
     let found = table.found();

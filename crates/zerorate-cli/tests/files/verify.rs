@@ -52,6 +52,10 @@ fn a_running_recording_is_not_called_torn() {
     recording.lock().unwrap();
     let said = bench.zerorate("verify now.arrows").ended_with(1).stdout;
     assert!(said.contains("BEING RECORDED") && said.contains("has ended") && !said.contains("repair"), "{said}");
+    bench.write("now.parquet", "");
+    let empty = fs::File::open(bench.path("now.parquet")).unwrap();
+    empty.lock().unwrap();
+    assert!(bench.zerorate("verify now.parquet").ended_with(1).stdout.contains("BEING RECORDED"));
     drop(recording);
     assert!(bench.zerorate("verify now.arrows").stdout.contains("TORN"));
 }
