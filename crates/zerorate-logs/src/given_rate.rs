@@ -40,7 +40,7 @@ pub fn of_stamps(path: &Path, all_hz: Option<f64>, sample: &[Sampled]) -> Option
     let (times, unit) = first_times(path, sample)?;
     let rows = times.since_first();
     if rows.is_sorted_by(|one, next| one < next) {
-        let mean_hz = (rows.len() - 1) as f64 * unit.per_s() / rows.last()?;
+        let mean_hz = rows.len().checked_sub(1)? as f64 * unit.per_s() / rows.last()?;
         let rate_hz = times.time_base(unit, Names::default()).ok()?.rate_hz;
         // the short steps of rows that come in bursts tell no rate
         return (rate_hz < BURSTS * mean_hz).then_some((rate_hz, RATE_OFF));
