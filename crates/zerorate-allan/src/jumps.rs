@@ -7,6 +7,8 @@ use alloc::vec::Vec;
 /// Number of differences in a part of the record, and the least number of parts.
 const PART: usize = 128;
 const FEWEST: usize = 8;
+/// In a longer record, about this many parts are examined, spread over it.
+const PARTS: usize = 2048;
 /// A part has a jump if its largest difference is this many times the usual largest difference of a part.
 const LONE: f64 = 3.0;
 /// Sum of the squares of the differences in a part of white noise, in squares of their usual largest.
@@ -50,7 +52,8 @@ fn parts<T>(samples: &[T], width: usize, difference: impl Fn(&[T]) -> f64) -> Ve
         // not `max`, which costs more, and keeps a missing sample out as well
         sizes.fold(0.0, |largest, size| if size > largest { size } else { largest })
     };
-    let starts = (0..(samples.len() + 1).saturating_sub(width)).step_by(PART);
+    let every = PART * (samples.len() / PART / PARTS).max(1);
+    let starts = (0..(samples.len() + 1).saturating_sub(width)).step_by(every);
     starts.map(of_part).filter(|largest| largest.is_finite()).collect()
 }
 
