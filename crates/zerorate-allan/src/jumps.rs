@@ -7,8 +7,8 @@ use alloc::vec::Vec;
 /// Number of differences in a part of the record, and the least number of parts.
 const PART: usize = 128;
 const FEWEST: usize = 8;
-/// In a longer record, about this many parts are examined, spread over it.
-const PARTS: usize = 2048;
+/// Number of differences that the processor computes side by side.
+const LANES: usize = 8;
 /// A part has a jump if its largest difference is this many times the usual largest difference of a part.
 const LONE: f64 = 3.0;
 /// Sum of the squares of the differences in a part of white noise, in squares of their usual largest.
@@ -29,9 +29,12 @@ pub struct Jumps {
 /// The jumps of a record, if they raise the deviations of the shortest averages by a tenth or more.
 pub fn jumps(input: &Input<'_>) -> Option<Jumps> {
     let parts = match *input {
-        Input::Codes { codes, .. } => parts(codes, 2, |of| f64::from(of[1]) - f64::from(of[0])),
-        Input::Rate(rate) => parts(rate, 2, |of| of[1] - of[0]),
-        Input::Phase(phase) => parts(phase, 3, |of| of[2] - 2.0 * of[1] + of[0]),
+        Input::Codes { codes, .. } => parts(codes, |code| f64::from(*code)),
+        Input::Rate(rate) => parts(rate, |sample| *sample),
+        Input::Phase(phase) => {
+            let steps: Vec<f64> = phase.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            parts(&steps, |step| *step)
+        }
     };
     if parts.len() < FEWEST {
         return None;
@@ -43,18 +46,26 @@ pub fn jumps(input: &Input<'_>) -> Option<Jumps> {
     is_much.then_some(Jumps { largest, usual })
 }
 
-/// The largest difference in each part of the record. Differences with a missing sample are left out. A difference is
-/// of `width` samples.
-fn parts<T>(samples: &[T], width: usize, difference: impl Fn(&[T]) -> f64) -> Vec<f64> {
+/// The largest difference between neighbours in each part of the record, without those of a missing sample.
+fn parts<T>(samples: &[T], number: impl Fn(&T) -> f64) -> Vec<f64> {
+    let size = |(one, next): (&T, &T)| (number(next) - number(one)).abs();
     let of_part = |start: usize| {
-        let inside = &samples[start..samples.len().min(start + PART + width - 1)];
-        let sizes = inside.windows(width).map(|of| difference(of).abs());
-        // not `max`, which costs more, and keeps a missing sample out as well
-        sizes.fold(0.0, |largest, size| if size > largest { size } else { largest })
+        let inside = &samples[start..samples.len().min(start + PART + 1)];
+        let (ones, rest) = inside[..inside.len() - 1].as_chunks::<LANES>();
+        let (nexts, next_rest) = inside[1..].as_chunks::<LANES>();
+        let mut most = [0.0; LANES];
+        for (one, next) in ones.iter().zip(nexts) {
+            let sizes = one.iter().zip(next).map(size);
+            most.iter_mut().zip(sizes).for_each(|(most, size)| *most = larger(*most, size));
+        }
+        most.into_iter().chain(rest.iter().zip(next_rest).map(size)).fold(0.0, larger)
     };
-    let every = PART * (samples.len() / PART / PARTS).max(1);
-    let starts = (0..(samples.len() + 1).saturating_sub(width)).step_by(every);
-    starts.map(of_part).filter(|largest| largest.is_finite()).collect()
+    (0..samples.len().saturating_sub(1)).step_by(PART).map(of_part).filter(|largest| largest.is_finite()).collect()
+}
+
+/// The larger of two numbers; the first if the second is NaN. It is one instruction, which `f64::max` is not.
+fn larger(one: f64, other: f64) -> f64 {
+    if other > one { other } else { one }
 }
 
 fn middle(mut values: Vec<f64>) -> f64 {

@@ -3,7 +3,7 @@
 use super::block::{BLOCK, Block};
 
 /// Number of blocks that are examined, spread over the column.
-const BLOCKS: usize = 64;
+const BLOCKS: usize = 256;
 
 /// Least number of zeros for a warning, and their share of the samples.
 const ENOUGH: usize = 50;
