@@ -112,7 +112,7 @@ const TASKS: [Task; 13] = [
     Task {
         name: "instructions",
         usage: "",
-        about: "Compare the cost of reading and checking a log with that of its deviations, in instructions",
+        about: "Compare the cost of reading and checking a log with the cost of its deviations, in instructions",
         help: || instructions::HELP.to_owned(),
         run: instructions::run,
     },

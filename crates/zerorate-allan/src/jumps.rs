@@ -46,7 +46,7 @@ pub fn jumps(input: &Input<'_>) -> Option<Jumps> {
     is_much.then_some(Jumps { largest, usual })
 }
 
-/// The largest difference between neighbours in each part of the record, without those of a missing sample.
+/// The largest difference between neighbours in each part of the record. Differences to a missing sample do not count.
 fn parts<T>(samples: &[T], number: impl Fn(&T) -> f64) -> Vec<f64> {
     let size = |(one, next): (&T, &T)| (number(next) - number(one)).abs();
     let of_part = |start: usize| {

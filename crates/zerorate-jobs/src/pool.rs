@@ -61,7 +61,7 @@ impl NoPool {
     }
 }
 
-/// Fits one model to these records, except those that do not fit the others, and those of which no fit was requested.
+/// Fits one model to these records, except records that do not fit the others, and records without a fit.
 /// Each needs its samples.
 ///
 /// # Errors

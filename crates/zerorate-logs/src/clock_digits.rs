@@ -1,4 +1,4 @@
-//! Reads times whose digits are those of a clock: `hhmmss.ss` as in NMEA 0183, `hhmmssmmm`, or `yyyymmddhhmmss`.
+//! Reads times with the digits of a clock: `hhmmss.ss` as in NMEA 0183, `hhmmssmmm`, or `yyyymmddhhmmss`.
 
 use crate::clock::Times;
 
@@ -14,7 +14,7 @@ const STEP: f64 = 2.5;
 /// Precision of a date of 17 digits, s.
 const PRECISION_S: f64 = 0.005;
 
-/// The times of day, s. `None` unless the digits of all times are those of a clock, and the times go on evenly from
+/// The times of day, s. `None` unless all times have the digits of a clock, and the times go on evenly from
 /// second 59 of a minute to second 0 of the next, where a count of seconds has a gap of 40 s.
 pub fn times_of_day(times: &Times) -> Option<Times> {
     PER_S.into_iter().find_map(|per_s| read(times, per_s))

@@ -75,7 +75,7 @@ impl Clock {
         unwrapped.map(|how| LogWarning::TimesRepaired { path, column, how })
     }
 
-    /// Converts times whose digits are those of a clock to times of day. Returns the warning about that.
+    /// Converts times with the digits of a clock to times of day. Returns the warning about that.
     fn read_digits(&mut self, path: &Path, args: &ColumnOptions) -> Option<LogWarning> {
         let Self::Column(name, times) = self else { return None };
         let mut of_day = if times.unit.is_none() { clock_digits::times_of_day(times)? } else { return None };
@@ -83,7 +83,7 @@ impl Clock {
         of_day.scale(unit.per_s());
         of_day.unit = Some(unit);
         *times = of_day;
-        let how = "the digits are those of a clock, and are read as the time of day".to_owned();
+        let how = "the digits of a clock are read as the time of day".to_owned();
         Some(LogWarning::TimesRepaired { path: path.display().to_string(), column: name.clone(), how })
     }
 

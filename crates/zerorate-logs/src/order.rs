@@ -208,7 +208,7 @@ fn set_back(steps: &[(f64, String)], unit: Option<TimeUnit>) -> String {
 
 /// A time between rows as text: in seconds if its unit is known, or else as in the file.
 fn lapse(time: f64, unit: Option<TimeUnit>) -> String {
-    // the last digits are those of the subtraction
+    // the last digits come from the subtraction
     let rounded = |time: f64| format!("{time:.8e}").parse().unwrap_or(time);
     unit.map_or_else(|| rounded(time).to_string(), |unit| format!("{} s", rounded(time / unit.per_s())))
 }

@@ -77,7 +77,7 @@ fn clocks(sample: &[Sampled]) -> Option<String> {
     (all.len() > 1).then(|| all.join(", "))
 }
 
-/// The first column of times whose digits are those of a clock.
+/// The first column of times with the digits of a clock.
 fn clock_of_digits(sample: &[Sampled]) -> Option<String> {
     let are_digits = |column: &&Sampled| column.times().and_then(|times| times_of_day(&times)).is_some();
     sample.iter().find(are_digits).map(|column| quoted(&column.name))

@@ -1,4 +1,4 @@
-//! Tells a header in the midst of a log from broken rows: the header of the log again, or that of another log.
+//! Tells a header in the midst of a log from broken rows: the header of the log again, or another log's header.
 
 use super::super::number::Numerals;
 use super::head::shortened;

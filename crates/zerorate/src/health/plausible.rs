@@ -42,7 +42,7 @@
 //! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C plus 2 °C for each
 //! second between them. By M-05, a reading has a noise of 0.053 °C, so 1 °C is 13 deviations of a difference, and F-55
 //! expects up to 1 °C/s. If a second such temperature in a row agrees with the first, it is valid. The very first
-//! temperature is impossible if those of the next two readings agree with each other and not with it. If they
+//! temperature is impossible if the next two temperatures agree with each other and not with it. If they
 //! have none, because not every reading has a temperature, the very first is valid, and a next one that differs is
 //! impossible.
 
