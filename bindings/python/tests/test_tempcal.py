@@ -94,16 +94,15 @@ def test_tables_in_memory_are_read_as_logs(found: zerorate.Tempcal) -> None:
         (pandas.DataFrame(named, index=times), {}),
         (polars.DataFrame(columns), {}),
         (pyarrow.table(columns), {}),
-        ({"gyro": gyro, "T": columns["temp_c"]}, {"rate_hz": RATE_HZ, "gyro_unit": "°/s"}),
+        ({"gyro": gyro, "T [°C]": columns["temp_c"]}, {"rate_hz": RATE_HZ, "gyro_unit": "°/s"}),
         (np.column_stack([gyro, columns["temp_c"]]), {"rate_hz": RATE_HZ, "columns": [*CUBICS, "temp_c"]}),
-        (
-            np.column_stack([gyro, columns["temp_c"]]),
-            {"rate_hz": RATE_HZ, "gyro": [0, 1, 2], "gyro_unit": "dps", "temp_column": 3},
-        ),
         ({**named, "board_c": columns["temp_c"] + 9.0}, {"rate_hz": RATE_HZ, "temp_column": "temp_c"}),
     ]
-    for data, options in inputs:
-        again = zerorate.tempcal(data, **options)
+    all_again = [zerorate.tempcal(data, **options) for data, options in inputs]
+    with pytest.warns(UserWarning, match="units-taken: .* taken in °C"):
+        array = np.column_stack([gyro, columns["temp_c"]])
+        all_again.append(zerorate.tempcal(array, rate_hz=RATE_HZ, gyro=[0, 1, 2], gyro_unit="dps", temp_column=3))
+    for again in all_again:
         for axis, known in zip(again.axes.values(), found.axes.values()):
             np.testing.assert_allclose(axis.curve.bias, known.curve.bias, atol=0.2 * known.u_bias)
 
