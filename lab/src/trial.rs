@@ -32,7 +32,12 @@ pub struct Rig {
     mclk_hz: u32,
     ambient_c: f64,
     sampler: Sampler,
+    /// Time, s, and true temperature, °C, every ten seconds of a calibration.
+    pub temps: Vec<(f64, f64)>,
 }
+
+/// Time between two of [`Rig::temps`], s.
+const TEMPS_S: f64 = 10.0;
 
 impl Rig {
     pub fn new(spec: Spec) -> Self {
@@ -53,6 +58,7 @@ impl Rig {
             mclk_hz,
             ambient_c,
             sampler: new_sampler(mclk_hz),
+            temps: Vec::new(),
         }
     }
 
@@ -84,6 +90,10 @@ impl Rig {
                 Action::Read => procedure.handle(Event::Reading(&Reading::from(&self.read()?)))?,
                 Action::Done => break,
             }
+            if procedure.progress().elapsed_s >= self.temps.len() as f64 * TEMPS_S {
+                let now = self.twin.truth();
+                self.temps.push((now.t_ns as f64 * 1e-9, now.element_c));
+            }
             if let [(at_s, by_c), rest @ ..] = air
                 && procedure.progress().elapsed_s >= *at_s
             {
@@ -96,6 +106,20 @@ impl Rig {
         }
         let truth = truth.unwrap_or_else(|| self.twin.truth());
         Ok((procedure.finish()?, truth))
+    }
+
+    /// Calibrates. Returns an error if the bus fails or the plan is invalid.
+    pub fn run(&mut self, plan: Plan) -> anyhow::Result<TrialEnd> {
+        match self.calibrate(plan) {
+            Ok((outcome, truth)) => {
+                let of_events = outcome.warnings.iter().filter(|warning| !warning.is_standing());
+                let codes = of_events.map(zerorate::Warning::code);
+                // this warning says that a longer average would be better, not that the result may be wrong
+                let warnings = codes.filter(|code| *code != "short-average").collect();
+                Ok(TrialEnd::Calibrated { unit: judge(&outcome, &truth), warnings })
+            }
+            Err(error) => error.downcast::<Refusal>().map(|_| TrialEnd::Refused),
+        }
     }
 }
 
@@ -137,16 +161,7 @@ pub enum TrialEnd {
 
 /// Calibrates a unit. Returns an error if the bus fails or the plan is invalid.
 pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
-    match Rig::new(spec).calibrate(plan) {
-        Ok((outcome, truth)) => {
-            let of_events = outcome.warnings.iter().filter(|warning| !warning.is_standing());
-            let codes = of_events.map(zerorate::Warning::code);
-            // this warning says that a longer average would be better, not that the result may be wrong
-            let warnings = codes.filter(|code| *code != "short-average").collect();
-            Ok(TrialEnd::Calibrated { unit: judge(&outcome, &truth), warnings })
-        }
-        Err(error) => error.downcast::<Refusal>().map(|_| TrialEnd::Refused),
-    }
+    Rig::new(spec).run(plan)
 }
 
 impl TrialEnd {
