@@ -49,8 +49,8 @@ const STEP_8_S: f64 = 160.0;
 /// Frequency, Hz, below which an oscillation of the base has less than a full period in the hour.
 const SEEN_HZ: f64 = 3e-4;
 /// What a line over the temperature leaves of a slow base motion, °/s rms, up to which nothing tells the motion from
-/// the bias of the part: five times its flicker (M-04). Trials showed that three times is not enough.
-const LIKE_BIAS_DPS: f64 = 0.01;
+/// the bias of the part: three times its flicker (M-04).
+const LIKE_BIAS_DPS: f64 = 0.006;
 /// One run in this many has the part's own clock and bandwidth. The other runs have a fiftieth of the clock and a
 /// bandwidth of 50 Hz (F-04). Everything that happens in the hour stays the same, and such a run takes a thirtieth of
 /// the time.
