@@ -72,7 +72,10 @@ pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
         let why = format!("it has more than {most}, and is not read as text");
         return Err(std::io::Error::new(ErrorKind::FileTooLarge, why));
     }
-    String::from_utf8(bytes).map_err(|_| std::io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
+    let not_text = |_| std::io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8");
+    let text = String::from_utf8(bytes).map_err(not_text)?;
+    // editors for Windows write a byte order mark
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
 /// The path that means standard input.

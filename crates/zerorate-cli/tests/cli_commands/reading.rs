@@ -86,7 +86,8 @@ fn stream_refuses_what_does_not_fit() {
 #[test]
 fn stream_knows_the_part_of_a_recording() {
     let bench = bench();
-    bench.write("nameless.toml", calibration(0.5, -0.04, 31.5));
+    let with_mark = format!("\u{feff}{}", calibration(0.5, -0.04, 31.5));
+    bench.write("nameless.toml", with_mark);
     for (serial, code, said) in [("A1", 0, "no checksum"), ("B2", 1, "is part B2, ")] {
         bench.zerorate(&format!("capture --samples 100 --serial {serial} -o {serial}.arrows")).ended_with(0);
         let stream = |more: &str| bench.zerorate(&format!("stream --device replay:{serial}.arrows --cal {more}"));
