@@ -4,8 +4,11 @@ use std::path::Path;
 use zerorate_allan::{Input, Jumps, jumps};
 use zerorate_logs::{Column, LogError, LogWarning, Quantity};
 
-/// A step of an angle within this of 360° is a whole turn.
-const NEAR_DEG: f64 = 10.0;
+/// An angle wraps around if all but this share of its points lie from 0 to a turn, or within half a turn of 0. The
+/// rest are wrong samples.
+const OUTSIDE: f64 = 1e-3;
+/// The ends of such a range may be rounded by this share of a turn.
+const ROUNDED: f64 = 1e-4;
 
 /// The points of a phase, NaN where one is lost. An angle that wraps around is unwrapped, which adds a note.
 ///
@@ -14,27 +17,43 @@ const NEAR_DEG: f64 = 10.0;
 pub fn angle(column: &Column, path: &Path, notes: &mut Vec<LogWarning>) -> Result<Vec<f64>, LogError> {
     let points = column.points(path)?;
     let is_angle = column.quantity == Some(Quantity::AngularRate);
-    let found = is_angle.then(|| unwrapped(&points, (360.0 / column.scale).abs())).flatten();
-    let Some((points, turns)) = found else { return Ok(points) };
-    let times = if turns == 1 { "once".to_owned() } else { format!("{turns} times") };
-    notes.push(note(path, column, &format!("the angle jumps by a whole turn {times}, which is taken out")));
+    let turn = (360.0 / column.scale).abs();
+    if !is_angle || !wraps(&points, turn) {
+        return Ok(points);
+    }
+    let (points, turns) = unwrapped(&points, turn);
+    if turns > 0 {
+        let times = if turns == 1 { "once".to_owned() } else { format!("{turns} times") };
+        notes.push(note(path, column, &format!("the angle jumps by a whole turn {times}, which is taken out")));
+    }
     Ok(points)
 }
 
-/// The angle without its jumps by a whole turn, and their number. `None` without such jumps, and if most steps are.
-fn unwrapped(points: &[f64], turn: f64) -> Option<(Vec<f64>, usize)> {
+/// True if an angle starts again after a whole turn. An angle that counts on leaves the range of a turn.
+fn wraps(points: &[f64], turn: f64) -> bool {
+    let most = OUTSIDE * points.iter().filter(|point| !point.is_nan()).count() as f64;
+    let is_in = |middle: f64| {
+        let outside = points.iter().filter(|point| (**point - middle).abs() > (0.5 + ROUNDED) * turn);
+        outside.count() as f64 <= most
+    };
+    is_in(0.0) || is_in(turn / 2.0)
+}
+
+/// The angle without its jumps by a whole turn, and their number. Each step goes the short way round, across a gap
+/// too. A step of more than a turn is a wrong sample, and is kept.
+fn unwrapped(points: &[f64], turn: f64) -> (Vec<f64>, usize) {
     let (mut before, mut turns, mut added) = (f64::NAN, 0, 0.0);
     let unwrap = |point: &f64| {
         let step = *point - before;
-        if (step.abs() - turn).abs() < NEAR_DEG / 360.0 * turn {
+        if (0.5..=1.0 + 2.0 * ROUNDED).contains(&(step.abs() / turn)) {
             turns += 1;
             added -= turn.copysign(step);
         }
         before = if point.is_nan() { before } else { *point };
         *point + added
     };
-    let points: Vec<f64> = points.iter().map(unwrap).collect();
-    (turns > 0 && 2 * turns < points.len()).then_some((points, turns))
+    let points = points.iter().map(unwrap).collect();
+    (points, turns)
 }
 
 /// The note about jumps in a record from which no model removes them.
@@ -73,7 +92,28 @@ mod tests {
             |(at, (point, angle)): (usize, (&f64, f64))| at == 700 || (point + 360.0 - angle).abs() < 1e-9;
         assert!(found.iter().zip(straight()).enumerate().all(is_straight));
         assert_eq!(notes[0].coded(), "glitches: log: yaw: the angle jumps by a whole turn once, which is taken out");
-        assert_eq!(unwrapped(&[0.0, 360.0, 720.0], 360.0), None, "a turn for each sample");
+    }
+
+    #[test]
+    fn an_angle_wraps_around_if_it_stays_within_a_turn() {
+        let wrap = |angle: f64| (angle + 180.0).rem_euclid(360.0) - 180.0;
+        let wave = |at: u32| f64::from(at * 7919 % 101) / 101.0 - 0.5;
+        for (name, angle) in [
+            ("15° a sample", (0..1200).map(|at| 15.0 * f64::from(at) + wave(at)).collect::<Vec<f64>>()),
+            ("170° a sample", (0..1200).map(|at| -170.0 * f64::from(at) + wave(at)).collect()),
+            ("at rest where it wraps", (0..1200).map(|at| -180.0 + wave(at)).collect()),
+        ] {
+            let wrapped: Vec<f64> = angle.iter().map(|angle| wrap(*angle)).collect();
+            assert!(wraps(&wrapped, 360.0), "{name}");
+            let found = unwrapped(&wrapped, 360.0).0;
+            let is_right = |(one, other): (&f64, &f64)| (one - other - (found[0] - angle[0])).abs() < 1e-6;
+            assert!(found.iter().zip(&angle).all(is_right), "{name}");
+        }
+        assert!(!wraps(&(0..1200).map(|at| 30.0 * f64::from(at)).collect::<Vec<f64>>(), 360.0), "counted on");
+        let mut turned_in_a_gap = [0.1; 1200];
+        turned_in_a_gap[600..610].fill(f64::NAN);
+        turned_in_a_gap[610..].fill(360.2);
+        assert!(!wraps(&turned_in_a_gap, 360.0));
     }
 
     #[test]
