@@ -33,15 +33,14 @@ const SCALED_BY: usize = 1 << 18;
 const MEDIAN_OF: usize = 1 << 16;
 const SIGMA_PER_MAD: f64 = 1.4826;
 
-/// Windows beyond this share of the limit show whether the tail of the noise extends to the limit.
-const TAIL: f64 = 0.75;
-/// Windows beyond the limit are cut as glitches if they are less than this share of all windows. Cutting more would
-/// change N.
-const OFTEN: f64 = 1e-4;
-/// Share of the records of normal noise whose tail seems, by chance, to extend to the limit.
-const HEAVY_BY_CHANCE: f64 = 1e-3;
+/// Windows beyond this share of the limit show whether the noise has a heavy tail.
+const TAIL: f64 = 0.65;
+/// Share of the records of normal noise whose tail seems heavy by chance. In these, glitches must be larger.
+const HEAVY_BY_CHANCE: f64 = 0.05;
 /// Share of the heavy-tailed records in which a gap within the tail is mistaken for one that isolates glitches.
 const GAP_BY_CHANCE: f64 = 0.05;
+/// The number of windows beyond a size falls at least with this power of the size, or the noise had no variance.
+const LEAST_POWER: f64 = 2.0;
 
 /// A sample is damaged, whatever the noise, if it is this many times farther from the median than 90 % of the samples.
 const ABSURD: f64 = 1e9;
@@ -60,6 +59,7 @@ const PIECE: usize = 1 << 14;
 ///
 /// Noise with a heavy tail has windows of every size up to the limit and beyond. In such noise, only windows beyond a
 /// gap in the sizes are glitches. A cut at the limit lowered N of Student's t with 3 degrees of freedom by a tenth.
+/// Single samples tell whether the tail is heavy, because means of several are nearer to normal.
 pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
     let has_gaps = rate.iter().any(|value| value.is_nan());
     let there: Vec<usize> = if has_gaps { present(rate) } else { Vec::new() };
@@ -71,14 +71,19 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
     if !bad.is_empty() {
         replace(values.to_mut(), &bad);
     }
+    let mut tail = None;
     for width in WIDTHS.into_iter().filter(|width| 3 * *width < count) {
         for _ in 0..LOOKS {
             let before = bad.len();
-            let found = Windows { values: &values, there: &there, width }.beyond(limit);
+            let windows = Windows { values: &values, there: &there, width };
+            let mut peaks = windows.peaks(limit);
+            let is_heavy = *tail.get_or_insert_with(|| is_heavy(&peaks, windows.len() as f64, limit));
+            let least = if is_heavy { gap(&peaks) } else { 1.0 };
+            peaks.retain(|(_, size)| *size > least);
             // no window has the first or last samples in its middle, so the first and the last window flag these too
             let begin = |i: usize| if i == 0 { 0 } else { i + width };
             let end = |i: usize| if i + 3 * width == count { count } else { i + 2 * width };
-            found.into_iter().for_each(|i| bad.extend(begin(i)..end(i)));
+            peaks.into_iter().for_each(|(i, _)| bad.extend(begin(i)..end(i)));
             if bad.len() as f64 > MOST * count as f64 {
                 return None;
             }
@@ -168,10 +173,9 @@ impl Windows<'_> {
         })
     }
 
-    /// The windows whose difference is above `limit` standard deviations of their class. If the noise has a heavy
-    /// tail, the difference must be above a gap in the sizes instead. Only the largest difference within two widths to
-    /// either side counts.
-    fn beyond(&self, limit: f64) -> Vec<usize> {
+    /// The windows whose difference is above `limit` standard deviations of their class times [`TAIL`], and its size in
+    /// limits. Only the largest difference within two widths to either side counts.
+    fn peaks(&self, limit: f64) -> Vec<(usize, f64)> {
         let scales = self.scales();
         let reach = 2 * self.width;
         let pieces = threads::map(self.len().div_ceil(PIECE), |piece| {
@@ -192,33 +196,32 @@ impl Windows<'_> {
             };
             inside.filter_map(stands_out).collect::<Vec<(usize, f64)>>()
         });
-        let peaks: Vec<(usize, f64)> = pieces.into_iter().flatten().collect();
-        let least = isolated(peaks.iter().map(|(_, size)| *size).collect(), self.len() as f64, limit);
-        peaks.into_iter().filter(|(_, size)| *size > least).map(|(window, _)| window).collect()
+        pieces.into_iter().flatten().collect()
     }
 }
 
-/// The size, as a multiple of the limit, above which windows are glitches: 1 if few windows are beyond the limit, or
-/// if the tail of the noise ends below it. Otherwise the lowest gap in the sizes that is not due to chance; infinity
-/// without such a gap. `sizes` are above [`TAIL`].
-fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
-    sizes.sort_unstable_by(f64::total_cmp);
-    let beyond = sizes.len() - sizes.partition_point(|size| *size <= 1.0);
-    let below = sizes.len() - beyond;
+/// True if the noise has a heavy tail: more windows than normal noise between [`TAIL`] and the limit, and more than
+/// beyond it. Even Student's t with 2 degrees of freedom has more there, and glitches of any sizes have fewer.
+fn is_heavy(peaks: &[(usize, f64)], windows: f64, limit: f64) -> bool {
+    let below = peaks.iter().filter(|(_, size)| *size <= 1.0).count();
     // Normal noise has this many windows beyond `TAIL` on average. The probability of `below` or more is the tail of
     // a Poisson distribution, which is that of χ².
     let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
-    let by_chance = || 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
-    let are_rare = (beyond as f64) < OFTEN * windows;
-    // noise has more windows between `TAIL` and the limit than beyond it, even Student's t with 2.4 degrees of freedom
-    if are_rare || below < beyond || by_chance() > HEAVY_BY_CHANCE {
-        return 1.0;
-    }
+    let by_chance = 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
+    2 * below > peaks.len() && by_chance < HEAVY_BY_CHANCE
+}
+
+/// The size below the lowest gap beyond the limit that is not due to chance in a heavy tail; infinity without one.
+fn gap(peaks: &[(usize, f64)]) -> f64 {
+    let mut sizes: Vec<f64> = peaks.iter().map(|(_, size)| *size).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let below = sizes.partition_point(|size| *size <= 1.0);
     // Hill estimator: ln of the sizes above a threshold is exponentially distributed
     let least = sizes.first().map_or(0.0, |size| libm::log(*size));
     let mean = sizes.iter().map(|size| libm::log(*size) - least).sum::<f64>() / sizes.len() as f64;
+    let mean = mean.max(1.0 / LEAST_POWER);
     let chance = |at: usize| libm::exp(-libm::log(sizes[at] / sizes[at - 1]) * (sizes.len() - at) as f64 / mean);
-    let first = (below..sizes.len()).find(|at| chance(*at) < GAP_BY_CHANCE / beyond as f64);
+    let first = (below.max(1)..sizes.len()).find(|at| chance(*at) < GAP_BY_CHANCE / (sizes.len() - below) as f64);
     first.map_or(f64::INFINITY, |at| sizes[at - 1])
 }
 
