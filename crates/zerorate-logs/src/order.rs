@@ -86,7 +86,7 @@ pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<
 /// Unwraps a counter of ticks, in its own steps. Returns the text about it.
 pub fn unwrap_ticks(times: &mut Times) -> Option<String> {
     let (mut rows, first, interval) = (timed_rows(times), times.first(), times.interval()?);
-    // a wrong stamp is no wrap
+    // a wrong stamp is not a wrap
     let stray = restamp(&mut rows, interval);
     let wraps = unwrap(&mut rows, first, interval)?;
     times.replace(rows.iter().map(|row| row.time).collect());

@@ -173,8 +173,8 @@ impl Windows<'_> {
         })
     }
 
-    /// The windows whose difference is above `limit` standard deviations of their class times [`TAIL`], and its size in
-    /// limits. Only the largest difference within two widths to either side counts.
+    /// The windows whose difference is above `limit` standard deviations of their class times [`TAIL`], and its size
+    /// in limits. Only the largest difference within two widths to either side counts.
     fn peaks(&self, limit: f64) -> Vec<(usize, f64)> {
         let scales = self.scales();
         let reach = 2 * self.width;

@@ -91,7 +91,7 @@ fn nonsense_harms_nobody_else() {
     assert_eq!(client.value("READ iio:device0 current_timestamp_clock"), "monotonic", "it goes on");
     let mut browser = Raw::connect(&served);
     assert_eq!(browser.number("POST / HTTP/1.1"), -22);
-    assert_eq!(browser.try_value("READ iio:device0 calibration"), None, "what a page posts is no request");
+    assert_eq!(browser.try_value("READ iio:device0 calibration"), None, "a post from a page is not a request");
     for noise in [vec![b'x'; 1 << 20], (0..=255).cycle().take(100_000).collect(), vec![b'\n'; 1 << 16], vec![0; 4096]]
     {
         let mut client = Raw::connect(&served);

@@ -62,7 +62,7 @@ impl Bias {
 
     /// The reason why a temperature that the user named gives no curve.
     pub fn unfit(name: &str) -> Self {
-        Self::Elsewhere(format!("{name} is no temperature in °C that changes by {LEAST_SPAN_C} °C or more"))
+        Self::Elsewhere(format!("{name} is not a temperature in °C that changes by {LEAST_SPAN_C} °C or more"))
     }
 
     /// Fits the curves, and returns them as text, plots and files. `notes` are the warnings about the log.
