@@ -10,6 +10,7 @@ use crate::{increments, kalibr};
 use std::path::Path;
 use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, TimeUnit, Unit,
+    states_codes, states_factor,
 };
 
 /// The user's description of the axes, for logs that do not describe them.
@@ -423,10 +424,17 @@ impl ImuOptions {
     /// The question for the unit of columns, with a hint from their numbers.
     fn ask_unit(&self, kind: Kind, columns: &[&Column]) -> String {
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-        let seen = match &names[..] {
-            [only] => format!("column {only} ({}) states no unit", kind.name()),
-            several => format!("columns {} ({}) state no unit", several.join(", "), kind.name()),
+        let has = |states: fn(&str) -> bool| names.iter().any(|name| states(name));
+        let (stated, scale) = match () {
+            () if has(states_factor) => ("a factor or a range beside the unit", Some(Setting::Scale)),
+            () if has(states_codes) => ("codes and no unit", Some(Setting::Scale)),
+            () => ("no unit", None),
         };
+        let seen = match &names[..] {
+            [only] => format!("column {only} ({}) states {stated}", kind.name()),
+            several => format!("columns {} ({}) state {stated}", several.join(", "), kind.name()),
+        };
+        let scale = scale.map_or_else(String::new, |scale| format!(" with {}", self.log.names.of(scale)));
         let told = match kind {
             Kind::Accelerometer => codes::of_gravity(columns, &self.log),
             Kind::Gyroscope if columns.iter().all(|column| codes::are_whole(column)) => {
@@ -435,7 +443,7 @@ impl ImuOptions {
             Kind::Gyroscope => None,
         };
         let told = told.map_or_else(String::new, |told| format!(" ({told})"));
-        format!("{seen}; {}{told}", self.remedy(kind))
+        format!("{seen}; {}{scale}{told}", self.remedy(kind))
     }
 
     fn remedy(&self, kind: Kind) -> String {

@@ -9,6 +9,7 @@ pub mod catch_panic;
 pub mod cells;
 pub mod delimited;
 mod error;
+mod factor;
 mod input;
 pub mod limits;
 pub mod messages;
@@ -22,6 +23,7 @@ mod unit;
 mod warning;
 
 pub use error::InputError;
+pub use factor::{states_codes, states_factor};
 pub use input::{Input, RemoteBytes};
 pub use not_built_in::NotBuiltIn;
 pub use open_table::{Opened, open_table};

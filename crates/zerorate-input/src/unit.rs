@@ -1,5 +1,6 @@
 //! Units of angular rate, acceleration, temperature and time, parsed from an option or from the name of a column.
 
+use crate::factor::{joined_prefixes, states_codes, states_factor};
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
@@ -100,9 +101,9 @@ units! {
     G "g" Acceleration STANDARD_GRAVITY,
         ["g", "gn", "g0", "gee", "gees", "g-force", "gforce"], ["g", "gee", "gees"];
     /// 0.001 g.
-    MilliG "mg" Acceleration STANDARD_GRAVITY * 1e-3, ["mg"], ["mg", "milli_g"];
+    MilliG "mg" Acceleration STANDARD_GRAVITY * 1e-3, ["mg"], ["mg"];
     /// 0.000 001 g.
-    MicroG "ug" Acceleration STANDARD_GRAVITY * 1e-6, ["ug"], ["ug", "micro_g"];
+    MicroG "ug" Acceleration STANDARD_GRAVITY * 1e-6, ["ug"], ["ug"];
     /// cm/s², or Gal.
     CmPerS2 "cm/s²" Acceleration 1e-2, ["cm/s2", "cm/s/s", "cms-2", "gal"], ["cm_s2", "cm_per_s2", "cms2", "gal"];
     /// mm/s².
@@ -111,8 +112,12 @@ units! {
 
 impl Unit {
     /// The unit that the name of a column states: in brackets, at its end, or by the naming of ROS. REP-103 of ROS
-    /// fixes the unit of an `angular_velocity` at rad/s, and of a `linear_acceleration` at m/s².
+    /// fixes the unit of an `angular_velocity` at rad/s, and of a `linear_acceleration` at m/s². `None` if the name
+    /// states a factor or codes as well.
     pub fn of_column(name: &str) -> Option<Self> {
+        if states_factor(name) || states_codes(name) {
+            return None;
+        }
         if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
             return Some(unit);
         }
@@ -123,8 +128,7 @@ impl Unit {
         // a unit in camel case, as in `gyroXRadPerSec`
         let words = name.char_indices().filter(|(_, c)| c.is_uppercase()).map(|(at, _)| &name[at..]);
         let camel = words.filter_map(rate).next();
-        let lower = name.to_lowercase();
-        // the longest ending: `milli_g` is not g
+        let lower = joined_prefixes(name);
         let ending = |unit: &Self| {
             unit.endings().iter().filter(|ending| has_ending(&lower, ending)).map(|ending| ending.len()).max()
         };
@@ -261,14 +265,14 @@ impl TimeUnit {
     /// The unit that the name of a column states: in brackets, as its last word, or by the naming of ArduPilot, of
     /// phones and of Arduino sketches.
     pub fn of_column(name: &str) -> Option<Self> {
-        let lower = name.to_lowercase();
+        let lower = joined_prefixes(name);
         match &*lower {
             "timeus" | "micros" | "us" | "usec" | "microseconds" | "microsecond" => return Some(Self::Us),
             "millis" | "ms" | "msec" | "milliseconds" | "millisecond" => return Some(Self::Ms),
             "sec" | "secs" | "second" | "seconds" | "seconds_elapsed" | "secondselapsed" => return Some(Self::S),
             "nanos" | "ns" | "nsec" | "nanoseconds" => return Some(Self::Ns),
             // in `gx_rad/s`, the `s` belongs to the unit of a rate
-            _ if Unit::of_column(name).is_some() => return None,
+            _ if Unit::of_column(name).is_some() || states_factor(name) => return None,
             _ => {}
         }
         let named = |names: &[&str]| match bracketed(&lower) {
@@ -291,6 +295,7 @@ impl TimeUnit {
 pub fn is_celsius(name: &str) -> bool {
     let lower = name.to_lowercase();
     match bracketed(&lower) {
+        _ if states_factor(name) => false,
         Some(inner) => ["c", "°c", "ºc", "℃", "degc", "deg c", "celsius"].contains(&inner.trim()),
         None => ["c", "degc", "deg_c", "celsius"].iter().any(|ending| has_ending(&lower, ending)),
     }

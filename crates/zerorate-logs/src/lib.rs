@@ -114,3 +114,4 @@ pub use temperature::{TEMPERATURE_NAMES, temperature};
 pub use timed::{TimedColumn, TimedColumns, read_timed};
 pub use warning::LogWarning;
 pub use zerorate_input::{Input, InputError, InputWarning, Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
+pub use zerorate_input::{states_codes, states_factor};

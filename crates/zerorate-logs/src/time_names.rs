@@ -1,6 +1,6 @@
 //! Recognises columns of times by their names.
 
-use zerorate_input::TimeUnit;
+use zerorate_input::{TimeUnit, states_factor};
 
 /// True if a column may hold the time, by its name.
 pub fn is_like_time(name: &str) -> bool {
@@ -65,7 +65,8 @@ fn is_in_time_unit(name: &str) -> bool {
 }
 
 /// If the name of a time states a step other than one unit, returns the unit and the size of the step in it: 0.1 ms
-/// for `time [0.1 ms]`, 100 µs for `ticks_100us`, 60 s for `Time (min)`, 1/32768 s for `ticks_32768Hz`.
+/// for `time [0.1 ms]`, 100 µs for `ticks_100us`, 60 s for `Time (min)`, 1/32768 s for `ticks_32768Hz`. `None` for
+/// other factors, as in `time_x10_us`.
 pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     let name = name.to_lowercase();
     let is_short =
@@ -73,6 +74,10 @@ pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     let is_time = is_short || is_like_time(&name) || name.contains("tick");
     let text = name.trim_end_matches([']', ')']);
     let text = text.strip_suffix("/lsb").unwrap_or(text);
+    // the number of a step stands in the bracket
+    if states_factor(&text.replace(['[', '('], " ")) {
+        return None;
+    }
     let longer = [(60.0, &["min", "mins", "minutes"][..]), (3600.0, &["h", "hr", "hrs", "hours"])];
     let ends = |word: &&str| text.strip_suffix(*word).is_some_and(|rest| rest.ends_with(['[', '(']));
     if let Some((step, _)) = longer.into_iter().find(|(_, words)| is_time && words.iter().any(ends)) {
@@ -176,6 +181,9 @@ mod tests {
             ("time [40 kHz]", Some((TimeUnit::S, 1.0 / 40_000.0))),
             ("gyro [200 Hz]", None),
             ("time_hz", None),
+            ("time_x10_us", None),
+            ("time x 10 us", None),
+            ("time*1000 (min)", None),
         ];
         cases.into_iter().for_each(|(name, expected)| assert_eq!(ticks(name), expected, "{name}"));
     }
