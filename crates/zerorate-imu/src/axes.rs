@@ -428,6 +428,7 @@ impl ImuOptions {
         let (stated, scale) = match () {
             () if has(states_factor) => ("a factor or a range beside the unit", Some(Setting::Scale)),
             () if has(states_codes) => ("codes and no unit", Some(Setting::Scale)),
+            () if has(|name| increments::by_unit(name).is_some()) => ("no unit of a rate", None),
             () => ("no unit", None),
         };
         let seen = match &names[..] {
@@ -473,7 +474,7 @@ impl Kind {
 /// their units too.
 fn check(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let columns: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
-    let asked = increments::ask(path, &columns, &options.log);
+    let asked = increments::ask_axes(path, &columns, &options.log);
     match (asked, check_units(options, path, axes)) {
         (Err(asked), Err(more)) => Err(both(path, asked, more)),
         (asked, units) => asked.and(units),

@@ -1,6 +1,7 @@
 //! Columns of increments: the change of angle or velocity during a sample, in place of the angular rate or the
 //! acceleration.
 
+use crate::Kind;
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogError, Quantity, Result, Setting};
 
@@ -20,22 +21,28 @@ const ANGLES: [&str; 10] = [
 const VELOCITIES: [&str; 7] = ["dvel", "deltavel", "deltvel", "delvel", "velincr", "velocityincr", "incvel"];
 
 /// Beginnings of short names of increments, before the letter or digit of the axis.
-const SHORT_ANGLES: [&str; 3] = ["dth", "dang", "dphi"];
-const SHORT_VELOCITIES: [&str; 3] = ["dv", "deltav", "delv"];
+const SHORT_ANGLES: [&str; 7] = ["dth", "dang", "dphi", "angleinc", "anginc", "gyroinc", "gyrinc"];
+const SHORT_VELOCITIES: [&str; 6] = ["dv", "deltav", "delv", "velinc", "accinc", "accelinc"];
+
+/// Beginnings of names that may be increments or something else: `day` is a date. They do not make a column an axis.
+const DOUBTFUL: [&str; 5] = ["da", "dt", "dw", "dg", "dr"];
+
+/// Units of an angle, and of a velocity, in lower case.
+const ANGLE_UNITS: [&str; 14] = [
+    "rad", "mrad", "urad", "µrad", "radian", "radians", "deg", "mdeg", "degree", "degrees", "°", "arcsec", "arcmin",
+    "asec",
+];
+const VELOCITY_UNITS: [&str; 7] = ["m/s", "mps", "cm/s", "mm/s", "m_s", "m s^-1", "m s-1"];
 
 /// Units of increments after the letter or digit of the axis. Only letters and digits are compared.
-const UNITS: [&str; 9] = ["", "rad", "mrad", "urad", "deg", "mdeg", "ms", "mps", "gs"];
+const UNITS: [&str; 10] = ["", "rad", "mrad", "urad", "deg", "mdeg", "arcsec", "ms", "mps", "gs"];
 
 /// The quantity of a column of increments, by its name: angular rate for increments of an angle, acceleration for
 /// those of a velocity. `None` if the name does not state increments.
 pub fn named(name: &str) -> Option<Quantity> {
-    let name: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
-    let is_axis_of = |start: &&str| {
-        let unit = name.strip_prefix(*start).and_then(|rest| rest.strip_prefix(['x', 'y', 'z', '0', '1', '2', '3']));
-        unit.is_some_and(|unit| UNITS.contains(&unit))
-    };
     let holds = |words: &[&str], starts: &[&str]| {
-        words.iter().any(|word| name.contains(word)) || starts.iter().any(is_axis_of)
+        let plain = plain(name);
+        words.iter().any(|word| plain.contains(word)) || starts_before_axis(&plain, starts)
     };
     match () {
         () if holds(&ANGLES, &SHORT_ANGLES) => Some(Quantity::AngularRate),
@@ -44,12 +51,61 @@ pub fn named(name: &str) -> Option<Quantity> {
     }
 }
 
-/// Asks about columns that are increments by their names, unless the user says whether they are.
+fn plain(name: &str) -> String {
+    name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect()
+}
+
+fn starts_before_axis(plain: &str, starts: &[&str]) -> bool {
+    let is_axis_of = |start: &&str| {
+        let unit = plain.strip_prefix(*start).and_then(|rest| rest.strip_prefix(['x', 'y', 'z', '0', '1', '2', '3']));
+        unit.is_some_and(|unit| UNITS.contains(&unit))
+    };
+    starts.iter().any(is_axis_of)
+}
+
+/// The quantity of a column of increments, by the unit in its name, and the name in lower case without that unit:
+/// `gyro_x [rad]`, `wx_arcsec`, `ax (m/s)`.
+pub fn by_unit(name: &str) -> Option<(Quantity, String)> {
+    let name = name.to_lowercase();
+    let bracketed = name.trim_end().strip_suffix([']', ')']).and_then(|name| name.rsplit_once(['[', '(']));
+    let without = |unit: &&str| match bracketed {
+        Some((own, inner)) => (inner.trim() == *unit).then_some(own),
+        None => name.strip_suffix(*unit).filter(|own| own.ends_with(['_', ' ', '.'])),
+    };
+    let of =
+        |units: &[&str]| units.iter().find_map(without).map(|own| own.trim_end_matches(['_', ' ', '.']).to_owned());
+    let angle = of(&ANGLE_UNITS).map(|own| (Quantity::AngularRate, own));
+    angle.or_else(|| of(&VELOCITY_UNITS).map(|own| (Quantity::Acceleration, own)))
+}
+
+/// True if the name of a column states increments, or names an axis and states a unit of increments.
+fn states_increments(column: &Column) -> bool {
+    let is_axis = || column.quantity.is_none() && Kind::of_column(column).is_some();
+    named(&column.name).is_some() || is_axis() && by_unit(&column.name).is_some()
+}
+
+/// True if an axis may hold increments, by its name.
+fn is_suspect(axis: &Column) -> bool {
+    let may_be = || by_unit(&axis.name).is_some() || starts_before_axis(&plain(&axis.name), &DOUBTFUL);
+    named(&axis.name).is_some() || axis.quantity.is_none() && may_be()
+}
+
+/// Asks about columns that are increments by their names or units, unless the user says whether they are. Columns
+/// that are not axes, such as `roll [deg]`, may hold angles.
 ///
 /// # Errors
 /// Returns a question that names these columns.
 pub fn ask(path: &Path, columns: &[&Column], args: &ColumnOptions) -> Result<()> {
-    let names: Vec<&str> = columns.iter().map(|column| &*column.name).filter(|name| named(name).is_some()).collect();
+    ask_where(states_increments, path, columns, args)
+}
+
+/// [`ask`] for columns that are known as axes.
+pub(super) fn ask_axes(path: &Path, axes: &[&Column], args: &ColumnOptions) -> Result<()> {
+    ask_where(is_suspect, path, axes, args)
+}
+
+fn ask_where(is: fn(&Column) -> bool, path: &Path, columns: &[&Column], args: &ColumnOptions) -> Result<()> {
+    let names: Vec<&str> = columns.iter().filter(|column| is(column)).map(|column| &*column.name).collect();
     match names.is_empty() || args.increments.is_some() {
         true => Ok(()),
         false => Err(question(path, &format!("{} by name", names.join(", ")), args)),
@@ -82,6 +138,9 @@ mod tests {
             "dth_x_rad",
             "angular_increment_x",
             "delta_ang_1",
+            "AngleIncX",
+            "gyro_inc_x [deg]",
+            "dtheta_x_arcsec",
         ];
         let velocities = [
             "dvel_x",
@@ -95,6 +154,7 @@ mod tests {
             "DelVelX",
             "dv_y_mps",
             "velocity_increment_z",
+            "VelIncZ",
         ];
         assert!(angles.iter().all(|name| named(name) == Some(Quantity::AngularRate)));
         assert!(velocities.iter().all(|name| named(name) == Some(Quantity::Acceleration)));
@@ -103,5 +163,22 @@ mod tests {
                 .map(named)
                 == [None; 10]
         );
+    }
+
+    #[test]
+    fn units_of_an_angle_or_a_velocity_suggest_increments() {
+        let units = ["gyro_x [rad]", "gyro_x_deg", "wx_arcsec", "w.x (°)", "GyroX (mrad)", "ax [m/s]", "acc_y_mps"];
+        let bare = ["gyro_x", "gyro_x", "wx", "w.x", "gyrox", "ax", "acc_y"];
+        assert_eq!(units.map(|name| by_unit(name).unwrap().1), bare);
+        for name in ["gyro_x [rad/s]", "gyro_rad_s", "gyro_rad[0]", "ax [m/s^2]", "ax_m_s2", "grad", "ax_g"] {
+            assert_eq!(by_unit(name), None, "{name}");
+        }
+        let suspect = |name: &str| is_suspect(&Column::new(name, zerorate_logs::Series::Numbers(vec![0.0]), 1.0));
+        assert!(["dax", "dtx", "dW_x", "gyro_x [deg]"].into_iter().all(suspect));
+        assert!(!["gyro_x", "wx", "ax", "date"].into_iter().any(suspect));
+        let states =
+            |name: &str| states_increments(&Column::new(name, zerorate_logs::Series::Numbers(vec![0.0]), 1.0));
+        assert!(["gyro_x_deg", "wx [rad]", "dtheta_x"].into_iter().all(states));
+        assert!(!["roll [deg]", "heading_deg", "day", "gyro_x"].into_iter().any(states));
     }
 }

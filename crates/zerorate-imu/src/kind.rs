@@ -2,7 +2,7 @@
 
 use crate::increments;
 use serde::Serialize;
-use zerorate_logs::{Column, Quantity, Unit};
+use zerorate_logs::{Column, Quantity, Unit, states_codes};
 
 /// The kind of sensor that an axis belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -109,7 +109,12 @@ impl Kind {
         if let Some(quantity) = increments::named(name) {
             return Self::of(quantity);
         }
-        let name = name.to_lowercase();
+        // `wx [rad]` and `gx [LSB]` name axes of increments and of codes; `wx [m/s]` is of the wind
+        let (unit, name) = match increments::by_unit(name) {
+            Some((quantity, own)) => (Self::of(quantity), own),
+            None => (None, without_codes(name)),
+        };
+        let fits = |kind: Self| unit.is_none_or(|unit| unit == kind);
         // `axRaw` names the same axis as `ax`
         let name = name.strip_suffix("raw").map_or(&*name, |bare| bare.trim_end_matches(['_', ' ', '.']));
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
@@ -117,13 +122,25 @@ impl Kind {
         let ends = |words: &[&str]| words.iter().any(|word| name.ends_with(word));
         match () {
             () if Self::is_of_others(name) => None,
-            () if holds(&GYROSCOPES) || is_short(name, "gw") || ends(&RATES) => Some(Self::Gyroscope),
-            () if holds(&ACCELEROMETERS) || is_short(name, "af") || ends(&["acx", "acy", "acz"]) => {
+            () if holds(&GYROSCOPES) || fits(Self::Gyroscope) && is_short(name, "gw") || ends(&RATES) => {
+                Some(Self::Gyroscope)
+            }
+            () if holds(&ACCELEROMETERS)
+                || fits(Self::Accelerometer) && is_short(name, "af")
+                || ends(&["acx", "acy", "acz"]) =>
+            {
                 Some(Self::Accelerometer)
             }
             () => None,
         }
     }
+}
+
+/// The name in lower case, without a last word or bracket that states codes.
+fn without_codes(name: &str) -> String {
+    let name = name.to_lowercase();
+    let cut = name.rsplit_once(['[', '(', '_', ' ']).filter(|(_, last)| states_codes(last));
+    cut.map_or(&*name, |(own, _)| own).trim_end_matches(['_', ' ']).to_owned()
 }
 
 fn has_word(name: &str, is: impl Fn(&str) -> bool) -> bool {
@@ -203,7 +220,23 @@ mod tests {
         };
         are(&["gyro_x", "GyrX", "wx", "w_x", "g.z", "gyX", "BodyRateX", "gyRaw", "gx_raw"], Some(Kind::Gyroscope));
         are(&["w[0]", "yaw_rate", "gyro_x_tempcomp"], Some(Kind::Gyroscope));
-        are(&["accel_y", "ax", "fz", "ayRaw", "AcX"], Some(Kind::Accelerometer));
+        are(&["wx [rad]", "wx_arcsec", "gx [LSB]", "gx_counts", "AngleIncX"], Some(Kind::Gyroscope));
+        are(&["accel_y", "ax", "fz", "ayRaw", "AcX", "ax (m/s)", "ax [counts]"], Some(Kind::Accelerometer));
         are(&["linear_velocity_x", "twist.linear.x", "mag_x", "temp_acc", "axle", "x", "height"], None);
+        are(
+            &[
+                "roll [deg]",
+                "yaw_deg",
+                "heading (rad)",
+                "x_rad",
+                "fx [N]",
+                "gx [V]",
+                "day",
+                "vel_x [m/s]",
+                "wx [m/s]",
+                "ax (deg)",
+            ],
+            None,
+        );
     }
 }
