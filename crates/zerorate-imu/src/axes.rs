@@ -174,7 +174,8 @@ impl Axes {
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
         let mut warnings: Vec<LogWarning> = columns.iter_mut().flat_map::<Vec<_>, _>(of_log).collect();
         if options.columns.is_none() && kalibr::give_units(&mut columns) {
-            warnings.push(LogWarning::UnitsTaken { path: path.display().to_string() });
+            let what = "omega in rad/s and alpha in m/s², as in the files of Kalibr's tools";
+            warnings.push(LogWarning::UnitsTaken { path: path.display().to_string(), what });
         }
         let (mut axes, others) = Self::among(path, columns, options)?;
         if options.listed().is_none() {
@@ -522,7 +523,9 @@ const AXES: usize = 3;
 fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<LogWarning>) -> Column {
     let &KindOptions { unit, scale, .. } = options.said(kind);
     if unit.is_some() || scale.is_some() {
-        column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));
+        let is_answered =
+            |warning: &LogWarning| matches!(warning, LogWarning::UnitUnknown { .. } | LogWarning::UnitsTaken { .. });
+        column.warnings.retain(|warning| !is_answered(warning));
         let step = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(column.step);
         column.scale = step * options.log.per_second(column.rate_hz);
     }

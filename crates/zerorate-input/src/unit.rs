@@ -84,7 +84,7 @@ units! {
     DegPerMin "deg/min" AngularRate 1.0 / 60.0, ["deg/min", "dpm"], ["dpm", "deg_min", "deg_per_min"];
     /// °/h.
     DegPerH "deg/h" AngularRate 1.0 / 3600.0,
-        ["deg/h", "dph"], ["dph", "deg_h", "deg_hr", "deg_per_h", "deg_per_hr", "deg_per_hour"];
+        ["deg/h", "dph", "degph"], ["dph", "degph", "deg_h", "deg_hr", "deg_per_h", "deg_per_hr", "deg_per_hour"];
     /// rad/s.
     RadPerS "rad/s" AngularRate 180.0 / PI,
         ["rad/s", "rads/s", "rads-1", "radps"], ["rad_s", "rads", "radps", "rad_per_s", "rad_per_sec"];
@@ -93,7 +93,7 @@ units! {
     /// 0.000 001 rad/s.
     UradPerS "urad/s" AngularRate 0.000_18 / PI, ["urad/s", "uradps"], ["urad_s", "urads", "uradps", "urad_per_s"];
     /// Turns per minute.
-    Rpm "rpm" AngularRate 6.0, ["rpm", "rev/min", "r/min"], ["rpm"];
+    Rpm "rpm" AngularRate 6.0, ["rpm", "rev/min", "r/min"], ["rpm", "rev_min", "rev_per_min"];
     /// m/s².
     MPerS2 "m/s²" Acceleration 1.0,
         ["m/s2", "m/s/s", "ms-2", "mps2"], ["m_s2", "mps2", "m_per_s2", "ms2", "m_s_s"];
@@ -118,7 +118,26 @@ impl Unit {
         if states_factor(name) || states_codes(name) {
             return None;
         }
-        if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
+        Self::stated(name).or_else(|| Self::of_ros(name).map(|(unit, _)| unit))
+    }
+
+    /// The unit of [`Self::of_column`] if the words alone tell it: `angular_velocity_x`. The name is not that of a field
+    /// in a message of ROS, such as `angular_velocity.x`, so another unit is possible.
+    pub fn taken_by_words(name: &str) -> Option<Self> {
+        let (unit, is_field) = Self::of_ros(name)?;
+        (!is_field && Self::of_column(name).is_some() && Self::stated(name).is_none()).then_some(unit)
+    }
+
+    /// The unit by the naming of ROS, and whether the name is that of a field in a message.
+    fn of_ros(name: &str) -> Option<(Self, bool)> {
+        let name = name.to_lowercase();
+        let words = [("angular_velocity", Self::RadPerS), ("linear_acceleration", Self::MPerS2)];
+        let mut found = words.into_iter().filter_map(|(word, unit)| Some((unit, name.split_once(word)?.1)));
+        found.next().map(|(unit, rest)| (unit, rest.starts_with(['.', '/'])))
+    }
+
+    fn stated(name: &str) -> Option<Self> {
+        if let Some(unit) = brackets(name).find_map(|inner| inner.parse().ok()) {
             return Some(unit);
         }
         // a factor, as in `gx (0.01 dps)`, makes another unit
@@ -136,12 +155,7 @@ impl Unit {
         // a unit with a slash, as in `gx_rad/s` and `wx, rad/s`
         let at_end = || lower.match_indices(['_', ' ', ',', ':']).find_map(|(at, _)| rate(&lower[at + 1..]));
         let ended = at_its_end.max_by_key(|(length, _)| *length).map(|(_, unit)| unit);
-        let stated = ended.or(camel).or_else(at_end);
-        stated.or_else(|| match () {
-            () if lower.contains("angular_velocity") => Some(Self::RadPerS),
-            () if lower.contains("linear_acceleration") => Some(Self::MPerS2),
-            () => None,
-        })
+        ended.or(camel).or_else(at_end)
     }
 }
 
@@ -303,7 +317,12 @@ pub fn is_celsius(name: &str) -> bool {
 
 /// The text in the last pair of square brackets or, without such a pair, of round brackets.
 fn bracketed(name: &str) -> Option<&str> {
-    [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
+    brackets(name).next()
+}
+
+/// The texts in the last pair of square brackets and in the last pair of round brackets.
+fn brackets(name: &str) -> impl Iterator<Item = &str> {
+    [('[', ']'), ('(', ')')].into_iter().filter_map(|(open, close)| {
         let (_, rest) = name.rsplit_once(open)?;
         Some(rest.split_once(close)?.0)
     })
@@ -384,9 +403,22 @@ mod tests {
             ("gyro_x_rpm", Some(Unit::Rpm)),
             ("gx (mrad/s)", Some(Unit::MradPerS)),
             ("gx [°/hr]", Some(Unit::DegPerH)),
+            ("gx_degph", Some(Unit::DegPerH)),
+            ("wx[rev/min]", Some(Unit::Rpm)),
+            ("gyroUnfilt[0] (deg/s)", Some(Unit::Dps)),
         ];
         for (name, unit) in cases {
             assert_eq!(Unit::of_column(name), unit, "{name}");
+        }
+    }
+
+    #[test]
+    fn words_alone_tell_a_unit_outside_of_messages() {
+        for name in ["angular_velocity_x", "imu_linear_acceleration_z", "angular_velocity[0]"] {
+            assert_eq!(Unit::taken_by_words(name), Unit::of_column(name), "{name}");
+        }
+        for name in ["/imu.angular_velocity.z", "field.angular_velocity.x", "angular_velocity_x_dps", "gx [rad/s]"] {
+            assert_eq!(Unit::taken_by_words(name), None, "{name}");
         }
     }
 

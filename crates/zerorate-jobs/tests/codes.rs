@@ -308,7 +308,7 @@ fn of_samples() -> [LogWarning; 6] {
     let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
     let assumed = "--gyro-range 250: 131.1 codes per °/s; lsm6ds3 and 5 more differ: give --part";
     [
-        LogWarning::UnitsTaken { path: path() },
+        LogWarning::UnitsTaken { path: path(), what: "angular_velocity in rad/s, as in messages of ROS (REP-103)" },
         LogWarning::ScaleAssumed(assumed.to_owned()),
         LogWarning::RateTaken { path: path(), name: "imu.Fs".to_owned(), rate_hz: 200.0 },
         LogWarning::Resampled {

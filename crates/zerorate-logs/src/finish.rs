@@ -15,7 +15,7 @@ use crate::warning::LogWarning;
 use crate::{clock_digits, given_rate, lost_digits, mixed_rows, order, rate_changes, time_unit, unsigned};
 use std::path::Path;
 use zerorate_allan::Gap;
-use zerorate_input::{InputError, Quantity, TimeUnit};
+use zerorate_input::{InputError, Quantity, TimeUnit, Unit};
 
 impl Clock {
     /// The unit of the times, and the rate and gaps that follow from them; `None` without a time column, or if only
@@ -269,6 +269,8 @@ impl RawColumn {
             let (path, column) = (path.display().to_string(), name.clone());
             LogWarning::CodesUnsigned { path, column, bits }
         }));
+        let taken = Unit::taken_by_words(&name).filter(|_| stated.is_none() && args.unit.is_none());
+        warnings.extend(taken.map(|unit| LogWarning::of_ros(path, unit)));
         let stated = stated.or_else(|| Quantity::of_column(&name));
         if let Some(unit) = args.unit {
             args.agrees(path, &name, unit, Setting::Unit)?;

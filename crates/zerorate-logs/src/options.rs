@@ -103,7 +103,8 @@ impl ColumnOptions {
         let differs = |(quantity, size): &(Quantity, f64)| {
             *quantity != Quantity::Temperature && (*quantity, *size) != (unit.quantity(), unit.in_results())
         };
-        let Some((quantity, size)) = Quantity::of_column(column).filter(|stated| differs(stated) && !self.force_unit)
+        let may_differ = self.force_unit || Unit::taken_by_words(column).is_some();
+        let Some((quantity, size)) = Quantity::of_column(column).filter(|stated| differs(stated) && !may_differ)
         else {
             return Ok(());
         };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use zerorate_allan::{SettingName, rows};
-use zerorate_input::InputWarning;
+use zerorate_input::{InputWarning, Unit};
 
 /// A warning about a log that was read. `path` names the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,8 +31,8 @@ pub enum LogWarning {
     TimesJitter { path: String, how: String },
     /// The log does not state the unit of a column of times, and the dates in the column show it.
     TimeUnitTaken { path: String, column: String, unit: &'static str },
-    /// The header is that of Kalibr's tools, so the axes are in rad/s and m/s².
-    UnitsTaken { path: String },
+    /// The words of column names tell units that they do not state, as the text says.
+    UnitsTaken { path: String, what: &'static str },
     /// Rows come faster in one part of the log than in another, as the text says.
     RateChanges { path: String, how: String },
     /// The lines above the data are not a header.
@@ -104,10 +104,7 @@ rows!(match LogWarning as Display {
         code: "time-unit-taken",
         text: format_args!("{path}: `{column}` counts {unit} since 1970, as its dates tell"),
     },
-    Self::UnitsTaken { ref path } => Row {
-        code: "units-taken",
-        text: format_args!("{path}: omega in rad/s and alpha in m/s², as in the files of Kalibr's tools"),
-    },
+    Self::UnitsTaken { ref path, what } => Row { code: "units-taken", text: format_args!("{path}: {what}") },
     Self::RateChanges { ref path, ref how } => Row { code: "rate-changes", text: format_args!("{path}: {how}") },
     Self::LinesSkipped { ref path, lines, ref first } => Row {
         code: "lines-skipped",
@@ -170,6 +167,14 @@ impl LogWarning {
         Self::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
     }
 
+    pub(crate) fn of_ros(path: &Path, unit: Unit) -> Self {
+        let what = match unit {
+            Unit::RadPerS => "angular_velocity in rad/s, as in messages of ROS (REP-103)",
+            _ => "linear_acceleration in m/s², as in messages of ROS (REP-103)",
+        };
+        Self::UnitsTaken { path: path.display().to_string(), what }
+    }
+
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }
@@ -186,6 +191,7 @@ impl LogWarning {
             | Self::Clipped { .. }
             | Self::CodesUnsigned { .. }
             | Self::CoarseCodes { .. }
+            | Self::UnitsTaken { .. }
             | Self::UnitUnknown { .. } => false,
             Self::File(_)
             | Self::OfTable { .. }
@@ -194,7 +200,6 @@ impl LogWarning {
             | Self::TimesRepaired { .. }
             | Self::TimesJitter { .. }
             | Self::TimeUnitTaken { .. }
-            | Self::UnitsTaken { .. }
             | Self::RateChanges { .. }
             | Self::LinesSkipped { .. }
             | Self::ScaleUnused { .. }

@@ -179,6 +179,22 @@ fn units_of_kalibr_are_taken_where_gravity_fits() {
     assert!(of(0.51).map(drop).unwrap_err().to_string().contains("omega_x, omega_y, omega_z (gyroscope) state"));
 }
 
+/// The naming of ROS tells the unit in a message, and only suggests it in a table of another origin.
+#[test]
+fn units_by_words_are_a_warning_outside_of_messages() {
+    let taken = |head: &str, options: &ImuOptions| {
+        let found = axes_with(head, options).unwrap();
+        let count = found.warnings.iter().filter(|warning| warning.code() == "units-taken").count();
+        (count, found.columns[0].scale)
+    };
+    let table = "t_ns,angular_velocity_x,angular_velocity_y,angular_velocity_z";
+    let rad = Unit::RadPerS.in_results();
+    assert_eq!(taken(table, &ImuOptions::default()), (1, rad));
+    assert_eq!(taken("t_ns,field.angular_velocity.x", &ImuOptions::default()), (0, rad));
+    let gyro = KindOptions { unit: Some(Unit::Dps), ..KindOptions::default() };
+    assert_eq!(taken(table, &ImuOptions { gyro, ..ImuOptions::default() }), (0, 1.0));
+}
+
 /// Wheel speeds, biases and set points have the unit of a rate.
 #[test]
 fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
