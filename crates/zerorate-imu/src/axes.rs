@@ -177,6 +177,7 @@ impl Axes {
             let what = "omega in rad/s and alpha in m/s², as in the files of Kalibr's tools";
             warnings.push(LogWarning::UnitsTaken { path: path.display().to_string(), what });
         }
+        Kind::take_letters(&mut columns);
         let (mut axes, others) = Self::among(path, columns, options)?;
         if options.listed().is_none() {
             let others: Vec<&Column> = others.iter().collect();
@@ -407,9 +408,11 @@ impl ImuOptions {
         if self.columns.is_some() { Vec::new() } else { Kind::ALL.into_iter().flat_map(of_kind).collect() }
     }
 
-    /// The kind that the user states. Returns an error if the unit of the column contradicts it.
+    /// The kind that the user states. Returns an error if the unit of the column contradicts it, unless the user forces
+    /// another unit.
     fn agreed(&self, path: &Path, kind: Kind, column: &Column) -> zerorate_logs::Result<Kind> {
-        match column.quantity.filter(|quantity| *quantity != kind.quantity()) {
+        let is_forced = self.log.force_unit && self.said(kind).unit.is_some();
+        match column.quantity.filter(|quantity| *quantity != kind.quantity() && !is_forced) {
             None => Ok(kind),
             Some(quantity) => Err(LogError::Ask(format!(
                 "{}: column {} is in {}, which is not a unit of {}s; leave it out of {}",
@@ -490,9 +493,9 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_l
         for (_, column) in axes.iter().filter(|(of, _)| *of == kind) {
             match codes {
                 Some(codes) => codes.check(path, column, options.log.names)?,
-                None => {
-                    unit.map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?
-                }
+                None => unit
+                    .filter(|_| column.quantity.is_some())
+                    .map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?,
             }
             if column.is_scaled && scale.is_none() {
                 options.log.leaves_scale(path, &column.name, unit, kind.unit_setting())?;

@@ -62,7 +62,7 @@ impl Kind {
         let is_rpm = unit == Some(Unit::Rpm);
         let is_in_g = matches!(unit, Some(Unit::G | Unit::MilliG | Unit::MicroG));
         let name = name.to_lowercase();
-        let bare = name.trim_end_matches([']', ')']).trim_end_matches("rpm").trim_end_matches(['[', '(', ' ', '_']);
+        let bare = without_unit(&name);
         let is_of_motor = is_rpm && Self::named(bare).is_none();
         let beside = [
             "covariance",
@@ -81,9 +81,10 @@ impl Kind {
         let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity", "mag", "load"];
         let of_calibration = ["offset", "offsets", "cov"];
         let of_results = ["corrected", "removed", "compensated", "free"];
-        // the name without its unit; gauss are written like g: `mx [G]`, `Bx (mG)`, `magX [G]`
         let own = name.split(['[', '(']).next().unwrap_or_default();
-        let is_magnetic = is_in_g && (is_short(own, "mbh") || has_word(own, |word| word.starts_with("mag")));
+        // gauss are written like g: `mx [G]`, `Bx (mG)`, `magX [G]`, `mx_mg`
+        let is_compass = |word: &str| word.starts_with("mag") || word.ends_with("mag") || word == "compass";
+        let is_magnetic = is_in_g && (is_short(bare, "mbh") || has_word(bare, is_compass));
         let is_beside = is_of_motor
             || is_magnetic
             || beside.iter().any(|part| name.contains(part))
@@ -131,9 +132,42 @@ impl Kind {
             {
                 Some(Self::Accelerometer)
             }
-            () => None,
+            () => Self::by_letter(name),
         }
     }
+
+    /// The kind that a letter behind the axis states: `x_g` and `x_a`.
+    fn by_letter(name: &str) -> Option<Self> {
+        let (own, letter) = name.rsplit_once(['_', '.', ' '])?;
+        let axis = own.rsplit(['_', '.', ' ']).next()?;
+        match letter {
+            "g" if matches!(axis, "x" | "y" | "z") => Some(Self::Gyroscope),
+            "a" if matches!(axis, "x" | "y" | "z") => Some(Self::Accelerometer),
+            _ => None,
+        }
+    }
+
+    /// Takes the unit g from columns such as `x_g` beside `x_a`, where the letter means the gyroscope.
+    pub(super) fn take_letters(columns: &mut [Column]) {
+        let names: Vec<String> = columns.iter().map(|column| column.name.to_lowercase()).collect();
+        let has_sibling = |name: &str| {
+            let sibling = name.strip_suffix('g').map(|own| format!("{own}a"));
+            Self::by_letter(name).is_some() && sibling.is_some_and(|sibling| names.contains(&sibling))
+        };
+        for (column, name) in columns.iter_mut().zip(&names).filter(|(_, name)| has_sibling(name)) {
+            if Self::named(name).is_some_and(|kind| Some(kind.quantity()) != column.quantity) {
+                (column.quantity, column.scale) = (None, 1.0);
+            }
+        }
+    }
+}
+
+/// The name without the unit in its last bracket, or without rpm or g at its end.
+fn without_unit(name: &str) -> &str {
+    let in_bracket = name.rsplit_once(['[', '(']).filter(|(_, inner)| inner.ends_with([']', ')']));
+    let at_end = |unit: &&str| name.strip_suffix(*unit).filter(|own| own.ends_with(['_', ' ', '.']));
+    let own = in_bracket.map(|(own, _)| own).or_else(|| ["rpm", "rev_min", "g", "mg", "ug"].iter().find_map(at_end));
+    own.unwrap_or(name).trim_end_matches(['_', ' ', '.'])
 }
 
 /// The name in lower case, without a last word or bracket that states codes.
@@ -202,15 +236,45 @@ mod tests {
             "Mx (mg)",
             "B_x [mG]",
             "magX [G]",
+            "xmag (mG)",
+            "imu_mx_mg",
+            "compass_x [G]",
             "gyro_x_offset [deg/s]",
         ] {
             assert!(!Kind::is_axis(name, false), "{name}");
         }
         assert!(
-            !["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]", "gx [rpm]", "ax [mg]", "x [g]", "AccX (G)"]
-                .into_iter()
-                .any(|name| !Kind::is_axis(name, true))
+            ![
+                "gyro_rad[0]",
+                "field.angular_velocity.x",
+                "ax [m/s^2]",
+                "wx[rev/min]",
+                "w[0]_rpm",
+                "gx [rpm]",
+                "ax [mg]",
+                "x [g]",
+                "AccX (G)"
+            ]
+            .into_iter()
+            .any(|name| !Kind::is_axis(name, true))
         );
+    }
+
+    #[test]
+    fn a_letter_behind_the_axis_is_a_sensor_beside_the_other_letter() {
+        let kinds = |names: &[&str]| -> Vec<Option<Kind>> {
+            let column = |name: &&str| {
+                let mut column = Column::new(name, zerorate_logs::Series::Numbers(vec![0.0]), 1.0);
+                column.quantity = Quantity::of_column(name).map(|(quantity, _)| quantity);
+                column
+            };
+            let mut columns: Vec<Column> = names.iter().map(column).collect();
+            Kind::take_letters(&mut columns);
+            columns.iter().map(Kind::of_column).collect()
+        };
+        let [gyro, accel] = Kind::ALL.map(Some);
+        assert_eq!(kinds(&["x_g", "x_a", "imu.y_g", "imu.y_a"]), [gyro, accel, gyro, accel]);
+        assert_eq!(kinds(&["x_g", "y_g", "acc_x_g", "acc_x_a"]), [accel; 4]);
     }
 
     #[test]

@@ -195,6 +195,18 @@ fn units_by_words_are_a_warning_outside_of_messages() {
     assert_eq!(taken(table, &ImuOptions { gyro, ..ImuOptions::default() }), (0, 1.0));
 }
 
+#[test]
+fn a_forced_unit_overrides_the_name_of_a_listed_axis() {
+    let gyro = KindOptions { columns: vec!["x_g".to_owned()], unit: Some(Unit::Mdps), ..KindOptions::default() };
+    let of = |force_unit| {
+        let log = ColumnOptions { force_unit, ..ColumnOptions::default() };
+        axes_with("t_ns,x_g", &ImuOptions { gyro: gyro.clone(), log, ..ImuOptions::default() })
+    };
+    let why = of(false).map(drop).unwrap_err().to_string();
+    assert!(why.contains("x_g is in m/s², which is not a unit of gyroscopes"), "{why}");
+    assert_eq!(of(true).unwrap().columns[0].scale, Unit::Mdps.in_results());
+}
+
 /// Wheel speeds, biases and set points have the unit of a rate.
 #[test]
 fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
