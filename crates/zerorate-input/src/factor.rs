@@ -5,8 +5,9 @@
 const WORDS: [&str; 11] =
     ["tenth", "hundredth", "thousandth", "centi", "deci_", "deci ", "deci-", "decid", "decir", "kilo", "÷"];
 
-/// Signs and words that state a factor if a number follows.
-const BEFORE_NUMBER: [&str; 11] = ["*", "×", "±", "+/-", "+-", "mul", "div", "times", "mult", "factor", "scale"];
+/// Signs and words that state a factor or a range if a number follows.
+const BEFORE_NUMBER: [&str; 13] =
+    ["*", "×", "±", "+/-", "+-", "mul", "div", "times", "mult", "factor", "scale", "range", "sensitivity"];
 
 /// Words of codes: `[LSB] 16.4 LSB/dps` states a scale, and not a unit.
 const CODES: [&str; 10] = ["lsb", "lsbs", "count", "counts", "cts", "digit", "digits", "adc", "code", "codes"];
@@ -17,11 +18,17 @@ pub fn states_factor(name: &str) -> bool {
     let name = own_part(&name);
     let words: Vec<&str> = words(name).collect();
     let before = |at: usize| at.checked_sub(1).map_or("", |before| words[before]);
+    // a rate is not a factor, and a number that comes twice is that of the sensor: `sensor 10: ACC.X 10 [g]`
+    let is_other = |at: usize| {
+        let is_rate = words.get(at + 1).is_some_and(|next| ["hz", "khz"].contains(next));
+        is_rate || words.iter().filter(|word| **word == words[at]).count() > 1
+    };
     WORDS.iter().any(|word| name.contains(word))
         || words.iter().any(|word| ["milli", "micro", "nano"].contains(word))
-        || (0..words.len()).any(|at| is_factor(before(at), words[at]))
+        || (0..words.len()).any(|at| is_factor(before(at), words[at]) && !is_other(at))
         || BEFORE_NUMBER.iter().any(|sign| name.match_indices(sign).any(|(at, _)| is_number(&name[at + sign.len()..])))
         || name.match_indices(['*', '×', '^', '⁻', '²', '³', '⁶']).any(|(at, _)| follows_number(&name[..at]))
+        || name.match_indices("e-").any(|(at, _)| is_exponent(&name[..at], &name[at + 2..]))
         || name.match_indices('/').any(|(at, _)| is_divided(&name[..at], &name[at + 1..]))
         || name.split(['[', '(']).skip(1).any(has_number_in_front)
 }
@@ -55,10 +62,12 @@ fn is_factor(before: &str, word: &str) -> bool {
     let is_of_sensor = ["gyr", "acc"].iter().any(|start| before.starts_with(start));
     let is_behind_axis = before.ends_with(['x', 'y', 'z']) && (before.len() <= 3 || is_of_sensor);
     let is_decimal = word.contains(['.', 'e']) && word.trim_end_matches('e').parse::<f64>().is_ok();
-    match word.strip_prefix(['x', 'q']).or_else(|| word.strip_suffix('x')) {
+    let prefixed = ["x", "q", "fs"].iter().find_map(|start| word.strip_prefix(start));
+    let suffixed = word.strip_suffix('x').filter(|digits| !digits.contains('.'));
+    match prefixed.or(suffixed) {
         Some(digits) if word.starts_with('q') => digits.parse::<f64>().is_ok(),
         Some(digits) => is_large(digits) || is_behind_axis && digits.parse::<u8>().is_ok(),
-        None => is_behind_axis && (is_large(word) || is_decimal),
+        None => (is_behind_axis || before == "fs") && (is_large(word) || is_decimal),
     }
 }
 
@@ -68,6 +77,11 @@ fn is_number(text: &str) -> bool {
 
 fn follows_number(text: &str) -> bool {
     text.trim_end_matches(['_', ' ']).ends_with(|c: char| c.is_ascii_digit())
+}
+
+/// True for the exponent in `gx e-3 dps`.
+fn is_exponent(before: &str, after: &str) -> bool {
+    !before.ends_with(char::is_alphanumeric) && after.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// True for a division by a number. `/robot/1/imu` and `imu/0.gx` are paths.
@@ -83,7 +97,7 @@ fn is_divided(before: &str, after: &str) -> bool {
 fn has_number_in_front(bracket: &str) -> bool {
     let inner = bracket.split([']', ')']).next().unwrap_or_default();
     let last = inner.trim_end().rfind([' ', ',', ':', '=']).unwrap_or_default();
-    inner[..last].contains(|c: char| c.is_ascii_digit())
+    !inner.trim_end().ends_with("hz") && inner[..last].contains(|c: char| c.is_ascii_digit())
 }
 
 #[cfg(test)]
@@ -111,6 +125,10 @@ mod tests {
             "1000*gyro_x_dps",
             "gx_10*dps",
             "gx_1e3_dps",
+            "gx e-3 dps",
+            "gx_fs250_dps",
+            "gx FS 250 dps",
+            "gx sensitivity 0.07 dps",
             "gx_0.01_dps",
             "gx_times_100_dps",
             "gx_div16_dps",
@@ -157,6 +175,10 @@ mod tests {
             "MicroStrain_gyro_x_dps",
             "gyro_decimated_x_dps",
             "angular velocity 10 (deg/s)",
+            "Avanti sensor 10: ACC.X 10 [g]",
+            "Trigno sensor 12: Acc 12.X [g]",
+            "gyro_x 100 Hz (dps)",
+            "wx (deg/s) (100 Hz)",
             "wx [rad s^-1]",
             "ax [m*s^-2]",
             "Accel_X m/(s^2)",

@@ -295,9 +295,9 @@ impl TimeUnit {
         };
         [
             (Self::S, &["s", "sec", "secs", "seconds"][..]),
-            (Self::Ms, &["ms", "msec", "millis", "milliseconds"]),
-            (Self::Us, &["us", "µs", "μs", "usec", "micros", "microseconds"]),
-            (Self::Ns, &["ns", "nsec", "nsecs", "nanos", "nanoseconds", "nanosec"]),
+            (Self::Ms, &["ms", "msec", "millis", "milliseconds", "mseconds"]),
+            (Self::Us, &["us", "µs", "μs", "usec", "micros", "microseconds", "useconds"]),
+            (Self::Ns, &["ns", "nsec", "nsecs", "nanos", "nanoseconds", "nanosec", "nseconds"]),
         ]
         .into_iter()
         .find(|(_, names)| named(names))
@@ -320,11 +320,10 @@ fn bracketed(name: &str) -> Option<&str> {
     brackets(name).next()
 }
 
-/// The texts in the last pair of square brackets and in the last pair of round brackets.
+/// The texts in all pairs of square brackets and then of round brackets, each from the last on.
 fn brackets(name: &str) -> impl Iterator<Item = &str> {
-    [('[', ']'), ('(', ')')].into_iter().filter_map(|(open, close)| {
-        let (_, rest) = name.rsplit_once(open)?;
-        Some(rest.split_once(close)?.0)
+    [('[', ']'), ('(', ')')].into_iter().flat_map(move |(open, close)| {
+        name.rmatch_indices(open).filter_map(move |(at, _)| Some(name[at + 1..].split_once(close)?.0))
     })
 }
 
