@@ -11,6 +11,8 @@ const LONGEST_S: f64 = 10.0;
 /// Longest step from one minute to the next, in usual intervals, unless samples are missing.
 const STEP: f64 = 2.5;
 
+const DAY_S: f64 = 86_400.0;
+
 /// Precision of a date of 17 digits, s.
 const PRECISION_S: f64 = 0.005;
 
@@ -35,9 +37,11 @@ fn read(times: &Times, per_s: f64) -> Option<Times> {
     let interval_s = times.interval()? / per_s;
     let rows = of_day.since_first();
     let ends: Vec<usize> = (1..rows.len()).filter(|row| minutes[*row] != minutes[row - 1]).collect();
-    let is_even = |row: &&usize| (0.0..STEP * interval_s).contains(&(rows[**row] - rows[**row - 1]));
+    // the first minute of a day follows the last of the day before
+    let step = |row: usize| (rows[row] - rows[row - 1]).rem_euclid(DAY_S);
+    let is_even = |row: &&usize| step(**row) < STEP * interval_s;
     let even = ends.iter().filter(is_even).count();
-    (times.first() > 0.0 && interval_s < LONGEST_S && even > 0 && 2 * even >= ends.len()).then_some(of_day)
+    (interval_s < LONGEST_S && even > 0 && 2 * even >= ends.len()).then_some(of_day)
 }
 
 #[cfg(test)]
@@ -48,10 +52,8 @@ mod tests {
     #[test]
     fn digits_of_a_clock_are_known_by_the_ends_of_minutes() {
         let clock = |row: i64| 46_710_000 + 100 * row;
-        let digits = |row: i64| {
-            let ms = clock(row);
-            ms / 3_600_000 * 10_000_000 + ms / 60_000 % 60 * 100_000 + ms % 60_000
-        };
+        let written = |ms: i64| ms / 3_600_000 * 10_000_000 + ms / 60_000 % 60 * 100_000 + ms % 60_000;
+        let digits = |row: i64| written(clock(row));
         let read = |time: &dyn Fn(i64) -> i64, per_unit: f64| {
             let mut times = Times::new();
             (0..2000).for_each(|row| match per_unit {
@@ -67,6 +69,9 @@ mod tests {
         assert!(is_right(read(&digits, 1e3)), "hhmmss.s");
         assert!(is_right(read(&digits, 1.0)), "hhmmssmmm");
         assert!(is_right(read(&|row| 20_260_301_000_000_000 + digits(row), 1.0)), "yyyymmddhhmmssmmm");
+        let midnight = read(&|row| written((86_300_000 + 100 * row) % 86_400_000), 1e3);
+        assert!(midnight.is_some_and(|(first, _)| (first - 86_300.0).abs() < 0.005), "over midnight");
+        assert_eq!(read(&|row| written(100 * row), 1e3).map(|(first, _)| first), Some(0.0), "from midnight on");
         for per_unit in [1.0, 10.0, 1e3] {
             assert!(read(&|row| 100 * row, per_unit).is_none() && read(&clock, per_unit).is_none(), "{per_unit}");
         }
