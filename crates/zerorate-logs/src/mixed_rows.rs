@@ -4,12 +4,15 @@
 //! the rows of each value come in even steps. A flag is set within the rows of one sensor, and leaves holes in them.
 //! Second, there is other evidence: words, a name such as `SensorId`, times that overlap, or axes whose level or noise
 //! differs from value to value. Two columns together may tell the sensors apart, as `bus` and `sensor` do. If the rows
-//! come in no order, or if all rows of one sensor are above those of the next, the name of the column must suggest a
-//! sensor.
+//! come in groups or in no order, or if all rows of one sensor are above those of the next, the name of the column must
+//! suggest a sensor.
+//!
+//! A counter of the samples in a packet looks the same as the number of a sensor. The user then states with [`ANY`]
+//! that the rows are of one sensor.
 
 use crate::clock::{Times, median};
 use crate::error::{LogError, Result};
-use crate::only::{Condition, RowFilter};
+use crate::only::{ANY, Condition, RowFilter};
 use crate::options::ColumnOptions;
 use crate::rate_question::quoted;
 use crate::raw_columns::{Clock, RawColumns, first_rows};
@@ -29,7 +32,8 @@ const SHARE: f64 = 0.02;
 /// Largest share of rows whose values are too rare to count.
 const OTHERS: f64 = 0.05;
 
-/// Largest number of uneven steps of a value per interruption of its rows. A flag has one for each interruption.
+/// Largest number of uneven steps of a value per interruption of its rows. A flag has one for each interruption. Also
+/// the largest share of groups of another length.
 const UNEVEN: f64 = 0.25;
 
 /// If more than this share of the rows have an earlier time than the row above, the times of several sensors overlap.
@@ -97,18 +101,23 @@ const NO_IDS: [&str; 18] = [
 /// Returns a question that names the columns that tell the sensors apart. It states how many rows repeat the stamp of
 /// the row before.
 pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()> {
+    let conditions = || args.only.iter().flat_map(|only| &only.conditions);
+    let is_open = |name: &str| !conditions().any(|one| one.value == ANY && one.column == name);
     let sample = first_rows(&found.sample, &found.columns);
+    let sample: Vec<Sampled> = sample.iter().filter(|column| is_open(&column.name)).cloned().collect();
     let stated = sample.iter().find(|column| column.stated_time().is_some()).and_then(Sampled::times);
     let times = if let Clock::Column(_, times) = &found.clock { Some(times) } else { stated.as_ref() };
     let read = found.columns.iter().map(|column| &*column.name).collect();
     let per_s = found.clock.unit(args).map(TimeUnit::per_s);
     let mixed = find(&sample, &read, times.map(Times::since_first)).or_else(|| in_blocks(found, &sample));
-    let Some(Mixed { columns, values, steps }) = mixed else { return Ok(()) };
-    let series = |(at, value): (usize, &Vec<String>)| match (per_s, steps.get(at)) {
-        (Some(per_s), Some(step)) if *step > 0.0 => {
-            format!("{} ({} Hz)", value.join("-"), (1000.0 * per_s / step).round() / 1000.0)
-        }
-        _ => value.join("-"),
+    let Some(Mixed { columns, values, steps, in_groups }) = mixed else { return Ok(()) };
+    let rate_hz = |at: usize| -> Option<f64> {
+        let step = steps.get(at).filter(|step| **step > 0.0)?;
+        Some((1000.0 * per_s? / step).round() / 1000.0)
+    };
+    let series = |(at, value): (usize, &Vec<String>)| match rate_hz(at) {
+        Some(rate_hz) => format!("{} ({rate_hz} Hz)", value.join("-")),
+        None => value.join("-"),
     };
     let series = values.iter().enumerate().map(series).collect::<Vec<_>>().join(", ");
     let same = times.map(|times| {
@@ -117,20 +126,24 @@ pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()
         let said = format!(", and {same} of {} rows repeat the stamp of the row before", rows.len());
         if same == 0 { String::new() } else { said }
     });
-    let given = args.only.iter().flat_map(|only| &only.conditions).cloned();
-    let told = columns.iter().zip(&values[0]);
-    let told = told.map(|(column, value)| Condition { column: column.clone(), value: value.clone() });
-    let only = RowFilter { conditions: given.chain(told).collect() }.to_string();
-    let option = args.names.of(Setting::Where);
+    let only = |of: &dyn Fn(usize) -> String| {
+        let told = columns.iter().enumerate().map(|(at, column)| Condition { column: column.clone(), value: of(at) });
+        quoted(&RowFilter { conditions: conditions().cloned().chain(told).collect() }.to_string())
+    };
+    let (option, rate) = (args.names.of(Setting::Where), args.names.of(Setting::Rate));
+    // the times of a group are those of a bus, and not those of the sensor
+    let with_rate = rate_hz(0).filter(|_| in_groups && args.rate.is_none());
+    let with_rate = with_rate.map_or_else(String::new, |rate_hz| format!(" (with {rate} {rate_hz})"));
     let (plural, are) = if columns.len() == 1 { ("", "is") } else { ("s", "are") };
     Err(LogError::Ask(format!(
         "{}: column{plural} `{}` {are} {series} in turn{}: rows of {} sensors, which are not one record; give \
-         {option} {} to read one",
+         {option} {} to read one{with_rate}, or {option} {} if all rows are of one sensor",
         path.display(),
         columns.join("`, `"),
         same.unwrap_or_default(),
         values.len(),
-        quoted(&only),
+        only(&|at| values[0][at].clone()),
+        only(&|_| ANY.to_owned()),
     )))
 }
 
@@ -142,6 +155,7 @@ struct Mixed {
     /// The usual time between two rows of each sensor, in the unit of the file. Empty if all rows of one sensor are
     /// above those of the next.
     steps: Vec<f64>,
+    in_groups: bool,
 }
 
 /// The columns that tell sensors apart in the first rows of a table. `columns` are the names of the columns that are
@@ -158,7 +172,7 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     let differ = |labels: &Labels<'_>| readings.iter().any(|cells| labels.differ(cells));
     let tells = |name: &str, labels: &Labels<'_>| {
         let is_said = || is_id(name, labels) || labels.share_stamps(times) || differ(labels);
-        let are_sure = || is_even(labels) || is_known(name, &SENSORS) && differ(labels);
+        let are_sure = || is_even(labels) || is_known(name, &SENSORS) && (labels.are_in_groups() || differ(labels));
         (overlap || !is_known(name, &NO_IDS) && is_said()) && are_sure()
     };
     let all: Vec<(&str, &Labels<'_>)> =
@@ -171,10 +185,15 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     let pair = pairs.into_iter().find(|(_, labels)| labels.values.len() > least && is_even(labels));
     let single = single.map(|(name, labels)| (vec![*name], (*labels).clone()));
     let (names, labels) = pair.or(single)?;
-    let steps = (0..labels.values.len()).map(|value| median(&mut labels.steps(value, times).0)).collect();
+    let in_groups = !is_even(&labels);
+    let step = |mut steps: Vec<f64>| match in_groups {
+        true => steps.iter().sum::<f64>() / steps.len() as f64,
+        false => median(&mut steps),
+    };
+    let steps = (0..labels.values.len()).map(|value| step(labels.steps(value, times).0)).collect();
     let worded = |value: &Vec<&Cell>| value.iter().map(|cell| worded(cell)).collect();
     let columns = names.into_iter().map(str::to_owned).collect();
-    Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps })
+    Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps, in_groups })
 }
 
 fn is_known(name: &str, known: &[&str]) -> bool {
@@ -211,7 +230,7 @@ fn in_blocks(found: &RawColumns, sample: &[Sampled]) -> Option<Mixed> {
     };
     let (name, runs) = read.chain(seen).find(|(_, runs)| are_blocks(runs))?;
     let values = runs.iter().map(|(cell, _)| vec![worded(cell)]).collect();
-    Some(Mixed { columns: vec![name.clone()], values, steps: Vec::new() })
+    Some(Mixed { columns: vec![name.clone()], values, steps: Vec::new(), in_groups: false })
 }
 
 fn worded(cell: &Cell) -> String {
@@ -310,6 +329,18 @@ impl<'a> Labels<'a> {
             let is_even = |step: &&f64| (0.5 * usual < **step) && (**step < 1.5 * usual);
             let uneven = steps.iter().filter(|step| !is_even(step)).count();
             usual > 0.0 && interrupted > 0 && uneven as f64 <= UNEVEN * interrupted as f64
+        })
+    }
+
+    /// True if the rows of each value come in many groups of about the same length, such as the content of a FIFO.
+    fn are_in_groups(&self) -> bool {
+        let groups: Vec<&[Option<usize>]> = self.rows.chunk_by(|one, next| one == next).collect();
+        (0..self.values.len()).all(|value| {
+            let of_value = groups.iter().filter(|group| group[0] == Some(value));
+            let mut rows: Vec<f64> = of_value.map(|group| group.len() as f64).collect();
+            let usual = median(&mut rows);
+            let uneven = rows.iter().filter(|rows| !(0.5 * usual..=1.5 * usual).contains(*rows)).count();
+            rows.len() >= FEWEST && uneven as f64 <= UNEVEN * rows.len() as f64
         })
     }
 

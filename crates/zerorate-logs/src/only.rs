@@ -5,6 +5,9 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+/// The value of a condition that every row meets.
+pub const ANY: &str = "*";
+
 /// Selects the rows of a table that meet all conditions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowFilter {
@@ -17,7 +20,8 @@ pub struct RowFilter {
 pub struct Condition {
     /// The column, by its name or its number counted from 0.
     pub column: String,
-    /// The value: a word as it stands in the table, or a number equal to the one there.
+    /// The value: a word as it stands in the table, or a number equal to the one there. `*` is any value, and states
+    /// that the column does not tell sensors apart.
     pub value: String,
 }
 

@@ -2,6 +2,7 @@
 //! of several sensors.
 
 use crate::clock::Times;
+use crate::only::ANY;
 use crate::time_names::ticks;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Int64Type;
@@ -45,9 +46,10 @@ impl Cell {
         if let Self::Word(word) = self { Some(word) } else { None }
     }
 
-    /// True if the cell has the value that a user wrote: the same word, or the same number.
+    /// True if the cell has the value that a user wrote: the same word, or the same number, or [`ANY`].
     pub fn is(&self, value: &str) -> bool {
         match self {
+            _ if value == ANY => true,
             Self::Number(number) => value.parse() == Ok(*number),
             Self::Word(word) => word == value,
             Self::Missing => value.is_empty(),
