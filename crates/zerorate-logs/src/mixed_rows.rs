@@ -4,8 +4,8 @@
 //! the rows of each value come in even steps. A flag is set within the rows of one sensor, and leaves holes in them.
 //! Second, there is other evidence: words, a name such as `SensorId`, times that overlap, or axes whose level or noise
 //! differs from value to value. Two columns together may tell the sensors apart, as `bus` and `sensor` do. If the rows
-//! come in groups or in no order, or if all rows of one sensor are above those of the next, the name of the column must
-//! suggest a sensor.
+//! come in groups or in no order, or if all rows of one sensor are above those of the next, the name of the column
+//! must suggest a sensor.
 //!
 //! A counter of the samples in a packet looks the same as the number of a sensor. The user then states with [`ANY`]
 //! that the rows are of one sensor.

@@ -28,13 +28,15 @@ const EPOCHS: [(std::ops::Range<f64>, f64, &str); 4] = [
 /// first rows in `sample`.
 pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) -> LogError {
     let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
-    let rises = |Rising { column, unit: fits, other, rate_hz }: Rising<'_>| {
+    let rises = |Rising { column, unit: fits, other, rate_hz, step }: Rising<'_>| {
         let (or, or_hz) = other.map_or_else(Default::default, |other| {
             (format!(" or {}", other.name()), format!(" or {:.3}", rate_hz / fits.per_s() * other.per_s()))
         });
         let (fits, column) = (fits.name(), quoted(column));
         let is_time = format!("if it is the time, as it rises evenly ({rate_hz:.3}{or_hz} Hz)");
-        format!("give {rate} in Hz, or {time} {column} with {unit} {fits}{or} {is_time}")
+        let of_ticks = step.map(|step| format!(" (f/{step:.3} if {column} counts f ticks a second)"));
+        let of_ticks = of_ticks.unwrap_or_default();
+        format!("give {rate} in Hz{of_ticks}, or {time} {column} with {unit} {fits}{or} {is_time}")
     };
     let named = || match columns.iter().find(|name| is_like_time(name)) {
         Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
@@ -47,7 +49,7 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
         || clock_of_digits(sample).map(|name| format!("give {rate} in Hz, or {time} {name} if it is the time"));
     let remedy = remedy.or_else(digits);
     let remedy = remedy.or_else(|| rising(sample).map(rises)).or_else(|| since_epoch(sample, rate));
-    let remedy = remedy.or_else(|| steps(sample, rate));
+    let remedy = remedy.or_else(|| steps(sample, rate)).or_else(|| ticks(sample, rate));
     let remedy = remedy.unwrap_or_else(named);
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
@@ -102,6 +104,19 @@ fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
     Some(format!("give {rate} in Hz, which is {rate_hz:.6} if `{name}` holds the step between rows in {unit}"))
 }
 
+/// Advice for a column whose name states ticks of an unknown length.
+fn ticks(sample: &[Sampled], rate: SettingName) -> Option<String> {
+    let is_other = |column: &&Sampled| has_other_unit(&column.name);
+    let (name, step) = sample.iter().filter(is_other).find_map(|column| Some((&column.name, tick_step(column)?)))?;
+    Some(format!("give {rate} in Hz, which is f/{step:.3} if `{name}` counts f ticks a second, evenly"))
+}
+
+/// The usual step of a column of whole numbers that rises by more than one a row.
+fn tick_step(column: &Sampled) -> Option<f64> {
+    let times = column.times().filter(|times| times.since_first().iter().all(|time| time.fract() == 0.0))?;
+    times.interval().filter(|step| *step > 1.0 && times.since_first().is_sorted())
+}
+
 /// True if a name states a unit or a scale of time that is not known, so that no unit can be proposed.
 fn has_other_unit(name: &str) -> bool {
     let words = ["days", "ticks", "tick", "cycles", "khz", "mhz", "hz", "ps"];
@@ -128,6 +143,8 @@ struct Rising<'a> {
     /// Another unit in which rows come at a rate of an IMU.
     other: Option<TimeUnit>,
     rate_hz: f64,
+    /// The usual step between rows, if the column may count ticks of an unknown length.
+    step: Option<f64>,
 }
 
 /// A column that rises evenly, if possible one with the name of a time.
@@ -155,6 +172,7 @@ impl<'a> Rising<'a> {
         let stated = longer_unit(&column.name).or_else(|| time_unit::dated(&times));
         let unit = stated.or_else(|| time_unit::usual(per_unit))?;
         let other = time_unit::other(per_unit, unit).filter(|_| stated.is_none());
-        Some(Self { column: &column.name, unit, other, rate_hz: per_unit * unit.per_s() })
+        let step = tick_step(column).filter(|_| stated.is_none());
+        Some(Self { column: &column.name, unit, other, rate_hz: per_unit * unit.per_s(), step })
     }
 }
