@@ -5,12 +5,12 @@ use crate::column::Column;
 use crate::column_checks::ColumnChecks;
 use crate::error::{LogError, Result, no_time_unit, rate_of_steps, too_many, unsteady};
 use crate::options::ColumnOptions;
-use crate::rate_question::no_rate;
+use crate::rate_question::{no_rate, quoted};
 use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
 use crate::series::Series;
 use crate::setting::{Names, Setting};
 use crate::stated_rate::StatedRate;
-use crate::time_names::{fraction_of_clock_s, fraction_s, is_step, ticks};
+use crate::time_names::{fraction_of_clock_s, fraction_s, is_step, states_time, ticks};
 use crate::warning::LogWarning;
 use crate::{clock_digits, given_rate, lost_digits, mixed_rows, order, rate_changes, time_unit, unsigned};
 use std::path::Path;
@@ -170,6 +170,21 @@ impl RawColumns {
         Ok(())
     }
 
+    /// Refuses a time that was chosen because its name states a unit, if a column that is called a time tells another
+    /// rate.
+    fn check_clocks(&self, path: &Path, args: &ColumnOptions, rate_hz: f64) -> Result<()> {
+        let Clock::Column(chosen, _) = &self.clock else { return Ok(()) };
+        let is_open = args.rate.is_none() && args.time_column.is_none() && states_time(chosen);
+        let rival = if is_open { given_rate::rival(&self.sample, rate_hz) } else { None };
+        let Some((other, unit, other_hz)) = rival else { return Ok(()) };
+        let [time, time_unit] = [Setting::TimeColumn, Setting::TimeUnit].map(|setting| args.names.of(setting));
+        let (path, other, chosen, unit) = (path.display(), quoted(other), quoted(chosen), unit.name());
+        Err(LogError::Ask(format!(
+            "{path}: two columns may be the time; give {time} {chosen} ({rate_hz:.3} Hz), or {time} {other} with \
+             {time_unit} {unit} ({other_hz:.3} Hz)"
+        )))
+    }
+
     pub fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
         let (columns, no_rate) = self.finish_without_rate(path, args)?;
         no_rate.map_or(Ok(columns), Err)
@@ -187,6 +202,7 @@ impl RawColumns {
         let time_base = self.clock.time_base(path, args)?;
         let start_s = self.clock.start_s(args);
         if let (Some((unit, time_base)), Clock::Column(_, times)) = (&time_base, &self.clock) {
+            self.check_clocks(path, args, time_base.rate_hz)?;
             let path = || path.display().to_string();
             let jitter = time_base.jitter_text().map(|how| LogWarning::TimesJitter { path: path(), how });
             let rate_changes = rate_changes::find(times.since_first(), &time_base.gaps, *unit);

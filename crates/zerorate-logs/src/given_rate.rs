@@ -5,7 +5,7 @@ use crate::clock::{Times, median};
 use crate::sample::{Cell, Sampled};
 use crate::setting::Names;
 use crate::text::dates::{self, DateColumn};
-use crate::time_names::{fraction_of_clock_s, fraction_s, ticks};
+use crate::time_names::{fraction_of_clock_s, fraction_s, is_named_time, states_time, ticks};
 use crate::warning::LogWarning;
 use crate::{TimeUnit, time_unit};
 use std::path::Path;
@@ -51,6 +51,21 @@ pub fn of_stamps(path: &Path, all_hz: Option<f64>, sample: &[Sampled]) -> Option
     let steps = rows.windows(2).filter(|pair| pair[0] < pair[1]).count();
     let rate_hz = (rows.len() - 1) as f64 * unit.per_s() / rows.last()?;
     (steps > FEWEST_STEPS).then_some((rate_hz, COARSE_RATE_OFF))
+}
+
+/// An even column that is called a time, states no unit, and tells another rate than `rate_hz` in each decimal unit:
+/// its name, its usual unit, and the rate in Hz. A counter of rows is not a time.
+pub fn rival(sample: &[Sampled], rate_hz: f64) -> Option<(&str, TimeUnit, f64)> {
+    sample.iter().filter(|column| is_named_time(&column.name) && !states_time(&column.name)).find_map(|column| {
+        let times = column.times().filter(|times| times.since_first().len() > FEWEST_STEPS)?;
+        let is_even = times.since_first().is_sorted_by(|one, next| one < next) && times.interval() != Some(1.0);
+        let time_base = times.time_base(TimeUnit::S, Names::default()).ok().filter(|_| is_even)?;
+        let unit = time_unit::usual(time_base.rate_hz)?;
+        let other_hz = time_base.rate_hz * unit.per_s();
+        let decades = (other_hz / rate_hz).log10();
+        let differs = (10f64.powf(decades - decades.round()) - 1.0).abs() > RATE_OFF;
+        (differs && time_base.jitter_text().is_none()).then_some((&*column.name, unit, other_hz))
+    })
 }
 
 /// The rate of stamps of which a few are wrong, from the median step, Hz. `None` if at most [`FEWEST_STEPS`] steps
