@@ -30,6 +30,7 @@ pub use detrending::{Detrending, DetrendingError};
 pub use kind::Kind;
 pub use noise_file::NoNoiseFile;
 pub use numbers::{Axis, Combine, NoiseFileOptions, Rule};
+pub use plausible::implausible_rates;
 pub use record::{AnalysisOptions, PlotData, Record, RecordError};
 pub use rejection::{Rejection, Rejections};
 pub use report::{

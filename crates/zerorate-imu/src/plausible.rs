@@ -53,27 +53,41 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         is_off.then(|| format!("gravity is {m_s2:.3} m/s²{}", remedy()))
     });
     let small = small_gravity(axes);
-    let whole = |axis: &Column| {
-        let unit = axis.quantity.map_or("", Quantity::unit);
-        let remedy = match axis.quantity {
-            Some(Quantity::AngularRate) => format!(" ({})", codes::of_gyroscope(log.names)),
-            _ => String::new(),
-        };
-        format!("{} has steps of {:.3} {unit}, as codes without their scale have{remedy}", axis.name, axis.scale)
-    };
-    let whole = axes.iter().find(|axis| is_whole(axis)).map(whole);
-    let slow = axes.iter().map(|axis| axis.rate_hz).find(|rate_hz| *rate_hz < SLOW_HZ);
-    let slow = slow.map(|rate_hz| format!("rows come at {}", hertz(rate_hz)));
+    let gyroscope = codes::of_gyroscope(log.names);
     turns
         .take(1)
         .chain(fall)
         .chain(small)
-        .chain(whole)
+        .chain(whole(axes, &gyroscope))
         .chain(noisy(axes, log))
         .chain(in_turn::doubt(axes))
-        .chain(slow)
+        .chain(slow(axes))
         .map(warning)
         .collect()
+}
+
+/// Warns of columns in °/s or rad/s with values or a sample rate that no gyroscope has, at rest or not.
+#[must_use]
+pub fn implausible_rates(path: &Path, columns: &[Column], log: &ColumnOptions) -> Vec<LogWarning> {
+    let is_rate = |column: &&Column| column.quantity == Some(Quantity::AngularRate);
+    let rates: Vec<&Column> = columns.iter().filter(is_rate).collect();
+    let scale = format!("if these are codes, {} with the size of one in this unit", log.names.of(Setting::Scale));
+    let doubts = whole(rates.iter().copied(), &scale).into_iter().chain(slow(rates));
+    doubts.map(|what| LogWarning::Implausible { path: path.display().to_string(), what }).collect()
+}
+
+/// A warning about steps that no sensor has, with the remedy for a gyroscope.
+fn whole<'a>(axes: impl IntoIterator<Item = &'a Column>, of_gyroscope: &str) -> Option<String> {
+    let axis = axes.into_iter().find(|axis| is_whole(axis))?;
+    let unit = axis.quantity.map_or("", Quantity::unit);
+    let is_rate = axis.quantity == Some(Quantity::AngularRate);
+    let remedy = if is_rate { format!(" ({of_gyroscope})") } else { String::new() };
+    Some(format!("{} has steps of {:.3} {unit}, as codes without their scale have{remedy}", axis.name, axis.scale))
+}
+
+fn slow<'a>(axes: impl IntoIterator<Item = &'a Column>) -> Option<String> {
+    let rate_hz = axes.into_iter().map(|axis| axis.rate_hz).find(|rate_hz| *rate_hz < SLOW_HZ)?;
+    Some(format!("rows come at {}", hertz(rate_hz)))
 }
 
 /// A warning if the steps between samples of all gyroscopes show more noise than a sensor at rest or in slow motion.

@@ -4,7 +4,7 @@ use crate::temperature;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
-use zerorate_imu::{AnalysisOptions, Record, RecordError, increments};
+use zerorate_imu::{AnalysisOptions, Record, RecordError, implausible_rates, increments};
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 
 /// The columns of logs to analyse, and the options of the analysis.
@@ -41,9 +41,13 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     };
     let mut records = Vec::new();
     for log in logs {
-        let (columns, found) = zerorate_logs::read_with_temperature(log, files::log(log)?, wanted, &options.log)?;
+        let (mut columns, found) = zerorate_logs::read_with_temperature(log, files::log(log)?, wanted, &options.log)?;
         if !options.analysis.is_phase {
             increments::ask(log, &columns.iter().collect::<Vec<_>>(), &options.log)?;
+            let doubts = implausible_rates(log, &columns, &options.log);
+            if let Some(first) = columns.first_mut() {
+                first.warnings.extend(doubts);
+            }
         }
         let named = options.temperature.as_deref();
         let temperature = temperature::required(log, named, found, &options.analysis.detrending, &options.log)?;
