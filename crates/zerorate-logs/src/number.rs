@@ -61,7 +61,10 @@ impl Numerals {
         if number.is_err() && cell.contains(MINUS) {
             return self.read_unusual(&cell.replace(MINUS, "-"), line);
         }
-        number
+        match without_separators(cell).filter(|_| number.is_err()) {
+            Some(cell) => self.read_unusual(&cell, line),
+            None => number,
+        }
     }
 
     /// Reads what [`plain`] does not.
@@ -199,6 +202,18 @@ fn in_thousands(cell: &str) -> Option<(Decimal, f64)> {
     number.parse().ok().filter(|_| fits).map(|number| (mark, number))
 }
 
+/// Separators of thousands that are not a mark: those of French and Swiss programs.
+const SEPARATORS: [char; 5] = ['\u{A0}', '\u{202F}', '\u{2009}', '\'', '’'];
+
+/// A number without its separators of thousands: 1234.5 of 1'234.5.
+fn without_separators(cell: &str) -> Option<String> {
+    let whole = cell.trim_start_matches(['+', '-']).split(['.', ',']).next()?;
+    let groups: Vec<&str> = whole.split(SEPARATORS).collect();
+    let is_group = |at: usize| if at == 0 { (1..=3).contains(&groups[0].len()) } else { groups[at].len() == 3 };
+    let are_digits = groups.iter().all(|group| group.bytes().all(|byte| byte.is_ascii_digit()));
+    (groups.len() > 1 && are_digits && (0..groups.len()).all(is_group)).then(|| cell.replace(SEPARATORS, ""))
+}
+
 /// Parses a number that Fortran printed in double precision, such as 1.5D-03.
 fn of_fortran(cell: &str) -> Option<f64> {
     let is_one = cell.contains('.') && cell.contains(['d', 'D']);
@@ -213,7 +228,15 @@ fn of_hexadecimal(cell: &str) -> Option<i64> {
 
 fn not_a_number(cell: &str) -> String {
     let is_code = matches!(cell.len(), 2 | 4 | 6 | 8) && cell.bytes().all(|byte| byte.is_ascii_hexdigit());
-    let remedy = if is_code { "; write hexadecimal codes with 0x in front" } else { "" };
+    let rest = cell.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
+    let begins = cell[..cell.len() - rest.len()].replace(',', ".").parse::<f64>().is_ok();
+    let remedy = match rest.trim_start().chars().next().filter(|_| begins) {
+        _ if is_code => "; write hexadecimal codes with 0x in front",
+        Some('x' | 'X') if cell.starts_with('-') => "; write negative codes in decimal",
+        Some(next) if next.is_ascii_digit() => "; write numbers without blanks",
+        Some(next) if next.is_alphabetic() || next == '°' => "; write the unit into the header",
+        _ => "",
+    };
     format!("`{cell}` is not a number{remedy}")
 }
 
@@ -307,6 +330,20 @@ mod tests {
         let number = |value| Ok(Number::Decimal(value));
         assert_eq!(read(&["1,234.5", "-12,345,678.25", "7"]).0[..2], [number(1234.5), number(-12_345_678.25)]);
         assert_eq!(read(&["0,5", "-1.234,5", "12.345.678,25"]).0[1..], [number(-1234.5), number(12_345_678.25)]);
+    }
+
+    #[test]
+    fn blanks_and_apostrophes_separate_thousands() {
+        let number = |value| Ok(Number::Decimal(value));
+        assert_eq!(
+            read(&["1'234.5", "-12'345'678", "0.5"]).0[..2],
+            [number(1234.5), Ok(Number::Integer(-12_345_678))]
+        );
+        assert_eq!(read(&["1\u{202F}234,5", "0,25"]).0, [number(1234.5), number(0.25)]);
+        let remedies = ["1 234.5", "0.5 dps", "-0x1F", "5°/s"].map(|cell| read(&[cell]).0.remove(0).unwrap_err());
+        let expected = ["without blanks", "into the header", "in decimal", "into the header"];
+        assert!(remedies.iter().zip(expected).all(|(said, expected)| said.ends_with(expected)), "{remedies:?}");
+        assert!(read(&["12'34"]).0[0].is_err() && read(&["'1'"]).0[0].is_err() && read(&["2026-03-01"]).0[0].is_err());
     }
 
     #[test]

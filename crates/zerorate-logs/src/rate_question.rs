@@ -17,9 +17,10 @@ const FEWEST: usize = 10;
 
 /// Counts since an epoch in unusual units: the range of counts from about the year 2000 to 2100, counts per second,
 /// and the words of the question.
-const EPOCHS: [(std::ops::Range<f64>, f64, &str); 4] = [
+const EPOCHS: [(std::ops::Range<f64>, f64, &str); 5] = [
     (36_526.0..73_051.0, 1.0 / 86_400.0, "days, as Excel does"),
     (730_486.0..767_011.0, 1.0 / 86_400.0, "days, as MATLAB does"),
+    (2_451_544.0..2_488_070.0, 1.0 / 86_400.0, "days, as the Julian date does"),
     (1.25e17..1.6e17, 1e7, "steps of 100 ns, as Windows does"),
     (6.3e17..6.63e17, 1e7, "steps of 100 ns, as .NET does"),
 ];
@@ -85,11 +86,13 @@ fn clock_of_digits(sample: &[Sampled]) -> Option<String> {
     sample.iter().find(are_digits).map(|column| quoted(&column.name))
 }
 
-/// Advice with the rate of a column that counts since an epoch in an unusual unit.
+/// Advice with the rate of a column that counts days, by its name, or counts since an epoch in an unusual unit.
 fn since_epoch(sample: &[Sampled], rate: SettingName) -> Option<String> {
     sample.iter().find_map(|column| {
         let times = column.times().filter(|times| times.since_first().is_sorted_by(|one, next| one < next))?;
-        let (_, per_s, words) = EPOCHS.iter().find(|(first, ..)| first.contains(&times.first()))?;
+        let epoch = EPOCHS.iter().find(|(first, ..)| first.contains(&times.first()));
+        let days = has_word(&column.name, &["days", "day"]).then_some((1.0 / 86_400.0, "days"));
+        let (per_s, words) = epoch.map(|(_, per_s, words)| (*per_s, *words)).or(days)?;
         let rate_hz = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz * per_s;
         Some(format!("give {rate} in Hz, which is {rate_hz:.3} if `{}` counts {words}", column.name))
     })

@@ -103,8 +103,13 @@ pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
 /// True if a column may hold the time since the row before: `dt_ms`.
 pub fn is_step(name: &str) -> bool {
     let name = name.to_lowercase();
-    let stem = name.split(['_', ' ', '[', '(']).next().unwrap_or_default();
-    matches!(stem, "dt" | "deltat" | "Δt" | "δt") || name.starts_with("delta_t") || name.starts_with("time_step")
+    let mut words = name.split(['_', ' ', '[', '(']);
+    let is_interval = words.clone().any(|word| word == "interval");
+    let stem = words.next().unwrap_or_default();
+    is_interval
+        || matches!(stem, "dt" | "deltat" | "Δt" | "δt")
+        || name.starts_with("delta_t")
+        || name.starts_with("time_step")
 }
 
 /// A stamp may be split: its whole seconds are in column `seconds`, and the rest is in column `name`. Returns the
@@ -190,7 +195,7 @@ mod tests {
 
     #[test]
     fn steps_are_not_times() {
-        assert!(["dt", "dt_ms", "dt [s]", "delta_t_us", "Delta_T"].into_iter().all(is_step));
+        assert!(["dt", "dt_ms", "dt [s]", "delta_t_us", "Delta_T", "sample_interval_us"].into_iter().all(is_step));
         assert!(!["t_s", "time", "dtheta_x", "date"].into_iter().any(is_step));
     }
 

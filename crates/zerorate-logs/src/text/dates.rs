@@ -30,11 +30,18 @@ pub struct DateFormat {
     /// True if the field behind the third colon counts the frames of a second, as in a timecode. Such times are not
     /// read, because the number of frames is not known.
     has_frames: bool,
+    /// True if no date stands beside the times, so that they may count more than 24 hours from the start of a log.
+    counts_hours: bool,
 }
 
 /// Share of the cells that must be times, and of the rows, besides one, at which times may go back, as at midnight.
 const TIMES: f64 = 0.95;
 const FALLS: f64 = 0.01;
+
+const DAY_NS: i64 = 86_400_000_000_000;
+
+/// Largest number of digits of hours.
+const HOUR_DIGITS: usize = 4;
 
 /// The end of a duration of MATLAB, and a bound for durations, s, whose ns an i64 holds.
 const SECONDS: &str = " sec";
@@ -48,9 +55,10 @@ impl DateColumn {
         let decided = cells.clone().find_map(order_of);
         let order = decided.or_else(|| cells.clone().find_map(dotted).map(|_| DateOrder::DayFirst));
         let has_frames = have_frames(cells.clone());
+        let counts_hours = cells.clone().find_map(parts).is_some_and(|(date, _)| date.is_empty());
         let count = cells.clone().count() as f64;
         let with = |unpadded| {
-            let format = DateFormat { order, unpadded, has_frames };
+            let format = DateFormat { order, unpadded, has_frames, counts_hours };
             let clear = cells.clone().filter(|cell| is_clear(cell));
             let times: Vec<i64> = clear.filter_map(|cell| nanoseconds(cell, format)).collect();
             let falls = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
@@ -99,7 +107,7 @@ fn is_clear(cell: &str) -> bool {
 /// a zone is taken as UTC, which no interval depends on. If the order of day and month is not known, only the time of
 /// day counts.
 pub fn nanoseconds(cell: &str, format: DateFormat) -> Option<i64> {
-    let DateFormat { order, unpadded, has_frames } = format;
+    let DateFormat { order, unpadded, has_frames, counts_hours } = format;
     if has_frames && frame(cell).is_some() {
         return None;
     }
@@ -109,7 +117,11 @@ pub fn nanoseconds(cell: &str, format: DateFormat) -> Option<i64> {
     }
     of_duration(cell).or_else(|| of_iso(cell)).or_else(|| {
         let (fields, clock_ns) = parts(cell)?;
-        if fields.is_empty() { Some(clock_ns) } else { date_ns(&fields, order)?.checked_add(clock_ns) }
+        let is_of_day = clock_ns < DAY_NS;
+        match fields.is_empty() {
+            true => Some(clock_ns).filter(|_| is_of_day || counts_hours),
+            false => date_ns(&fields, order)?.checked_add(clock_ns).filter(|_| is_of_day),
+        }
     })
 }
 
@@ -180,7 +192,8 @@ impl Half {
     }
 }
 
-/// A time of day in ns since midnight: 7:05, 7:05:01.25, 7:05:01,25 or 7:05:01:250, or 05:01.250 since the hour.
+/// A time of day in ns since midnight, or a time since the start of a log, whose hours may exceed 23: 7:05,
+/// 7:05:01.25, 7:05:01,25 or 7:05:01:250, or 05:01.250 since the hour.
 fn clock_ns(word: &str, half: Option<Half>) -> Option<i64> {
     let end = word.trim_end_matches(|c: char| c.is_alphabetic());
     let half = if end.len() < word.len() { Some(Half::of(&word[end.len()..])?) } else { half };
@@ -193,10 +206,10 @@ fn clock_ns(word: &str, half: Option<Half>) -> Option<i64> {
         (2, [h, m, s, rest]) | (3, [h, m, s, rest]) => ([*h, *m, *s], *rest),
         _ => return None,
     };
-    let [h, m, s] = whole.map(|field| number(field, 2));
+    let [h, m, s] = [(0, HOUR_DIGITS), (1, 2), (2, 2)].map(|(at, digits)| number(whole[at], digits));
     let (h, m, s) = (h?, m.filter(|m| *m < 60)?, s.filter(|s| *s < 60)?);
     let h = match half {
-        None => Some(h).filter(|h| *h < 24)?,
+        None => h,
         Some(half) => Some(h).filter(|h| (1..=12).contains(h))? % 12 + if half == Half::Afternoon { 12 } else { 0 },
     };
     let digits = rest.get(..9).unwrap_or(rest);
@@ -397,6 +410,9 @@ mod tests {
         let are_times = |cells: &[&str]| DateColumn::of(cells.iter().copied()).are_times;
         assert!(are_times(&["0 sec", "0.01 sec", "0.02 sec"]) && !are_times(&["1 sec", "1 sec", "1 sec"]));
         assert!(are_times(&["23:59:59.9", "00:00:00.0", "00:00:00.1"]));
+        let long = DateColumn::of(["23:59:59.9", "24:00:00.0", "100:00:00.1"].into_iter());
+        assert!(long.are_times && nanoseconds("25:00:00.5", long.format) == Some(90_000_500_000_000));
+        assert!(!are_times(&["2026-03-01 24:00:01", "2026-03-01 24:00:02"]));
         assert!(are_times(&["1 Mar 2026 12:00", "1 Mar 2026 12:01"]) && !are_times(&["12:00", "12:01"]));
         assert!(!are_times(&["12:00:00", "12:00:00"]) && !are_times(&["2026-01-01", "2026-01-02"]));
         assert!(!are_times(&["00:00:02", "00:00:01", "00:00:03", "00:00:00"]), "a duration");

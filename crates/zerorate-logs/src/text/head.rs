@@ -68,8 +68,10 @@ struct Shape {
     width: usize,
 }
 
+/// True for a comment, and for a rule between the header and the rows of a table: `|---|---|`.
 pub fn is_comment(line: &str) -> bool {
-    line.starts_with(['#', '%'])
+    let is_rule = || line.contains("---") && line.bytes().all(|byte| b"|-+: ".contains(&byte));
+    line.starts_with(['#', '%']) || line.starts_with(['|', '+', '-']) && is_rule()
 }
 
 pub fn not_text(path: &Path, names: Names) -> LogError {

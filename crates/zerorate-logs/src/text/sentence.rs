@@ -11,12 +11,21 @@ fn parts(line: &str) -> Option<(&str, &str)> {
     is_sum.then_some((body, sum))
 }
 
-/// A line without the checksum of a sentence, and without the `;` that some programs put at the end of a line. That
-/// `;` is kept if the line has another one, or neither two commas nor a comma and a point.
+/// A line without the checksum of a sentence, without the brackets of a Python list, and without the `;` that some
+/// programs put at the end of a line. That `;` is kept if the line has another one, or neither two commas nor a comma
+/// and a point.
 pub fn without_end(line: &str) -> &str {
     let line = parts(line).map_or(line, |(body, _)| &line[..=body.len()]);
+    let line = in_brackets(line).unwrap_or(line);
     let are_cells = |rest: &str| rest.contains(',') && rest.contains('.') || rest.matches(',').count() > 1;
     line.strip_suffix(';').filter(|rest| !rest.contains(';') && are_cells(rest)).unwrap_or(line)
+}
+
+/// The cells between the brackets of a list or a tuple: of `[0.01, 0.2],`.
+fn in_brackets(line: &str) -> Option<&str> {
+    let inner = line.trim_end_matches(',').strip_suffix([']', ')'])?.trim_end_matches([']', ')']);
+    let cells = inner.strip_prefix(['[', '('])?.trim_start_matches(['[', '(']);
+    (cells.contains(',') && !cells.contains(['[', ']', '(', ')', '{', '"'])).then_some(cells)
 }
 
 /// Removes the same parts as [`without_end`], and verifies the checksum. Returns an error if the checksum is wrong.
