@@ -4,7 +4,8 @@ use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
 use crate::time_names::{
-    fraction_of_clock_s, fraction_s, is_bare_unit, is_in_longer_unit, is_like_time, is_named_time, states_time,
+    fraction_of_clock_s, fraction_s, is_bare_unit, is_in_longer_unit, is_like_time, is_named_time, is_step,
+    states_time,
 };
 use crate::warning::LogWarning;
 use std::path::Path;
@@ -227,7 +228,10 @@ impl Columns<'_> {
         // a time in minutes may have fewer digits than another
         let (longer, shorter): (Vec<usize>, Vec<usize>) =
             clear.into_iter().partition(|at| is_in_longer_unit(self.names[*at]));
-        let clear = if shorter.is_empty() { longer } else { shorter };
+        let mut clear = if shorter.is_empty() { longer } else { shorter };
+        if clear.iter().any(|at| !is_step(self.names[*at])) {
+            clear.retain(|at| !is_step(self.names[*at]));
+        }
         let pair = |of: &[usize]| match *of {
             [one, other] if self.is_fraction(other, one) => Some(one),
             [one, other] if self.is_fraction(one, other) => Some(other),

@@ -124,6 +124,17 @@ impl Times {
         self.since_first = since_first;
     }
 
+    /// Adds a minute wherever seconds of a minute start again. Returns the number of minutes that were added.
+    pub fn unwrap_minutes(&mut self, per_s: f64) -> usize {
+        let (mut minutes, mut before) = (0, 0.0);
+        for time in &mut self.since_first {
+            minutes += usize::from(*time < before - 30.0 * per_s);
+            before = *time;
+            *time += 60.0 * per_s * minutes as f64;
+        }
+        minutes
+    }
+
     /// Keeps the rows from `first` up to, but not including, `end`.
     pub fn keep(&mut self, first: usize, end: usize) {
         let start = self.since_first[first];

@@ -7,6 +7,7 @@ use crate::error::{LogError, Result, no_time_unit, rate_of_steps, too_many, unst
 use crate::options::ColumnOptions;
 use crate::rate_question::{no_rate, quoted};
 use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
+use crate::sample::Sampled;
 use crate::series::Series;
 use crate::setting::{Names, Setting};
 use crate::stated_rate::StatedRate;
@@ -167,6 +168,15 @@ impl RawColumns {
         let first = rests.first().copied().unwrap_or_default();
         let since = |(whole, rest): (&f64, &f64)| whole + per_s * unit_s * (rest - first);
         times.replace(times.since_first().iter().zip(&rests).map(since).collect());
+        let minute = |column: &Sampled| ["min", "minute", "minutes"].contains(&&*column.name.to_lowercase());
+        let is_of_minute = |since: &f64| (-1.0..61.0).contains(&((times.first() + since) / per_s));
+        if !is_date && times.since_first().iter().all(is_of_minute) && self.sample.iter().any(minute) {
+            let minutes = times.unwrap_minutes(per_s);
+            let how = format!("the seconds start again {minutes} times, with each minute");
+            let path = path.display().to_string();
+            let warning = LogWarning::TimesRepaired { path, column: seconds, how };
+            self.warnings.extend((minutes > 0).then_some(warning));
+        }
         Ok(())
     }
 

@@ -49,6 +49,8 @@ pub struct Head {
     /// True if the first cell of a row is an index, which has no name.
     pub index: bool,
     pub scales: Scales,
+    /// The first cell that begins as a number does and is neither a number nor a time.
+    unread: Option<String>,
     pub open: Open,
 }
 
@@ -98,6 +100,7 @@ impl Head {
             cuts_numbers: false,
             index: false,
             scales: Scales::default(),
+            unread: None,
             open: Open::Nothing,
         }
     }
@@ -116,7 +119,7 @@ impl Head {
             return Err(InputError::damaged(path, "as a text file", "it holds no line of data").into());
         };
         let Some(shape) = Shape::most(&lines, args.decimal) else {
-            return Self::without_rows(path, first.1, (lines.len(), text.lines().count() as u64), args);
+            return Self::without_rows(path, &lines, text.lines().count() as u64, args);
         };
         let rows = Rows::of(shape, &lines, args.decimal);
         let (above, data) = lines.split_at(rows.first);
@@ -131,6 +134,7 @@ impl Head {
             marks: marks.clone(),
             decimal: rows.decimal,
             cuts_numbers: rows.cuts_numbers,
+            unread: rows.unread,
             ..Self::new(shape.delimiter, (0..shape.width).map(|number| number.to_string()).collect())
         };
         let end = head.names_end(above);
@@ -160,7 +164,8 @@ impl Head {
 
     /// The head of a file with a header and no rows, as in a log that was just begun. Returns an error for any other
     /// file.
-    fn without_rows(path: &Path, first: &str, (some, lines): (usize, u64), args: &ColumnOptions) -> Result<Self> {
+    fn without_rows(path: &Path, seen: &[Numbered<'_>], lines: u64, args: &ColumnOptions) -> Result<Self> {
+        let (first, some) = (seen[0].1, seen.len());
         let delimiter = delimiter(first, args.decimal);
         let names: Vec<String> = delimiter.cells(first).map(str::to_owned).collect();
         let is_text = !first.contains(['\0', '\u{FFFD}']);
@@ -176,9 +181,14 @@ impl Head {
         if first.starts_with("{\"") {
             return Err(InputError::not_a_log(path, JSON).into());
         }
-        let cell = delimiter.cells(first).find(|cell| *cell != first && cell.contains(|c: char| c.is_ascii_digit()));
-        let why = cell.map(|cell| format!(": `{}` is not one", shortened(cell))).unwrap_or_default();
-        let line = shortened(first);
+        let has_digit = |text: &&str| text.contains(|c: char| c.is_ascii_digit());
+        let row = seen.iter().map(|(_, line)| *line).find(has_digit).unwrap_or(first);
+        let cell = delimiter.cells(row).find(|cell| *cell != row && has_digit(cell));
+        let remedy =
+            cell.and_then(|cell| Numerals::new(None).read(cell, 0).err()?.split_once(';').map(|it| it.1.to_owned()));
+        let remedy = remedy.map_or_else(String::new, |remedy| format!(";{remedy}"));
+        let why = cell.map(|cell| format!(": `{}` is not one{remedy}", shortened(cell))).unwrap_or_default();
+        let line = shortened(row);
         let what = format!("none of its first {some} lines has a cell that is a number (`{line}`{why}): is it a log?");
         Err(InputError::damaged(path, "as a text file", what).into())
     }
@@ -292,6 +302,15 @@ impl Head {
         InputError::damaged(path, format!("line {line}"), what).into()
     }
 
+    /// Adds to a question about columns why the cells are not numbers, if at most one column, the time, holds numbers.
+    pub fn with_reason(&self, question: LogError) -> LogError {
+        let cell = self.unread.as_ref().filter(|_| self.numeric.iter().filter(|numeric| **numeric).count() < 2);
+        match (question, cell.and_then(|cell| Numerals::new(None).read(cell, 0).err())) {
+            (LogError::Ask(question), Some(why)) => LogError::Ask(format!("{why}. {question}")),
+            (question, _) => question,
+        }
+    }
+
     /// True if commas seem to be decimal marks as well as delimiters, in a text whose header has one name too few.
     pub fn has_clash(&self) -> bool {
         self.cuts_numbers && self.names.len() > 1
@@ -374,6 +393,7 @@ struct Rows {
     cuts_numbers: bool,
     /// True if every second cell looks like the decimals of the cell before.
     all_are_cut: bool,
+    unread: Option<String>,
 }
 
 impl Rows {
@@ -426,8 +446,15 @@ impl Rows {
         };
         let is_even = shape.width >= 4 && shape.width.is_multiple_of(2);
         let all_are_cut = is_even && cuts_numbers && data().all(are_pairs);
-        Self { first, numeric, dates, all_integers, decimal: decimal.or(learned), cuts_numbers, all_are_cut }
+        let unread = data().flatten().find(|cell| is_unread(cell)).map(|cell| (*cell).to_owned());
+        Self { first, numeric, dates, all_integers, decimal: decimal.or(learned), cuts_numbers, all_are_cut, unread }
     }
+}
+
+/// True if a cell begins as a number does, and is neither a number nor a time.
+fn is_unread(cell: &str) -> bool {
+    let begins = cell.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
+    begins && is_word(cell) && nanoseconds(cell, DateFormat::default()).is_none()
 }
 
 /// True if the names are an empty one and then 0, 1, 2 …, as pandas writes them.

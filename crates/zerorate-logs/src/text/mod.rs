@@ -48,7 +48,8 @@ pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQue
     let names = head.names.iter().map(String::as_str).collect();
     let clocks = head.dates.iter().map(|dates| dates.are_times).collect();
     let columns = Columns { path, numeric: head.numeric.clone(), clocks, names, settings: asked.args.names };
-    let Choice { values, time, only } = columns.choose(asked.wanted, &timed(asked.args, &head), &[])?;
+    let choice = columns.choose(asked.wanted, &timed(asked.args, &head), &[]);
+    let Choice { values, time, only } = choice.map_err(|question| head.with_reason(question))?;
     let left_out = columns.left_out(asked.wanted, time);
     let mut cut = rows::cut(path, &head, &values, time);
     let shift = usize::from(head.index);
