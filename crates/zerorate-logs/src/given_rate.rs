@@ -18,8 +18,8 @@ const RATE_OFF: f64 = 0.02;
 /// stamps give the rate less precisely.
 const COARSE_RATE_OFF: f64 = 0.1;
 
-/// Rows come in bursts if their usual step is this many times shorter than the mean step.
-const BURSTS: f64 = 2.0;
+/// Rows come in bursts if their usual step is this many times shorter than the mean step. Bursts of two are twice.
+const BURSTS: f64 = 1.9;
 
 /// A rate is computed from a coarse clock only if the clock makes more steps than this in the first rows.
 const FEWEST_STEPS: usize = 20;

@@ -186,11 +186,11 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     let single = single.map(|(name, labels)| (vec![*name], (*labels).clone()));
     let (names, labels) = pair.or(single)?;
     let in_groups = !is_even(&labels);
-    let step = |mut steps: Vec<f64>| match in_groups {
-        true => steps.iter().sum::<f64>() / steps.len() as f64,
-        false => median(&mut steps),
+    let step = |value: usize| match in_groups {
+        true => labels.mean_step(value, times),
+        false => median(&mut labels.steps(value, times).0),
     };
-    let steps = (0..labels.values.len()).map(|value| step(labels.steps(value, times).0)).collect();
+    let steps = (0..labels.values.len()).map(step).collect();
     let worded = |value: &Vec<&Cell>| value.iter().map(|cell| worded(cell)).collect();
     let columns = names.into_iter().map(str::to_owned).collect();
     Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps, in_groups })
@@ -319,6 +319,15 @@ impl<'a> Labels<'a> {
         let at: Vec<usize> = (0..times.len()).filter(|row| self.rows[*row] == Some(value)).collect();
         let interrupted = at.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
         (at.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect(), interrupted)
+    }
+
+    /// The mean time between rows with a value, from the start of their first group to that of their last.
+    fn mean_step(&self, value: usize, times: &[f64]) -> f64 {
+        let is_value = |row: usize| self.rows[row] == Some(value);
+        let starts = (0..times.len()).filter(|row| is_value(*row) && (*row == 0 || !is_value(row - 1)));
+        let (first, last) = starts.fold((None, 0), |(first, _), row| (first.or(Some(row)), row));
+        let first = first.unwrap_or_default();
+        (times[last] - times[first]) / (first..last).filter(|row| is_value(*row)).count().max(1) as f64
     }
 
     /// True if the rows of each value come in even steps, measured by `times`.

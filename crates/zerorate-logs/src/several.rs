@@ -256,3 +256,23 @@ fn the_memory_of_all_columns_is_counted() {
     assert!(one.check_room(rows).is_ok() && one.check_room(rows + 1).is_err());
     assert!(eight.check_room(rows / 8).is_ok() && eight.check_room(rows / 8 + 1).is_err());
 }
+
+/// Equal sensors on one clock, two rows of each in turn, and a counter of the samples in packets of ten.
+#[test]
+fn rows_of_sensors_in_groups_and_counted_rows() {
+    let log = |name: &str, value: &dyn Fn(usize) -> usize| {
+        let line = |row: usize| format!("{},{},0.{}\n", row * 10, value(row), row * 7919 % 101);
+        (0..2000).map(line).fold(format!("t_ms,{name},x\n"), |text, row| text + &row)
+    };
+    let groups = log("port", &|row| row / 2 % 2);
+    let said = all(groups.as_bytes(), ColumnSelection::All, "").unwrap_err().to_string();
+    assert!(said.contains("give --where port=0 to read one (with --rate 50), or"), "{said}");
+    let x = &all(groups.as_bytes(), ColumnSelection::All, "--where port=0 --rate 50").unwrap()[0];
+    assert_eq!((x.rate_hz, x.series.len(), x.missing()), (50.0, 1000, 0));
+    let counted = log("idx", &|row| row % 10);
+    let said = all(counted.as_bytes(), ColumnSelection::All, "").unwrap_err().to_string();
+    assert!(said.contains("or --where 'idx=*' if all rows are of one sensor"), "{said}");
+    let x = &all(counted.as_bytes(), ColumnSelection::All, "--where idx=*").unwrap()[0];
+    assert_eq!((x.rate_hz, x.series.len(), x.missing()), (100.0, 2000, 0));
+    assert_eq!(all(log("heater", &|row| row / 50 % 2).as_bytes(), ColumnSelection::All, "").unwrap().len(), 2);
+}

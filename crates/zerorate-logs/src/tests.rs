@@ -558,3 +558,34 @@ fn a_time_that_two_readings_fit_is_asked_for() {
     let parts = text("t_ms,sec,ms,gz_dps", &|at| format!("{},{},{},{}", at * 5, at / 200, at * 5 % 1000, at % 7));
     assert!((read_file(&parts, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
 }
+
+/// A clock without a unit beside the stamps of a video, a counter of rows, and ticks of unknown length.
+#[test]
+fn two_clocks_are_asked_about() {
+    let log = |names: &str, step: f64, other: f64| {
+        let row = |at: u32| format!("{},{},{}\n", f64::from(at) * step, (f64::from(at) * other).floor(), at % 7);
+        (0..300).map(row).fold(format!("{names},gz_dps\n"), |text, row| text + &row)
+    };
+    let why = fails(log("timestamp,pts_ms", 10.0, 1000.0 / 60.0), "--column gz_dps");
+    assert!(why.contains("give --time-column pts_ms (60."), "{why}");
+    assert!(why.contains("or --time-column timestamp with --time-unit ms (100.000 Hz)"), "{why}");
+    for (names, step) in [("timestamp,t_ms", 0.01), ("timestamp,t_ms", 10_000.0), ("t,t_ms", 1.0), ("x,t_ms", 7.0)] {
+        let column = read_file(log(names, step, 10.0), "--column gz_dps").unwrap();
+        assert!((column.rate_hz - 100.0).abs() < 1e-6, "{names} {step}: {}", column.rate_hz);
+    }
+    let why = fails(stepping("cyccnt", 1_680_000.0), "--column gz_dps");
+    assert!(why.contains("give --rate in Hz (f/1680000.000 if cyccnt counts f ticks a second), or"), "{why}");
+    let why = fails(stepping("ticks", 100.0), "--column gz_dps");
+    assert!(why.contains("which is f/100.000 if `ticks` counts f ticks a second"), "{why}");
+    let why = fails(stepping("time_days", 0.01 / 86_400.0), "--column gz_dps");
+    assert!(why.contains("which is 100.000 if `time_days` counts days"), "{why}");
+}
+
+#[test]
+fn seconds_beside_minutes_are_unwrapped() {
+    let row = |at: u32| format!("10,{},{},{},{}\n", at / 600, at / 10 % 60, at % 10 * 100, at % 7);
+    let text = (0..2000).map(row).fold("hour,min,sec,ms,gz_dps\n".to_owned(), |text, row| text + &row);
+    let column = read_file(text, "--column gz_dps").unwrap();
+    assert!((column.rate_hz - 10.0).abs() < 1e-9 && column.missing() == 0, "{}", column.rate_hz);
+    assert!(column.warnings.iter().any(|warning| warning.to_string().contains("start again 3 times")));
+}

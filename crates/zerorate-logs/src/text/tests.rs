@@ -448,3 +448,24 @@ fn a_header_may_come_again_but_not_another_one() {
         assert!(said.contains(&named), "{said}");
     }
 }
+
+#[test]
+fn lists_and_tables_in_markdown_are_read() {
+    for (head, open, cut, close) in
+        [("", "[", ", ", "],"), ("", "(", ", ", "),"), ("| t | gx |\n|---|:-:|\n", "| ", " | ", " |")]
+    {
+        let rows = (0..50).map(|row| format!("{open}0.{row:02}{cut}{}.5{close}\n", row % 3));
+        let text = format!("{head}{}", rows.collect::<String>());
+        let name = if head.is_empty() { "1" } else { "gx" };
+        let column = read(&text, &format!("--column {name} --rate 10"));
+        assert_eq!(numbers(&column)[..3], [0.5, 1.5, 2.5], "{text}");
+    }
+}
+
+#[test]
+fn units_in_cells_are_named() {
+    let said = fails("t_s,gx\n0.0,5 V\n0.1,6 V\n", "--rate 1 --column gx");
+    assert!(said.starts_with("`5 V` is not a number; write the unit into the header. "), "{said}");
+    let said = fails("t,gx\n0s,5V\n1s,6V\n", "--rate 1 --column gx");
+    assert!(said.contains("(`0s,5V`: `0s` is not one; write the unit into the header): is it a log?"), "{said}");
+}
