@@ -134,7 +134,7 @@ impl Numerals {
             return Err(not_with_point());
         }
         let number = cell.replacen(',', ".", 1).parse();
-        let number = number.ok().filter(|_| !cell.contains('.')).ok_or_else(|| format!("`{cell}` is not a number"))?;
+        let number = number.ok().filter(|_| !cell.contains('.')).ok_or_else(|| not_a_number(cell))?;
         if !could_be_thousands(cell) {
             self.decimal = Some(Decimal::Comma);
         } else if self.doubtful.is_none() {
@@ -203,9 +203,9 @@ fn in_thousands(cell: &str) -> Option<(Decimal, f64)> {
 }
 
 /// Separators of thousands that are not a mark: those of French and Swiss programs.
-const SEPARATORS: [char; 5] = ['\u{A0}', '\u{202F}', '\u{2009}', '\'', '’'];
+const SEPARATORS: [char; 4] = ['\u{A0}', '\u{202F}', '\u{2009}', '’'];
 
-/// A number without its separators of thousands: 1234.5 of 1'234.5.
+/// A number without its separators of thousands: 1234.5 of 1’234.5.
 fn without_separators(cell: &str) -> Option<String> {
     let whole = cell.trim_start_matches(['+', '-']).split(['.', ',']).next()?;
     let groups: Vec<&str> = whole.split(SEPARATORS).collect();
@@ -233,7 +233,10 @@ fn not_a_number(cell: &str) -> String {
     let remedy = match rest.trim_start().chars().next().filter(|_| begins) {
         _ if is_code => "; write hexadecimal codes with 0x in front",
         Some('x' | 'X') if cell.starts_with('-') => "; write negative codes in decimal",
-        Some(next) if next.is_ascii_digit() => "; write numbers without blanks",
+        Some(next) if next.is_ascii_digit() => "; write one number in a cell, without blanks",
+        Some('\'') => "; remove the apostrophes",
+        // `0b0101` and `002Ah` are codes
+        _ if rest.contains(|c: char| c.is_ascii_digit()) || cell.starts_with("00") => "",
         Some(next) if next.is_alphabetic() || next == '°' => "; write the unit into the header",
         _ => "",
     };
@@ -336,14 +339,16 @@ mod tests {
     fn blanks_and_apostrophes_separate_thousands() {
         let number = |value| Ok(Number::Decimal(value));
         assert_eq!(
-            read(&["1'234.5", "-12'345'678", "0.5"]).0[..2],
+            read(&["1’234.5", "-12’345’678", "0.5"]).0[..2],
             [number(1234.5), Ok(Number::Integer(-12_345_678))]
         );
         assert_eq!(read(&["1\u{202F}234,5", "0,25"]).0, [number(1234.5), number(0.25)]);
-        let remedies = ["1 234.5", "0.5 dps", "-0x1F", "5°/s"].map(|cell| read(&[cell]).0.remove(0).unwrap_err());
-        let expected = ["without blanks", "into the header", "in decimal", "into the header"];
+        let remedies =
+            ["1 234.5", "1'234.5", "0.5 dps", "-0x1F", "5°/s"].map(|cell| read(&[cell]).0.remove(0).unwrap_err());
+        let expected = ["without blanks", "the apostrophes", "into the header", "in decimal", "into the header"];
         assert!(remedies.iter().zip(expected).all(|(said, expected)| said.ends_with(expected)), "{remedies:?}");
-        assert!(read(&["12'34"]).0[0].is_err() && read(&["'1'"]).0[0].is_err() && read(&["2026-03-01"]).0[0].is_err());
+        assert!(["0b0101", "002Ah"].iter().all(|cell| read(&[cell]).0[0].as_ref().unwrap_err().ends_with("number")));
+        assert!(read(&["12’34"]).0[0].is_err() && read(&["'1'"]).0[0].is_err() && read(&["2026-03-01"]).0[0].is_err());
     }
 
     #[test]

@@ -175,7 +175,7 @@ impl<'a> Rising<'a> {
         let stated = longer_unit(&column.name).or_else(|| time_unit::dated(&times));
         let unit = stated.or_else(|| time_unit::usual(per_unit))?;
         let other = time_unit::other(per_unit, unit).filter(|_| stated.is_none());
-        let step = tick_step(column).filter(|_| stated.is_none());
+        let step = tick_step(column).filter(|_| stated.is_none() && !states_time(&column.name));
         Some(Self { column: &column.name, unit, other, rate_hz: per_unit * unit.per_s(), step })
     }
 }

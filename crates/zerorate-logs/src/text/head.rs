@@ -115,9 +115,9 @@ impl Head {
         let lines = lines.into_iter().filter(|(_, line)| !sentence::is_other(line, sentence.as_deref()));
         let lines = lines.map(|(number, line)| (number, sentence::without_end(line)));
         let (comments, lines): (Vec<_>, Vec<_>) = lines.partition(|(_, line)| is_comment(line));
-        let Some(first) = lines.first() else {
+        if lines.is_empty() {
             return Err(InputError::damaged(path, "as a text file", "it holds no line of data").into());
-        };
+        }
         let Some(shape) = Shape::most(&lines, args.decimal) else {
             return Self::without_rows(path, &lines, text.lines().count() as u64, args);
         };
