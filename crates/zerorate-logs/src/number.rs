@@ -235,7 +235,7 @@ fn not_a_number(cell: &str) -> String {
         Some('x' | 'X') if cell.starts_with('-') => "; write negative codes in decimal",
         Some(next) if next.is_ascii_digit() => "; write one number in a cell, without blanks",
         Some('\'') => "; remove the apostrophes",
-        // `0b0101` and `002Ah` are codes
+        // `0o0052` and `002Ah` are codes
         _ if rest.contains(|c: char| c.is_ascii_digit()) || cell.starts_with("00") => "",
         Some(next) if next.is_alphabetic() || next == '°' => "; write the unit into the header",
         _ => "",
@@ -347,7 +347,7 @@ mod tests {
             ["1 234.5", "1'234.5", "0.5 dps", "-0x1F", "5°/s"].map(|cell| read(&[cell]).0.remove(0).unwrap_err());
         let expected = ["without blanks", "the apostrophes", "into the header", "in decimal", "into the header"];
         assert!(remedies.iter().zip(expected).all(|(said, expected)| said.ends_with(expected)), "{remedies:?}");
-        assert!(["0b0101", "002Ah"].iter().all(|cell| read(&[cell]).0[0].as_ref().unwrap_err().ends_with("number")));
+        assert!(["0o0052", "002Ah"].iter().all(|cell| read(&[cell]).0[0].as_ref().unwrap_err().ends_with("number")));
         assert!(read(&["12’34"]).0[0].is_err() && read(&["'1'"]).0[0].is_err() && read(&["2026-03-01"]).0[0].is_err());
     }
 
