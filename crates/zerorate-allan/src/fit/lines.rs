@@ -28,16 +28,35 @@ const MARGIN: f64 = 1.15;
 /// Number of coefficients that are tested together for narrow lines, and the margin for them.
 const GROUP: usize = 4;
 const NARROW_MARGIN: f64 = 1.1;
+/// Least degrees of freedom of the bins on one side of a bin that set its base line.
+const LEAST_FREEDOM: f64 = 32.0;
+/// Degrees of freedom of a median, and of a line's end, as shares of those of the bins.
+const OF_MEDIAN: f64 = core::f64::consts::FRAC_2_PI;
+const OF_END: f64 = 0.25;
 /// Number of coefficients that are removed before the first coefficient of a group with a line, and from it on.
 const BEFORE: usize = 2;
 const AFTER: usize = 6;
 
 /// The mask of bins in a line, and the base line above which they stand out. The base line is computed twice, the
 /// second time without the bins that stand out of the first.
-pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
+pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, BaseLine) {
     let first = above(bins, &base_line(bins, &vec![false; bins.len()]));
     let base = base_line(bins, &first);
     (above(bins, &base), base)
+}
+
+/// The level above which lines stand out.
+pub(super) struct BaseLine {
+    level: Vec<f64>,
+    /// Degrees of freedom of the level, which is estimated from few bins near the ends of a short record.
+    freedom: Vec<f64>,
+}
+
+/// The limit of a ratio to an estimated level of `level_freedom` degrees of freedom, from the `limit` of a ratio to the
+/// true level. The tail of χ² is taken for exponential, so that the tail of F is a power law.
+fn widened(limit: f64, freedom: f64, level_freedom: f64) -> f64 {
+    let ratio = freedom / level_freedom;
+    libm::expm1(limit * ratio) / ratio
 }
 
 /// A line whose coefficients were removed from the bins, or a sine that was removed from the samples.
@@ -64,10 +83,10 @@ pub(super) fn take_out_narrow(
     let (Some(first), Some(last)) = (bins.first(), bins.last()) else { return Vec::new() };
     let searched = first.first.max(FIRST).min(last.end) - 1..last.end - 1;
     let (mask, base) = broad(bins);
-    let base = base_of_coefficients(power, bins, &base, &mask, freedom(1));
+    let base = base_of_coefficients(power, bins, base, &mask, freedom(1));
     let mut flag = narrow(power, &base, searched, freedom(GROUP));
     bins.retain_mut(|bin| without(bin, power, &mut flag));
-    stretches(&flag).into_iter().map(|run| narrow_line(run, power, &base, hz)).collect()
+    stretches(&flag).into_iter().map(|run| narrow_line(run, power, &base.level, hz)).collect()
 }
 
 fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64) -> Narrow {
@@ -91,21 +110,25 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
 }
 
 /// Running median of the unmasked bins, over an octave to either side. At the ends the slope is removed first.
-fn base_line(bins: &[Bin], mask: &[bool]) -> Vec<f64> {
+fn base_line(bins: &[Bin], mask: &[bool]) -> BaseLine {
     let mut expected = Memo::new(|freedom| chi2_quantile(0.5, freedom) / freedom);
     let y: Vec<f64> = bins.iter().map(|bin| libm::log(bin.density() / expected.of(bin.freedom))).collect();
     let x: Vec<f64> = bins.iter().map(|bin| libm::log2(bin.middle())).collect();
-    (0..bins.len()).map(|j| libm::exp(level(&x, &y, mask, j))).collect()
+    let (level, freedom) = (0..bins.len()).map(|j| level(&x, &y, (bins, mask), j)).unzip();
+    BaseLine { level, freedom }
 }
 
-fn level(x: &[f64], y: &[f64], mask: &[bool], j: usize) -> f64 {
+/// The level at bin `j`, and its degrees of freedom.
+fn level(x: &[f64], y: &[f64], (bins, mask): (&[Bin], &[bool]), j: usize) -> (f64, f64) {
     let (below, above) = (x.partition_point(|x_i| *x_i < x[j] - 1.0), x.partition_point(|x_i| *x_i < x[j] + 1.0));
-    let reach = (j - below).min(above - 1 - j).max(4);
+    let least = libm::ceil(LEAST_FREEDOM / bins[j].freedom).max(4.0) as usize;
+    let reach = (j - below).min(above - 1 - j).max(least);
     let (from, to) = (j.saturating_sub(reach), (j + reach + 1).min(x.len()));
     let part: Vec<usize> = (from..to).filter(|&i| !mask[i]).collect();
     if part.len() < 4 {
-        return y[j];
+        return (libm::exp(y[j]), bins[j].freedom);
     }
+    let freedom = OF_MEDIAN * part.iter().map(|&i| bins[i].freedom).sum::<f64>();
     let at_end = j + reach >= x.len() || j < reach;
     let slope = if at_end {
         let half = part.len() / 2;
@@ -114,7 +137,8 @@ fn level(x: &[f64], y: &[f64], mask: &[bool], j: usize) -> f64 {
     } else {
         0.0
     };
-    median(part.into_iter().map(|i| y[i] - slope * (x[i] - x[j])).collect())
+    let level = median(part.into_iter().map(|i| y[i] - slope * (x[i] - x[j])).collect());
+    (libm::exp(level), if at_end { OF_END * freedom } else { freedom })
 }
 
 /// The median; 0 without values.
@@ -128,13 +152,15 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// The mask of bins that stand out of the base line, and of the bins beside them that are still above it.
-fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
+fn above(bins: &[Bin], base: &BaseLine) -> Vec<bool> {
     let alarm = ALARM / bins.len() as f64;
     let mut limit = Memo::new(|freedom| MARGIN * chi2_quantile(1.0 - alarm, freedom) / freedom);
     let expected = |bin: &Bin, base: f64| bin.response.offset + bin.response.gain * base;
-    let ratio: Vec<f64> = bins.iter().zip(base).map(|(bin, base)| bin.power / expected(bin, *base)).collect();
-    let peak: Vec<bool> =
-        bins.iter().zip(&ratio).map(|(bin, ratio)| bin.first >= FIRST && *ratio > limit.of(bin.freedom)).collect();
+    let ratio: Vec<f64> = bins.iter().zip(&base.level).map(|(bin, base)| bin.power / expected(bin, *base)).collect();
+    let mut is_peak = |((bin, ratio), level): ((&Bin, &f64), &f64)| {
+        bin.first >= FIRST && *ratio > widened(limit.of(bin.freedom), bin.freedom, *level)
+    };
+    let peak: Vec<bool> = bins.iter().zip(&ratio).zip(&base.freedom).map(&mut is_peak).collect();
     let shoulder =
         |i: usize| bins[i].first >= FIRST && ratio[i] > (1.0 + 2.0 * libm::sqrt(2.0 / bins[i].freedom)).min(1.05);
     let mut mask = peak.clone();
@@ -147,8 +173,9 @@ fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
 
 /// The base line at every coefficient. In bins of a broad line with at least 32 degrees of freedom, it is raised to
 /// the level of the line.
-fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool], freedom: f64) -> Vec<f64> {
-    let mut at = at_coefficients(bins.iter().map(Bin::middle), base, power.len());
+fn base_of_coefficients(power: &[f64], bins: &[Bin], base: BaseLine, mask: &[bool], freedom: f64) -> BaseLine {
+    let [mut at, of_level] =
+        [base.level, base.freedom].map(|of| at_coefficients(bins.iter().map(Bin::middle), &of, power.len()));
     let usual = chi2_quantile(0.5, freedom) / freedom;
     for (bin, _) in bins.iter().zip(mask).filter(|(bin, masked)| **masked && bin.freedom >= 32.0) {
         let inside = bin.first - 1..bin.end - 1;
@@ -156,18 +183,19 @@ fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool]
         let raise = (median(ratios) / usual).max(1.0);
         at[inside].iter_mut().for_each(|base| *base *= raise);
     }
-    at
+    BaseLine { level: at, freedom: of_level }
 }
 
 /// The mask of coefficients in a narrow line. The mean over a group of them has `freedom` degrees of freedom.
-fn narrow(power: &[f64], base: &[f64], searched: Range<usize>, freedom: f64) -> Vec<bool> {
-    let group = GROUP as f64;
-    let chance = ALARM * group / (power.len() + 1) as f64;
-    let limit = NARROW_MARGIN * group * chi2_quantile(1.0 - chance, freedom) / freedom;
+fn narrow(power: &[f64], base: &BaseLine, searched: Range<usize>, freedom: f64) -> Vec<bool> {
+    let chance = ALARM * GROUP as f64 / (power.len() + 1) as f64;
+    let limit = NARROW_MARGIN * chi2_quantile(1.0 - chance, freedom) / freedom;
     let mut flag = vec![false; power.len()];
-    let ratio: Vec<f64> = power[searched.clone()].iter().zip(&base[searched.clone()]).map(|(p, b)| p / b).collect();
+    let ratio: Vec<f64> =
+        power[searched.clone()].iter().zip(&base.level[searched.clone()]).map(|(p, b)| p / b).collect();
     for (i, group) in (searched.start..).zip(ratio.windows(GROUP)) {
-        if group.iter().sum::<f64>() > limit {
+        let mean = group.iter().sum::<f64>() / GROUP as f64;
+        if mean > limit && mean > widened(limit, freedom, base.freedom[i]) {
             flag[i.saturating_sub(BEFORE).max(searched.start)..(i + AFTER).min(searched.end)].fill(true);
         }
     }
