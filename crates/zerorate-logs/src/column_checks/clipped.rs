@@ -23,18 +23,18 @@ pub struct Clipped {
 impl Clipped {
     pub fn feed(&mut self, block: &Block<'_>) {
         let Some(facts) = &block.facts else {
-            return block.samples.iter().filter(|sample| sample.is_finite()).for_each(|sample| {
+            return block.pairs().filter(|(_, sample)| sample.is_finite()).for_each(|(before, sample)| {
                 self.count += 1;
-                self.largest.push(*sample);
-                self.least.push(-sample);
+                self.largest.push(before, sample);
+                self.least.push(-before, -sample);
             });
         };
         self.count += block.len() as u64;
         if self.largest.reaches(facts.largest) {
-            block.samples.iter().for_each(|sample| self.largest.push(*sample));
+            block.pairs().for_each(|(before, sample)| self.largest.push(before, sample));
         }
         if self.least.reaches(-facts.least) {
-            block.samples.iter().for_each(|sample| self.least.push(-sample));
+            block.pairs().for_each(|(before, sample)| self.least.push(-before, -sample));
         }
     }
 
@@ -52,44 +52,59 @@ impl Clipped {
     }
 }
 
-/// The four largest values so far, and the number of samples at each.
-struct Outermost([(f64, u64); 4]);
+/// One of the largest values.
+#[derive(Clone, Copy)]
+struct Extreme {
+    value: f64,
+    count: u64,
+    /// Whether a sample was there right after one below the four largest values, as no drift from code to code brings.
+    is_reached_from_afar: bool,
+}
+
+/// The four largest values so far.
+struct Outermost([Extreme; 4]);
 
 impl Default for Outermost {
     fn default() -> Self {
-        Self([(f64::NEG_INFINITY, 0); 4])
+        Self([Extreme { value: f64::NEG_INFINITY, count: 0, is_reached_from_afar: false }; 4])
     }
 }
 
 impl Outermost {
     #[inline]
     fn reaches(&self, sample: f64) -> bool {
-        sample >= self.0[3].0
+        sample >= self.0[3].value
     }
 
     #[inline]
-    fn push(&mut self, sample: f64) {
+    fn push(&mut self, before: f64, sample: f64) {
         if self.reaches(sample) {
-            self.count(sample);
+            self.count(before, sample);
         }
     }
 
-    fn count(&mut self, sample: f64) {
-        match self.0.iter().position(|(value, _)| *value <= sample) {
-            Some(at) if self.0[at].0 == sample => self.0[at].1 += 1,
+    fn count(&mut self, before: f64, sample: f64) {
+        let from_afar = before < self.0[3].value;
+        match self.0.iter().position(|extreme| extreme.value <= sample) {
+            Some(at) if self.0[at].value == sample => {
+                self.0[at].count += 1;
+                self.0[at].is_reached_from_afar |= from_afar;
+            }
             Some(at) => {
                 self.0[at..].rotate_right(1);
-                self.0[at] = (sample, 1);
+                self.0[at] = Extreme { value: sample, count: 1, is_reached_from_afar: from_afar };
             }
             None => {}
         }
     }
 
-    /// The largest value and its count, if the count is not due to chance.
+    /// The largest value and its count, if the count is due neither to chance nor to a drift that ends there. A drift
+    /// passes the codes before the last slowly.
     fn limit(&self) -> Option<(f64, u64)> {
         let [found, inside @ ..] = self.0;
-        let most = inside.iter().map(|(_, count)| *count).max().unwrap_or(0);
-        (found.1 >= ENOUGH && inside.iter().all(|(_, count)| *count > 0) && found.1 >= MORE * most).then_some(found)
+        let most = inside.iter().map(|extreme| extreme.count).max().unwrap_or(0);
+        let is_frequent = found.count >= ENOUGH.max(MORE * most) && inside.iter().all(|extreme| extreme.count > 0);
+        (is_frequent && (found.is_reached_from_afar || most < ENOUGH)).then_some((found.value, found.count))
     }
 }
 
@@ -128,6 +143,16 @@ pub mod tests {
     }
 
     #[test]
+    fn the_last_code_of_a_drift_is_no_limit() {
+        for sigma in [0.1, 0.15, 0.2, 0.3] {
+            let warmed = |(at, z): (usize, f64)| (sigma * z - 7.8 * (-(at as f64) / 2500.0).exp()).round();
+            assert_eq!(said(noise(20_000).into_iter().enumerate().map(warmed)), "", "{sigma}");
+            let drifts = |(at, z): (usize, f64)| (sigma * z + at as f64 / 2500.0).min(20.0).round();
+            assert_eq!(said(noise(20_000).into_iter().enumerate().map(drifts)), "", "{sigma}");
+        }
+    }
+
+    #[test]
     fn limits_and_marks_are_found() {
         let clipped = |sample: f64| sample.clamp(-2.0, 2.5);
         let below = said(noise(20_000).into_iter().map(|sample| sample.max(-2.0)));
@@ -135,6 +160,8 @@ pub mod tests {
             below.starts_with("2.") && below.ends_with(" % of the samples are -2, the least; a limit, or a mark?")
         );
         assert!(said(noise(20_000).into_iter().map(clipped)).contains("2.5, the largest"));
+        let turned = noise(20_000).into_iter().enumerate().map(|(at, z)| (5.0 * (at as f64 - 1e4) + z).min(250.0));
+        assert!(said(turned).contains("are 250, the largest"));
         let marked = noise(20_000).into_iter().enumerate().map(|(i, s)| if i % 200 == 0 { -9999.0 } else { s });
         assert_eq!(said(marked), "0.50 % of the samples are -9999, the least; a limit, or a mark?");
         let codes = noise(20_000).iter().map(|sample| ((sample * 8.0).round() as i32).min(4)).collect();
