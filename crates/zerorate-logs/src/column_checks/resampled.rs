@@ -55,7 +55,18 @@ impl Resampled {
     }
 }
 
+/// The samples without the value of most repeats, as NaN, if more than half of the repeats are of it: a limit, a mark or
+/// a dead band, which is said elsewhere.
+fn without_one_value(samples: &[f64]) -> Vec<f64> {
+    let mut repeats: Vec<f64> = samples.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+    repeats.sort_unstable_by(f64::total_cmp);
+    let most = repeats.chunk_by(|a, b| a == b).max_by_key(|same| same.len()).unwrap_or_default();
+    let left_out = most.first().filter(|_| 2 * most.len() > repeats.len());
+    samples.iter().map(|sample| if left_out == Some(sample) { f64::NAN } else { *sample }).collect()
+}
+
 fn doubt(samples: &[f64]) -> Option<String> {
+    let samples = &*without_one_value(samples);
     let first = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite());
     let first: Vec<f64> = first.collect();
     let step = first.iter().copied().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
@@ -165,6 +176,14 @@ mod tests {
         assert_eq!(said(slow), "");
         assert_eq!(doubt(&Series::Codes(noise(5000, 1e5).iter().map(|code| *code as i32).collect())), None);
         assert_eq!(said(vec![1.0; 5000]), "", "a constant is said elsewhere");
+    }
+
+    #[test]
+    fn repeats_of_one_value_are_not_of_resampling() {
+        let middle = |sample: f64| sample - 1e5;
+        let dead = noise(5000, 1e5).into_iter().map(|sample| if middle(sample).abs() < 2e4 { 1e5 } else { sample });
+        assert_eq!(said(dead.collect()), "");
+        assert_eq!(said(noise(5000, 1e5).into_iter().map(|sample| sample.min(1.2e5)).collect()), "");
     }
 
     #[test]

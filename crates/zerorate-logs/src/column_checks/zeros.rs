@@ -1,4 +1,4 @@
-//! Detects zeros that stand for missing samples, where 0 is neither the largest nor the least value.
+//! Detects zeros that stand for missing samples, or for small readings (a dead band), where 0 is neither the largest nor the least value.
 
 use super::block::{BLOCK, Block};
 
@@ -15,6 +15,11 @@ const VALUES: usize = 100;
 /// Zeros are marks if they are at least this many times as frequent as any other value. Rounding towards 0 doubles
 /// them.
 const MORE: usize = 3;
+
+/// Zeros are of a dead band if, on both sides, the next values are so far from 0 that as many would lie between, within
+/// this factor, and if the two sides differ by this share at most.
+const BAND: std::ops::Range<f64> = 0.5..2.0;
+const UNEQUAL: f64 = 0.2;
 
 #[derive(Default)]
 pub struct Zeros {
@@ -53,8 +58,23 @@ impl Zeros {
         self.samples.sort_unstable_by(f64::total_cmp);
         let counts: Vec<usize> = self.samples.chunk_by(|a, b| a == b).map(<[f64]>::len).collect();
         let are_marks = counts.len() >= VALUES && counts.iter().all(|other| count >= MORE * other);
-        are_marks.then(|| format!("{:.2} % of the samples are exactly 0; a mark of missing ones?", 100.0 * share))
+        let what = match dead_band(&self.samples, count) {
+            Some(width) => format!(" and none lies within {width:.2e} of it; a dead band?"),
+            None => "; a mark of missing ones?".to_owned(),
+        };
+        are_marks.then(|| format!("{:.2} % of the samples are exactly 0{what}", 100.0 * share))
     }
+}
+
+/// The half width of the dead band that explains this number of zeros; `None` if none does. `others` are the sorted
+/// values that are not 0.
+fn dead_band(others: &[f64], zeros: usize) -> Option<f64> {
+    let (below, above) = others.split_at(others.partition_point(|value| *value < 0.0));
+    let (low, high) = (-below.last()?, *above.first()?);
+    let width = low.min(high);
+    let beside = others.iter().filter(|value| value.abs() < 2.0 * width).count() as f64;
+    let is_band = BAND.contains(&(zeros as f64 / beside)) && (high - low).abs() <= UNEQUAL * width;
+    is_band.then_some(width)
 }
 
 #[cfg(test)]
@@ -74,6 +94,14 @@ mod tests {
             let marked = noise(count).into_iter().enumerate().map(|(at, sample)| lost(at, 3.0 + sample));
             let text = doubt(marked).unwrap_or_default();
             assert_eq!(text, "5.00 % of the samples are exactly 0; a mark of missing ones?", "{count}");
+        }
+    }
+
+    #[test]
+    fn a_dead_band_is_named() {
+        for band in [0.02, 0.1, 0.3] {
+            let text = doubt(noise(20_000).into_iter().map(|sample| if sample.abs() < band { 0.0 } else { sample }));
+            assert!(text.as_ref().is_some_and(|text| text.ends_with(" of it; a dead band?")), "{band}: {text:?}");
         }
     }
 
