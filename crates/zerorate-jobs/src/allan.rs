@@ -5,7 +5,7 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
 use zerorate_imu::{AnalysisOptions, Record, RecordError, implausible_rates, increments};
-use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogWarning};
 
 /// The columns of logs to analyse, and the options of the analysis.
 pub struct AllanOptions {
@@ -25,7 +25,7 @@ pub enum Columns {
     Single,
     /// The columns with these names.
     Listed(Vec<String>),
-    /// All numeric columns.
+    /// All numeric columns that change.
     All,
 }
 
@@ -42,6 +42,9 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     let mut records = Vec::new();
     for log in logs {
         let (mut columns, found) = zerorate_logs::read_with_temperature(log, files::log(log)?, wanted, &options.log)?;
+        if let Columns::All = options.columns {
+            leave_out_constants(log, &mut columns);
+        }
         if !options.analysis.is_phase {
             increments::ask(log, &columns.iter().collect::<Vec<_>>(), &options.log)?;
             let doubts = implausible_rates(log, &columns, &options.log);
@@ -54,6 +57,18 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
         records.extend(analysed(log, columns, temperature, &options.analysis)?);
     }
     Ok(records)
+}
+
+/// Leaves out the columns that never change, such as flags, unless none changes.
+fn leave_out_constants(log: &Path, columns: &mut Vec<Column>) {
+    let is_constant = |column: &Column| column.stopped(log).is_err();
+    let names: Vec<&str> = columns.iter().filter(|column| is_constant(column)).map(|column| &*column.name).collect();
+    if names.is_empty() || names.len() == columns.len() {
+        return;
+    }
+    let (path, names) = (log.display().to_string(), names.join(", "));
+    columns.retain(|column| !is_constant(column));
+    columns[0].warnings.push(LogWarning::ConstantsLeftOut { path, names });
 }
 
 pub(crate) fn analysed(

@@ -296,6 +296,7 @@ fn of_logs() -> Vec<LogWarning> {
         LogWarning::ColumnsLeftOut { path: path(), names: names() },
         LogWarning::NoNumbers { path: path(), names: names() },
         LogWarning::BlanksLeftOut { path: path(), names: names() },
+        LogWarning::ConstantsLeftOut { path: path(), names: names() },
         gaps(true),
         gaps(false),
         LogWarning::NotAlike(

@@ -65,6 +65,8 @@ pub enum LogWarning {
     NoNumbers { path: String, names: String },
     /// The columns `names` are 0 in every row.
     BlanksLeftOut { path: String, names: String },
+    /// The columns `names`, which were not asked for by name, are the same in every row.
+    ConstantsLeftOut { path: String, names: String },
     /// Samples are missing. `are_closed` is true if the gaps were closed up.
     Gaps { path: String, missing: u64, among: usize, are_closed: bool },
     /// A record differs from the other records by more than chance, as the text says.
@@ -147,6 +149,8 @@ rows!(match LogWarning as Display {
         Row { code: "columns-left-out", text: format_args!("{path}: left out, holding no numbers: {names}") },
     Self::BlanksLeftOut { ref path, ref names } =>
         Row { code: "columns-left-out", text: format_args!("{path}: left out, being 0 in every row: {names}") },
+    Self::ConstantsLeftOut { ref path, ref names } =>
+        Row { code: "columns-left-out", text: format_args!("{path}: left out, being the same in every row: {names}") },
     Self::Gaps { ref path, missing, among, are_closed: true } => Row {
         code: "gaps",
         text: format_args!(
@@ -211,6 +215,7 @@ impl LogWarning {
             | Self::ColumnsLeftOut { .. }
             | Self::NoNumbers { .. }
             | Self::BlanksLeftOut { .. }
+            | Self::ConstantsLeftOut { .. }
             | Self::Gaps { .. }
             | Self::NotAlike(_) => true,
         }
