@@ -11,12 +11,12 @@ const FEWEST: usize = 16;
 const LANES: usize = 8;
 /// A part may have a jump if its largest difference is this many times the usual largest difference of a part.
 const LARGE: f64 = 3.3;
-/// Such a difference is a jump if, within `NEAR` differences to either side, at most `ALONE` differences with itself are
-/// larger than its share `SIMILAR`. Two wrong samples make four. More are a motion, or a stretch with more noise.
+/// Such a difference is a jump if, within `NEAR` differences to either side, at most `ALONE` differences with itself
+/// are larger than its share `SIMILAR`. Two wrong samples make four. More are a motion, or a stretch with more noise.
 const NEAR: usize = 16;
 const SIMILAR: f64 = 0.25;
 const ALONE: usize = 4;
-/// Share of the records of heavy-tailed noise in which a gap between the sizes is mistaken for one that isolates jumps.
+/// Share of the records of heavy-tailed noise in which a gap between sizes is mistaken for one that isolates jumps.
 const GAP_BY_CHANCE: f64 = 0.003;
 /// Sum of the squares of the differences in a part of white noise, in squares of their usual largest.
 const POWER: f64 = 9.8;

@@ -6,7 +6,7 @@ mod tests;
 use super::codes::{self, Codes};
 use super::{ImuWarning, Kind, plausible};
 use crate::triads::{are_one_sensor, triads};
-use crate::{increments, kalibr};
+use crate::{increment_names, increments, kalibr};
 use std::path::Path;
 use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, TimeUnit, Unit,
@@ -408,8 +408,8 @@ impl ImuOptions {
         if self.columns.is_some() { Vec::new() } else { Kind::ALL.into_iter().flat_map(of_kind).collect() }
     }
 
-    /// The kind that the user states. Returns an error if the unit of the column contradicts it, unless the user forces
-    /// another unit.
+    /// The kind that the user states. Returns an error if the unit of the column contradicts it, unless the user
+    /// forces another unit.
     fn agreed(&self, path: &Path, kind: Kind, column: &Column) -> zerorate_logs::Result<Kind> {
         let is_forced = self.log.force_unit && self.said(kind).unit.is_some();
         match column.quantity.filter(|quantity| *quantity != kind.quantity() && !is_forced) {
@@ -432,7 +432,7 @@ impl ImuOptions {
         let (stated, scale) = match () {
             () if has(states_factor) => ("a factor or a range beside the unit", Some(Setting::Scale)),
             () if has(states_codes) => ("codes and no unit", Some(Setting::Scale)),
-            () if has(|name| increments::by_unit(name).is_some()) => ("no unit of a rate", None),
+            () if has(|name| increment_names::by_unit(name).is_some()) => ("no unit of a rate", None),
             () => ("no unit", None),
         };
         let seen = match &names[..] {

@@ -1,6 +1,6 @@
 //! The kind of an axis of an IMU, by the unit or the name of its column.
 
-use crate::increments;
+use crate::increment_names;
 use serde::Serialize;
 use zerorate_logs::{Column, Quantity, Unit, states_codes};
 
@@ -107,11 +107,11 @@ impl Kind {
     /// The kind that the words of a name state: `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments
     /// `dtheta_x`.
     fn named(name: &str) -> Option<Self> {
-        if let Some(quantity) = increments::named(name) {
+        if let Some(quantity) = increment_names::named(name) {
             return Self::of(quantity);
         }
         // `wx [rad]` and `gx [LSB]` name axes of increments and of codes; `wx [m/s]` is of the wind
-        let (unit, name) = match increments::by_unit(name) {
+        let (unit, name) = match increment_names::by_unit(name) {
             Some((quantity, own)) => (Self::of(quantity), own),
             None => (None, without_codes(name)),
         };

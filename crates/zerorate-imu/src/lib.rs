@@ -6,6 +6,7 @@ mod coefficients;
 mod consumer;
 mod detrending;
 mod in_turn;
+mod increment_names;
 pub mod increments;
 mod jumps;
 mod kalibr;

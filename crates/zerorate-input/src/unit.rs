@@ -121,8 +121,8 @@ impl Unit {
         Self::stated(name).or_else(|| Self::of_ros(name).map(|(unit, _)| unit))
     }
 
-    /// The unit of [`Self::of_column`] if the words alone tell it: `angular_velocity_x`. The name is not that of a field
-    /// in a message of ROS, such as `angular_velocity.x`, so another unit is possible.
+    /// The unit of [`Self::of_column`] if the words alone tell it: `angular_velocity_x`. The name is not that of a
+    /// field in a message of ROS, such as `angular_velocity.x`, so another unit is possible.
     pub fn taken_by_words(name: &str) -> Option<Self> {
         let (unit, is_field) = Self::of_ros(name)?;
         (!is_field && Self::of_column(name).is_some() && Self::stated(name).is_none()).then_some(unit)

@@ -52,8 +52,8 @@ pub(super) struct BaseLine {
     freedom: Vec<f64>,
 }
 
-/// The limit of a ratio to an estimated level of `level_freedom` degrees of freedom, from the `limit` of a ratio to the
-/// true level. The tail of χ² is taken for exponential, so that the tail of F is a power law.
+/// The limit of a ratio to an estimated level of `level_freedom` degrees of freedom, from the `limit` of a ratio to
+/// the true level. The tail of χ² is taken for exponential, so that the tail of F is a power law.
 fn widened(limit: f64, freedom: f64, level_freedom: f64) -> f64 {
     let ratio = freedom / level_freedom;
     libm::expm1(limit * ratio) / ratio

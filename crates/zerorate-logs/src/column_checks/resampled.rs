@@ -55,8 +55,8 @@ impl Resampled {
     }
 }
 
-/// The samples without the value of most repeats, as NaN, if more than half of the repeats are of it: a limit, a mark or
-/// a dead band, which is said elsewhere.
+/// The samples without the value of most repeats, as NaN, if more than half of the repeats are of it: a limit, a mark
+/// or a dead band, which is said elsewhere.
 fn without_one_value(samples: &[f64]) -> Vec<f64> {
     let mut repeats: Vec<f64> = samples.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
     repeats.sort_unstable_by(f64::total_cmp);

@@ -1,4 +1,5 @@
-//! Detects zeros that stand for missing samples, or for small readings (a dead band), where 0 is neither the largest nor the least value.
+//! Detects zeros that stand for missing samples, or for small readings (a dead band), where 0 is neither the largest
+//! nor the least value.
 
 use super::block::{BLOCK, Block};
 
@@ -16,8 +17,8 @@ const VALUES: usize = 100;
 /// them.
 const MORE: usize = 3;
 
-/// Zeros are of a dead band if, on both sides, the next values are so far from 0 that as many would lie between, within
-/// this factor, and if the two sides differ by this share at most.
+/// Zeros are of a dead band if, on both sides, the next values are so far from 0 that as many would lie between,
+/// within this factor, and if the two sides differ by this share at most.
 const BAND: std::ops::Range<f64> = 0.5..2.0;
 const UNEQUAL: f64 = 0.2;
 
