@@ -17,8 +17,8 @@ pub struct LogArgs {
     topic: Vec<String>,
 
     /// Read only the rows in which a column has this value, as in SensorId=1, or several have theirs, as in
-    /// bus=0,sensor=1: for a table or text with the rows of several sensors. Each further --where gives a result of
-    /// its own.
+    /// bus=0,sensor=1: for a table or text with the rows of several sensors. The value * stands for all, as in
+    /// 'idx=*': the rows are of one sensor. Each further --where gives a result of its own.
     #[arg(long = "where", value_name = "COLUMN=VALUE", conflicts_with = "raw")]
     pub only: Vec<RowFilter>,
 

@@ -66,13 +66,15 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         .collect()
 }
 
-/// Warns of columns in °/s or rad/s with values or a sample rate that no gyroscope has, at rest or not.
+/// Warns of columns in °/s or rad/s with values or a sample rate that no gyroscope has, at rest or not. A scale that
+/// the user states is not doubted: a log of raw numbers may be of another sensor.
 #[must_use]
 pub fn implausible_rates(path: &Path, columns: &[Column], log: &ColumnOptions) -> Vec<LogWarning> {
     let is_rate = |column: &&Column| column.quantity == Some(Quantity::AngularRate);
     let rates: Vec<&Column> = columns.iter().filter(is_rate).collect();
     let scale = format!("if these are codes, {} with the size of one in this unit", log.names.of(Setting::Scale));
-    let doubts = whole(rates.iter().copied(), &scale).into_iter().chain(slow(rates));
+    let whole = if log.scale.is_none() { whole(rates.iter().copied(), &scale) } else { None };
+    let doubts = whole.into_iter().chain(slow(rates));
     doubts.map(|what| LogWarning::Implausible { path: path.display().to_string(), what }).collect()
 }
 

@@ -157,7 +157,7 @@ fn a_temperature_of_any_name_gives_the_bias_once_it_is_named() {
     assert_eq!(why_not(&LogSettings::default()), None);
     assert_eq!(why_not(&named("heat")), Some(None));
     let still = why_not(&named("gx_dps")).flatten().expect("a rate is no temperature");
-    assert!(still.contains("gx_dps is no temperature"), "{still}");
+    assert!(still.contains("gx_dps is not a temperature"), "{still}");
     let LogInspection::Question { text, settings, .. } = look(&text, &named("cold")).0 else { panic!("a question") };
     assert!(settings == [LogSetting::TempColumn] && text.contains("no column \"cold\""), "{text}");
 }

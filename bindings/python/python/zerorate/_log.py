@@ -140,7 +140,8 @@ def read_log(
         The topic or message to read, if the log has several IMUs.
     where
         Read only the rows in which a column has this value, as in ``"SensorId=1"``, or several columns have theirs,
-        as in ``"bus=0,sensor=1"``: for a table or text with the rows of several sensors.
+        as in ``"bus=0,sensor=1"``: for a table or text with the rows of several sensors. The value ``*`` stands for
+        all, as in ``"idx=*"``: the rows are of one sensor.
     skip, until
         Leave out everything before, or after, this time: seconds since the first sample, a duration such as ``"45m"``,
         or a clock time or date of the log's timestamps, as in ``"12:30:00"`` (UTC if they state no time zone).

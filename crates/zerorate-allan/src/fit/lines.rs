@@ -53,10 +53,18 @@ pub(super) struct BaseLine {
 }
 
 /// The limit of a ratio to an estimated level of `level_freedom` degrees of freedom, from the `limit` of a ratio to
-/// the true level. The tail of χ² is taken for exponential, so that the tail of F is a power law.
+/// the true level: the quantile of F where `limit` is that of χ². Both are normal in their cube roots (Abramowitz &
+/// Stegun 26.4.14, 26.6.15). Infinity if no ratio is unlikely enough.
 fn widened(limit: f64, freedom: f64, level_freedom: f64) -> f64 {
-    let ratio = freedom / level_freedom;
-    libm::expm1(limit * ratio) / ratio
+    let [own, of_level] = [freedom, level_freedom].map(|freedom| 2.0 / (9.0 * freedom));
+    let z2 = libm::pow(libm::cbrt(limit) - (1.0 - own), 2.0) / own;
+    let product = (1.0 - own) * (1.0 - of_level);
+    let [own, of_level] = [own, of_level].map(|part| (1.0 - part) * (1.0 - part) - z2 * part);
+    if of_level <= 0.0 {
+        return f64::INFINITY;
+    }
+    let root = (product + libm::sqrt(product * product - own * of_level)) / of_level;
+    root * root * root
 }
 
 /// A line whose coefficients were removed from the bins, or a sine that was removed from the samples.
