@@ -8,7 +8,9 @@ const BLOCKS: usize = 256;
 
 /// Least number of zeros for a warning, and their share of the samples.
 const ENOUGH: usize = 50;
-const SHARE: std::ops::RangeInclusive<f64> = 1e-3..=0.3;
+const SHARE: std::ops::RangeInclusive<f64> = 1e-3..=0.9;
+/// More zeros than this share are rather of a dead band.
+const FEW: f64 = 0.3;
 
 /// Least number of different values. In coarse codes 0 may be frequent by itself.
 const VALUES: usize = 100;
@@ -52,7 +54,8 @@ impl Zeros {
         let count = self.samples.iter().filter(|sample| **sample == 0.0).count();
         let share = count as f64 / self.examined as f64;
         let alone = self.samples.windows(2).filter(|pair| pair[1] == 0.0 && pair[0] != 0.0).count();
-        if count < ENOUGH || !SHARE.contains(&share) || 2 * alone < count {
+        // zeros that stand together are of a sensor that was off
+        if count < ENOUGH || !SHARE.contains(&share) || 2.0 * (alone as f64) < (1.0 - share) * count as f64 {
             return None;
         }
         self.samples.retain(|sample| *sample != 0.0 && sample.is_finite());
@@ -61,6 +64,7 @@ impl Zeros {
         let are_marks = counts.len() >= VALUES && counts.iter().all(|other| count >= MORE * other);
         let what = match dead_band(&self.samples, count) {
             Some(width) => format!(" and none lies within {width:.2e} of it; a dead band?"),
+            None if share > FEW => "; a dead band, or a mark of missing ones?".to_owned(),
             None => "; a mark of missing ones?".to_owned(),
         };
         are_marks.then(|| format!("{:.2} % of the samples are exactly 0{what}", 100.0 * share))
@@ -104,6 +108,9 @@ mod tests {
             let text = doubt(noise(20_000).into_iter().map(|sample| if sample.abs() < band { 0.0 } else { sample }));
             assert!(text.as_ref().is_some_and(|text| text.ends_with(" of it; a dead band?")), "{band}: {text:?}");
         }
+        let soft = |sample: f64| if sample.abs() < 1.0 { 0.0 } else { sample - sample.signum() };
+        let text = doubt(noise(20_000).into_iter().map(soft)).unwrap_or_default();
+        assert!(text.ends_with(" are exactly 0; a dead band, or a mark of missing ones?"), "{text}");
     }
 
     #[test]
