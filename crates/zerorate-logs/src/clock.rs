@@ -124,14 +124,22 @@ impl Times {
         self.since_first = since_first;
     }
 
-    /// Adds a minute wherever seconds of a minute start again. Returns the number of minutes that were added.
+    /// Adds a minute wherever seconds of a minute start again. Returns the number of minutes that were added; 0 if a
+    /// start does not follow the end of a minute, as after a restart of the device.
     pub fn unwrap_minutes(&mut self, per_s: f64) -> usize {
+        let longest = self.interval().map_or(per_s, |interval| per_s.max(2.5 * interval));
         let (mut minutes, mut before) = (0, 0.0);
-        for time in &mut self.since_first {
-            minutes += usize::from(*time < before - 30.0 * per_s);
+        let mut times = self.since_first.clone();
+        for time in &mut times {
+            let starts_again = *time < before - 30.0 * per_s;
+            if starts_again && *time + 60.0 * per_s - before > longest {
+                return 0;
+            }
+            minutes += usize::from(starts_again);
             before = *time;
             *time += 60.0 * per_s * minutes as f64;
         }
+        self.since_first = times;
         minutes
     }
 

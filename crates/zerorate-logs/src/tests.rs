@@ -588,4 +588,7 @@ fn seconds_beside_minutes_are_unwrapped() {
     let column = read_file(text, "--column gz_dps").unwrap();
     assert!((column.rate_hz - 10.0).abs() < 1e-9 && column.missing() == 0, "{}", column.rate_hz);
     assert!(column.warnings.iter().any(|warning| warning.to_string().contains("start again 3 times")));
+    let restarted = |at: u32| format!("{},{},{},{}\n", 1 - at / 500, 9 + at % 500 / 10, at % 10 * 100, at % 7);
+    let text = (0..1000).map(restarted).fold("min,sec,ms,gz_dps\n".to_owned(), |text, row| text + &row);
+    assert!(fails(text, "--column gz_dps").contains("goes back"));
 }
