@@ -115,7 +115,7 @@ impl Unit {
     /// fixes the unit of an `angular_velocity` at rad/s, and of a `linear_acceleration` at m/s². `None` if the name
     /// states a factor or codes as well.
     pub fn of_column(name: &str) -> Option<Self> {
-        if states_factor(name) || states_codes(name) {
+        if states_factor(name) || states_codes(name) || has_remark(name) {
             return None;
         }
         Self::stated(name).or_else(|| Self::of_ros(name).map(|(unit, _)| unit))
@@ -327,6 +327,16 @@ fn brackets(name: &str) -> impl Iterator<Item = &str> {
     })
 }
 
+/// True if a bracket beside that of a unit holds a number that is not an index, or says raw: `gx (dps) [131]`.
+fn has_remark(name: &str) -> bool {
+    let (units, rest): (Vec<&str>, Vec<&str>) = brackets(name).partition(|inner| inner.parse::<Unit>().is_ok());
+    let is_remark = |inner: &&str| {
+        let inner = inner.to_lowercase();
+        inner.len() > 1 && !inner.contains(char::is_alphabetic) || ["raw", "int"].iter().any(|raw| inner.contains(raw))
+    };
+    !units.is_empty() && rest.iter().any(is_remark)
+}
+
 /// True if `name` ends with `ending` as a separate word.
 fn has_ending(name: &str, ending: &str) -> bool {
     name.strip_suffix(ending).is_some_and(|rest| rest.ends_with(['_', '.', ' ', '-', '/']))
@@ -384,6 +394,9 @@ mod tests {
             ("heading_degs", None),
             ("flow_l/s", None),
             ("Msg", None),
+            ("gyroUnfilt[0] (deg/s)", Some(Unit::Dps)),
+            ("gx (deg/s) [131]", None),
+            ("angular_velocity_x (deg/s) [raw]", None),
         ];
         for (name, unit) in cases {
             assert_eq!(Unit::of_column(name), unit, "{name}");
