@@ -394,9 +394,6 @@ mod tests {
             ("heading_degs", None),
             ("flow_l/s", None),
             ("Msg", None),
-            ("gyroUnfilt[0] (deg/s)", Some(Unit::Dps)),
-            ("gx (deg/s) [131]", None),
-            ("angular_velocity_x (deg/s) [raw]", None),
         ];
         for (name, unit) in cases {
             assert_eq!(Unit::of_column(name), unit, "{name}");
@@ -418,6 +415,8 @@ mod tests {
             ("gx_degph", Some(Unit::DegPerH)),
             ("wx[rev/min]", Some(Unit::Rpm)),
             ("gyroUnfilt[0] (deg/s)", Some(Unit::Dps)),
+            ("gx (deg/s) [131]", None),
+            ("angular_velocity_x (deg/s) [raw]", None),
         ];
         for (name, unit) in cases {
             assert_eq!(Unit::of_column(name), unit, "{name}");
