@@ -79,7 +79,9 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
             let mut peaks = windows.peaks(limit);
             let is_heavy = *tail.get_or_insert_with(|| is_heavy(&peaks, windows.len() as f64, limit));
             let least = if is_heavy { gap(&peaks) } else { 1.0 };
-            peaks.retain(|(_, size)| *size > least);
+            // a sample beside an earlier find belongs to the same glitch
+            let is_beside = |i: usize| width == 1 && bad.range(i..=i + 2).next().is_some();
+            peaks.retain(|(i, size)| *size > least || *size > 1.0 && is_beside(*i));
             // no window has the first or last samples in its middle, so the first and the last window flag these too
             let begin = |i: usize| if i == 0 { 0 } else { i + width };
             let end = |i: usize| if i + 3 * width == count { count } else { i + 2 * width };
