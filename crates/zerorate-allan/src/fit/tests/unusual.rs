@@ -43,6 +43,19 @@ fn a_short_record_of_heavy_tails_keeps_its_samples() {
     assert!(cut.len() <= 2, "{cut:?}");
 }
 
+/// The end of a knock lies within the tail, and was kept: N was four times too large.
+#[test]
+fn a_knock_in_a_heavy_tail_is_taken_out_whole() {
+    for seed in 4120..4130 {
+        let mut draw = normal(seed);
+        let mut student = || draw() / (0..6).map(|_| draw().powi(2)).sum::<f64>().sqrt();
+        let mut rate: Vec<f64> = (0..1000).map(|_| student()).collect();
+        (0..8).for_each(|at| rate[500 + at] += 50.0 * (-0.6_f64).powi(at as i32));
+        let n = of(&rate).n.value;
+        assert!(n < 1.4 * (0.25 / RATE_HZ).sqrt(), "{seed}: {n}");
+    }
+}
+
 #[test]
 fn a_record_whose_power_comes_and_goes_is_motion() {
     let mut rate = Truth { n: 0.005, ..Truth::default() }.noise(60_000, 4200);
