@@ -145,7 +145,7 @@ mod tests {
         let table: Vec<f64> = noise(3000).iter().enumerate().map(|(at, sample)| sample + turned(at)).collect();
         assert_eq!(jumps(&Input::Rate(&table)), None);
         let mut uniform = crate::fit::tests::uniform(3);
-        // a density like that of Student's t with 3 degrees of freedom
+        // a tail as Student's t has with 3 degrees of freedom
         let tails: Vec<f64> = (0..200_000).map(|_| (uniform() - 0.5) * libm::pow(uniform(), -1.0 / 3.0)).collect();
         let found = |part: &&[f64]| jumps(&Input::Rate(part)).is_some();
         assert!(tails.chunks_exact(2000).filter(found).count() <= 2);

@@ -55,8 +55,8 @@ fn words(name: &str) -> impl Iterator<Item = &str> {
     name.split(|c: char| !c.is_alphanumeric() && c != '.').filter(|word| !word.is_empty())
 }
 
-/// True for words such as `x100`, `100x` and `q15`, and for a number that follows an axis. A number below 10 may be
-/// that of a sensor or of an axis, as in `gyro_x2_dps` and `gyro_x_2_dps`.
+/// True for words such as `x100`, `100x` and `q15`, and for a number that follows an axis. A number below 10 may
+/// count sensors or axes, as in `gyro_x2_dps` and `gyro_x_2_dps`.
 fn is_factor(before: &str, word: &str) -> bool {
     let is_large = |digits: &str| digits.parse::<f64>().is_ok_and(|number| number >= 10.0);
     let is_of_sensor = ["gyr", "acc"].iter().any(|start| before.starts_with(start));

@@ -128,7 +128,7 @@ impl Unit {
         (!is_field && Self::of_column(name).is_some() && Self::stated(name).is_none()).then_some(unit)
     }
 
-    /// The unit by the naming of ROS, and whether the name is that of a field in a message.
+    /// The unit by the naming of ROS, and whether the name is a field of a message.
     fn of_ros(name: &str) -> Option<(Self, bool)> {
         let name = name.to_lowercase();
         let words = [("angular_velocity", Self::RadPerS), ("linear_acceleration", Self::MPerS2)];
@@ -327,7 +327,7 @@ fn brackets(name: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// True if a bracket beside that of a unit holds a number that is not an index, or says raw: `gx (dps) [131]`.
+/// True if a bracket beside the unit holds a number that is not an index, or says raw: `gx (dps) [131]`.
 fn has_remark(name: &str) -> bool {
     let (units, rest): (Vec<&str>, Vec<&str>) = brackets(name).partition(|inner| inner.parse::<Unit>().is_ok());
     let is_remark = |inner: &&str| {

@@ -202,7 +202,7 @@ fn in_thousands(cell: &str) -> Option<(Decimal, f64)> {
     number.parse().ok().filter(|_| fits).map(|number| (mark, number))
 }
 
-/// Separators of thousands that are not a mark: those of French and Swiss programs.
+/// Separators of thousands of French and Swiss programs, beside points and commas.
 const SEPARATORS: [char; 4] = ['\u{A0}', '\u{202F}', '\u{2009}', '’'];
 
 /// A number without its separators of thousands: 1234.5 of 1’234.5.
