@@ -1,6 +1,7 @@
 //! Finds glitches: single samples, or a few in a row, that noise does not explain.
 
 use super::lines::median;
+use super::runs::runs;
 use super::spectrum::averages::{centred, fill_gaps};
 use crate::chi2::{chi2_above, normal_quantile};
 use crate::kernels::threads;
@@ -57,9 +58,10 @@ const PIECE: usize = 1 << 14;
 /// Missing samples are left out, because straight lines in their place would scatter less than noise. If the noise is
 /// correlated, the samples beside a gap differ by more, so windows with gaps have scales of their own.
 ///
-/// Noise with a heavy tail has windows of every size up to the limit and beyond. In such noise, only windows beyond a
-/// gap in the sizes are glitches. A cut at the limit lowered N of Student's t with 3 degrees of freedom by a tenth.
-/// Single samples tell whether the tail is heavy, because means of several are nearer to normal.
+/// Noise with a heavy tail has windows of every size up to the limit and beyond. In such noise, only runs of large
+/// samples, and windows beyond a gap in the sizes, are glitches. A cut at the limit lowered N of Student's t with 3
+/// degrees of freedom by a tenth. Single samples tell whether the tail is heavy, because means of several are nearer
+/// to normal.
 pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
     let has_gaps = rate.iter().any(|value| value.is_nan());
     let there: Vec<usize> = if has_gaps { present(rate) } else { Vec::new() };
@@ -71,17 +73,20 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
     if !bad.is_empty() {
         replace(values.to_mut(), &bad);
     }
-    let mut tail = None;
+    let mut singles = (count > 3).then(|| Windows { values: &values, there: &there, width: 1 }.peaks(limit));
+    let has_heavy_tail = singles.as_ref().is_some_and(|peaks| is_heavy(peaks, (count - 2) as f64, limit));
+    if has_heavy_tail {
+        bad.extend(runs(&values, TAIL * limit).into_iter().flatten());
+        replace(values.to_mut(), &bad);
+        singles = None;
+    }
     for width in WIDTHS.into_iter().filter(|width| 3 * *width < count) {
         for _ in 0..LOOKS {
             let before = bad.len();
             let windows = Windows { values: &values, there: &there, width };
-            let mut peaks = windows.peaks(limit);
-            let is_heavy = *tail.get_or_insert_with(|| is_heavy(&peaks, windows.len() as f64, limit));
-            let least = if is_heavy { gap(&peaks) } else { 1.0 };
-            // a sample beside an earlier find belongs to the same glitch
-            let is_beside = |i: usize| width == 1 && bad.range(i..=i + 2).next().is_some();
-            peaks.retain(|(i, size)| *size > least || *size > 1.0 && is_beside(*i));
+            let mut peaks = singles.take().unwrap_or_else(|| windows.peaks(limit));
+            let least = if has_heavy_tail { gap(&peaks) } else { 1.0 };
+            peaks.retain(|(_, size)| *size > least);
             // no window has the first or last samples in its middle, so the first and the last window flag these too
             let begin = |i: usize| if i == 0 { 0 } else { i + width };
             let end = |i: usize| if i + 3 * width == count { count } else { i + 2 * width };
@@ -229,7 +234,7 @@ fn gap(peaks: &[(usize, f64)]) -> f64 {
 
 /// The standard deviation of the values, without those beyond [`CLIP`] standard deviations. The median of their sizes
 /// alone would be off by up to half a step for coarse codes.
-fn scale(d: &[f64]) -> f64 {
+pub(super) fn scale(d: &[f64]) -> f64 {
     let every = d.len().div_ceil(MEDIAN_OF).max(1);
     let sizes = d.iter().step_by(every).map(|d| libm::fabs(*d)).collect();
     let mut sigma = SIGMA_PER_MAD * median(sizes);

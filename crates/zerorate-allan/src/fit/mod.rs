@@ -28,6 +28,7 @@ mod profile;
 mod readings;
 mod record_length;
 mod remarks;
+mod runs;
 mod samples;
 mod scoring;
 mod select;
