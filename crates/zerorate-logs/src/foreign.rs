@@ -182,6 +182,10 @@ fn units_in_the_attributes_of_a_data_set_are_used() {
     let other = fails(HDF5_UNITS, "--column gz --time-column Time --unit dps");
     assert!(other.contains("states rad/s, and --unit says dps"), "{other}");
     assert_eq!(read_file(HDF5_UNITS, "--column gz").unwrap().rate_hz, 200.0);
+    let at = HDF5_UNITS.windows(5).position(|text| text == b"deg/s").unwrap();
+    let codes = [&HDF5_UNITS[..at], b"codes", &HDF5_UNITS[at + 5..]].concat();
+    let column = read_file(codes, "--column gy_dps --time-column Time").unwrap();
+    assert_eq!((&*column.name, column.quantity), ("gy_dps [codes]", None));
 }
 
 #[test]

@@ -301,12 +301,15 @@ impl SetColumn<'_> {
         Some(text.trim_matches(['\0', ' ']).to_owned())
     }
 
-    /// The name with the unit of the data set, unless the name states it, or the column is a field of a compound.
+    /// The name with the unit of the data set, unless the name states it, or the column is a field of a compound. A
+    /// text that is no unit, such as `counts`, is put beside the unit of a name alone, since it may deny that unit.
     fn with_unit(&self) -> String {
-        let stated = self.unit_text().and_then(|unit| unit.parse::<Unit>().ok());
-        match stated.filter(|unit| self.field.is_none() && Unit::of_column(&self.name) != Some(*unit)) {
-            Some(unit) => format!("{} [{unit}]", self.name),
-            None => self.name.clone(),
+        let stated = Unit::of_column(&self.name);
+        let text = self.unit_text().filter(|text| self.field.is_none() && !text.is_empty()).unwrap_or_default();
+        match text.parse::<Unit>() {
+            Ok(unit) if stated != Some(unit) => format!("{} [{unit}]", self.name),
+            Err(_) if stated.is_some() && !text.is_empty() => format!("{} [{text}]", self.name),
+            _ => self.name.clone(),
         }
     }
 
