@@ -40,8 +40,10 @@ const TAIL: f64 = 0.65;
 const HEAVY_BY_CHANCE: f64 = 0.05;
 /// Share of the heavy-tailed records in which a gap within the tail is mistaken for one that isolates glitches.
 const GAP_BY_CHANCE: f64 = 0.05;
-/// The number of windows beyond a size falls at least with this power of the size, or the noise had no variance.
-const LEAST_POWER: f64 = 2.0;
+/// The number of windows beyond a size falls at least with the power of 2 of the size, or the noise had no variance.
+const MOST_SLOPE: f64 = 0.5;
+/// Sizes that differ by less are the same.
+const ROUNDING: f64 = 1e-9;
 
 /// A sample is damaged, whatever the noise, if it is this many times farther from the median than 90 % of the samples.
 const ABSURD: f64 = 1e9;
@@ -74,8 +76,9 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
         replace(values.to_mut(), &bad);
     }
     let mut singles = (count > 3).then(|| Windows { values: &values, there: &there, width: 1 }.peaks(limit));
-    let has_heavy_tail = singles.as_ref().is_some_and(|peaks| is_heavy(peaks, (count - 2) as f64, limit));
-    if has_heavy_tail {
+    let heavy_tail =
+        singles.as_ref().filter(|peaks| is_heavy(peaks, (count - 2) as f64, limit)).map(|peaks| slope(peaks));
+    if heavy_tail.is_some() {
         bad.extend(runs(&values, TAIL * limit).into_iter().flatten());
         replace(values.to_mut(), &bad);
         singles = None;
@@ -85,7 +88,7 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
             let before = bad.len();
             let windows = Windows { values: &values, there: &there, width };
             let mut peaks = singles.take().unwrap_or_else(|| windows.peaks(limit));
-            let least = if has_heavy_tail { gap(&peaks) } else { 1.0 };
+            let least = heavy_tail.map_or(1.0, |slope| gap(&peaks, slope));
             peaks.retain(|(_, size)| *size > least);
             // no window has the first or last samples in its middle, so the first and the last window flag these too
             let begin = |i: usize| if i == 0 { 0 } else { i + width };
@@ -218,17 +221,28 @@ fn is_heavy(peaks: &[(usize, f64)], windows: f64, limit: f64) -> bool {
     2 * below > peaks.len() && by_chance < HEAVY_BY_CHANCE
 }
 
-/// The size below the lowest gap beyond the limit that is not due to chance in a heavy tail; infinity without one.
-fn gap(peaks: &[(usize, f64)]) -> f64 {
+/// The mean of ln(size) above the least size, which is 1 divided by the power of the tail (Hill's estimator), with two
+/// standard errors. Means of several samples have tails of the same power.
+fn slope(peaks: &[(usize, f64)]) -> f64 {
+    let least = peaks.iter().map(|(_, size)| *size).fold(f64::INFINITY, f64::min);
+    let mean = peaks.iter().map(|(_, size)| libm::log(size / least)).sum::<f64>() / peaks.len() as f64;
+    (mean * (1.0 + 2.0 / libm::sqrt(peaks.len() as f64))).min(MOST_SLOPE)
+}
+
+/// The size below the lowest gap beyond the limit that is not due to chance in a tail of this slope; infinity without
+/// one.
+fn gap(peaks: &[(usize, f64)], slope: f64) -> f64 {
     let mut sizes: Vec<f64> = peaks.iter().map(|(_, size)| *size).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let below = sizes.partition_point(|size| *size <= 1.0);
-    // Hill estimator: ln of the sizes above a threshold is exponentially distributed
-    let least = sizes.first().map_or(0.0, |size| libm::log(*size));
-    let mean = sizes.iter().map(|size| libm::log(*size) - least).sum::<f64>() / sizes.len() as f64;
-    let mean = mean.max(1.0 / LEAST_POWER);
-    let chance = |at: usize| libm::exp(-libm::log(sizes[at] / sizes[at - 1]) * (sizes.len() - at) as f64 / mean);
-    let first = (below.max(1)..sizes.len()).find(|at| chance(*at) < GAP_BY_CHANCE / (sizes.len() - below) as f64);
+    // sizes of codes differ by a step at least
+    let step =
+        sizes.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > ROUNDING).fold(f64::INFINITY, f64::min);
+    let ratio = |at: usize| ((sizes[at] - step) / sizes[at - 1]).max(1.0);
+    // ln of the sizes above a threshold is exponentially distributed
+    let chance = |at: usize| libm::exp(-libm::log(ratio(at)) * (sizes.len() - at) as f64 / slope);
+    let by_chance = GAP_BY_CHANCE / WIDTHS.len() as f64;
+    let first = (below.max(1)..sizes.len()).find(|at| chance(*at) < by_chance / (sizes.len() - below) as f64);
     first.map_or(f64::INFINITY, |at| sizes[at - 1])
 }
 

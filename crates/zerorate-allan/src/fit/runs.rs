@@ -9,10 +9,10 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 /// Expected number of false alarms per record.
-const ALARM: f64 = 0.01;
-/// Number of samples that are compared with one level, and number of samples to either side that also set it.
+const ALARM: f64 = 0.02;
+/// Number of samples that are compared with one level, and number of samples around their middle that set it.
 const BLOCK: usize = 16;
-const AROUND: usize = 16;
+const AROUND: usize = 80;
 const PIECE: usize = BLOCK << 10;
 /// Large samples at most this far apart are one run.
 const REACH: usize = 2;
@@ -35,8 +35,8 @@ pub(super) fn runs(values: &[f64], least_sigma: f64) -> Vec<Range<usize>> {
     let of_length = |length: i32| {
         // Among the `rank` largest samples of the record, runs of this length are not due to chance.
         let by_chance = |rank: usize| {
-            let next = rank as f64 / values.len() as f64 + following;
-            rank as f64 * libm::pow(REACH as f64 * next, f64::from(length - 1))
+            let next = (REACH * rank) as f64 / values.len() as f64 + following;
+            rank as f64 * libm::pow(next, f64::from(length - 1))
         };
         let rank = (1..=sizes.len()).take_while(|&rank| by_chance(rank) < ALARM / f64::from(LONGEST - 1)).count();
         let least = sizes.get(rank).copied().unwrap_or(0.0);
@@ -51,9 +51,9 @@ pub(super) fn runs(values: &[f64], least_sigma: f64) -> Vec<Range<usize>> {
 fn distances(values: &[f64]) -> Vec<f64> {
     let count = values.len();
     let of_block = |first: usize| {
-        let end = (first + BLOCK).min(count);
-        let level = median(values[first.saturating_sub(AROUND)..(end + AROUND).min(count)].to_vec());
-        values[first..end].iter().map(move |value| libm::fabs(value - level))
+        let from = (first + BLOCK / 2).saturating_sub(AROUND / 2).min(count.saturating_sub(AROUND));
+        let level = median(values[from..(from + AROUND).min(count)].to_vec());
+        values[first..(first + BLOCK).min(count)].iter().map(move |value| libm::fabs(value - level))
     };
     let of_piece = |piece: usize| {
         let blocks = (piece * PIECE..((piece + 1) * PIECE).min(count)).step_by(BLOCK);
@@ -62,11 +62,13 @@ fn distances(values: &[f64]) -> Vec<f64> {
     threads::map(count.div_ceil(PIECE), of_piece).concat()
 }
 
-/// The probability that a large sample follows another, beyond the one of independent samples.
+/// The mean number of large samples that follow one within reach, beyond those of independent samples.
 fn following(large: &[usize], samples: usize) -> f64 {
     let count = large.len() as f64;
-    let pairs = large.windows(2).filter(|pair| pair[1] - pair[0] == 1).count() as f64;
     let by_chance = count * count / samples as f64;
-    let beyond = pairs - by_chance - DEPENDENT_SIGMA * libm::sqrt(by_chance);
-    if beyond > 0.0 { beyond / count } else { 0.0 }
+    let beyond = |lag: usize| {
+        let pairs = large.iter().filter(|at| large.binary_search(&(*at + lag)).is_ok()).count() as f64;
+        (pairs - by_chance - DEPENDENT_SIGMA * libm::sqrt(by_chance)).max(0.0)
+    };
+    (1..=REACH).map(beyond).sum::<f64>() / count.max(1.0)
 }

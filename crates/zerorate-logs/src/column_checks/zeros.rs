@@ -12,8 +12,9 @@ const LEAST_SHARE: f64 = 1e-3;
 /// More zeros than this share are rather of a dead band.
 const FEW: f64 = 0.3;
 
-/// Least number of different values. In coarse codes 0 may be frequent by itself.
-const VALUES: usize = 100;
+/// No other value may be more frequent than this among the values that are not 0. In coarse codes 0 may be frequent by
+/// itself.
+const MOST_OF_ONE: f64 = 0.1;
 
 /// Zeros are marks if they are at least this many times as frequent as any other value. Rounding towards 0 doubles
 /// them.
@@ -60,8 +61,8 @@ impl Zeros {
         }
         self.samples.retain(|sample| *sample != 0.0 && sample.is_finite());
         self.samples.sort_unstable_by(f64::total_cmp);
-        let counts: Vec<usize> = self.samples.chunk_by(|a, b| a == b).map(<[f64]>::len).collect();
-        let are_marks = counts.len() >= VALUES && counts.iter().all(|other| count >= MORE * other);
+        let most = self.samples.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or_default();
+        let are_marks = most > 0 && count >= MORE * most && most as f64 <= MOST_OF_ONE * self.samples.len() as f64;
         let what = match dead_band(&self.samples, count) {
             Some(width) => format!(" and none lies within {width:.2e} of it; a dead band?"),
             None if share > FEW => "; a dead band, or a mark of missing ones?".to_owned(),
@@ -112,6 +113,9 @@ mod tests {
             let soft = |sample: f64| if sample.abs() < band { 0.0 } else { sample - band * sample.signum() };
             let text = doubt(noise(20_000).into_iter().map(soft)).unwrap_or_default();
             assert!(text.ends_with(" are exactly 0; a dead band, or a mark of missing ones?"), "{band}: {text}");
+            let codes =
+                doubt(noise(20_000).into_iter().map(|sample| (20.0 * soft(sample)).round())).unwrap_or_default();
+            assert!(codes.contains("; a dead band"), "{band}: {codes}");
         }
     }
 
@@ -120,6 +124,8 @@ mod tests {
         for steps in [0.1, 0.3, 1.0, 3.0, 30.0, 1e6] {
             assert_eq!(doubt(noise(20_000).iter().map(|sample| (sample * steps).round())), None, "{steps}");
             assert_eq!(doubt(noise(20_000).iter().map(|sample| (sample * steps).trunc())), None, "{steps}");
+            // a heavy tail, whose codes have many values
+            assert_eq!(doubt(noise(20_000).iter().map(|sample| (sample.sinh() * steps).round())), None, "{steps}");
         }
         let rests = noise(20_000).into_iter().enumerate().map(|(at, s)| if at / 1000 % 5 == 0 { 0.0 } else { s });
         assert_eq!(doubt(rests), None);
