@@ -102,17 +102,6 @@ fn a_frozen_part_is_known_within_a_fifth_of_a_second() {
     assert!(judged.iter().rev().take(1000).all(|judged| !judged.flags.rate_is_good()));
 }
 
-/// At 360 °/s with CLAMP = 0, the code wraps to −354 °/s, and the status marks it as out of range (F-35).
-#[test]
-fn a_wrapped_code_is_out_of_range() {
-    let spec = Spec { rotation_dps: 360.0, sensitivity_error: 0.0, ..Spec::from_seed(4) };
-    let samples = readings(spec, Config::default(), SamplerConfig::new(), 0.5);
-    assert!(AXIS.rate.value(samples[100].rate.into()) < -300.0);
-    let (judged, health) = judged(&samples);
-    assert!(judged.iter().all(|judged| judged.flags == Flags::OUT_OF_RANGE));
-    assert_eq!(health.fault_counts().out_of_range, judged.len() as u64);
-}
-
 /// A data-ready line that stutters loses samples, and so does a late host. The tally tells the two apart.
 #[test]
 fn a_stuttering_line_is_told_from_a_late_host() {
