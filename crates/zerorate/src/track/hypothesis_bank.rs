@@ -92,21 +92,17 @@ impl HypothesisBank {
         self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > 0.0)
     }
 
+    fn filters(&mut self) -> impl Iterator<Item = &mut Filter> {
+        self.used().flat_map(|it| [&mut it.before, &mut it.sure.filter, &mut it.now.filter])
+    }
+
     pub(super) fn wait(&mut self, seconds: f64, drift: &Drift) {
         let passing = drift.over(seconds);
-        for Hypothesis { before, sure, now, .. } in self.used() {
-            for filter in [before, &mut sure.filter, &mut now.filter] {
-                filter.wait(&passing);
-            }
-        }
+        self.filters().for_each(|filter| filter.wait(&passing));
     }
 
     pub(super) fn inflate_bias_variance(&mut self, u_dps: f64) {
-        for Hypothesis { before, sure, now, .. } in self.used() {
-            for filter in [before, &mut sure.filter, &mut now.filter] {
-                filter.inflate_bias_variance(u_dps);
-            }
-        }
+        self.filters().for_each(|filter| filter.inflate_bias_variance(u_dps));
     }
 
     pub(super) fn take(&mut self, mean: &Mean, drift: &Drift) {
