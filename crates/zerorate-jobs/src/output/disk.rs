@@ -3,7 +3,7 @@
 use super::OutputError;
 use super::temporary::Temporary;
 use std::ffi::OsStr;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -75,23 +75,16 @@ enum Owner {
 }
 
 /// Finds out whether the process that made the file still runs. The kernel releases the lock of a process that ends.
-#[cfg(unix)]
 fn owner(path: &Path) -> Owner {
-    use rustix::fs::{FlockOperation, flock};
     let Ok(file) = open_to_lock(path) else { return Owner::Unknown };
-    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+    if cfg!(not(unix)) || !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
         return Owner::Unknown;
     }
-    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+    match file.try_lock() {
         Ok(()) => Owner::Dead,
-        Err(rustix::io::Errno::WOULDBLOCK) => Owner::Alive,
-        Err(_) => Owner::Unknown,
+        Err(TryLockError::WouldBlock) => Owner::Alive,
+        Err(TryLockError::Error(_)) => Owner::Unknown,
     }
-}
-
-#[cfg(not(unix))]
-fn owner(_: &Path) -> Owner {
-    Owner::Unknown
 }
 
 /// True if a running process records into the file. False where that is not known, as without locks.
@@ -124,21 +117,17 @@ fn turn_in(folder: &Path) -> Option<File> {
     None
 }
 
-/// Locks an open file until it is closed. Returns `WouldBlock` if it is locked already, also by this process.
-#[cfg(unix)]
+/// Locks an open file until it is closed. Returns `WouldBlock` if it is locked already, also by this process. Does
+/// nothing on systems other than Unix, where a lock would also block readers.
 pub fn lock(file: &File) -> io::Result<()> {
-    use rustix::fs::{FlockOperation, flock};
-    match flock(file, FlockOperation::NonBlockingLockExclusive) {
-        Err(error) if error == rustix::io::Errno::WOULDBLOCK => Err(ErrorKind::WouldBlock.into()),
+    if cfg!(not(unix)) {
+        return Ok(());
+    }
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(ErrorKind::WouldBlock.into()),
         // other errors come from file systems without locks, where the file is used unlocked
         _ => Ok(()),
     }
-}
-
-/// Does nothing on systems other than Unix, where a lock would also block readers.
-#[cfg(not(unix))]
-pub fn lock(_: &File) -> io::Result<()> {
-    Ok(())
 }
 
 static OPENS_STREAM: AtomicBool = AtomicBool::new(false);
