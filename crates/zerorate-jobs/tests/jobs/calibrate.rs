@@ -21,16 +21,6 @@ fn worst_of_curve(numbers: &AxisNumbers) -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// Without noise and curvature, only the drift of an unsettled part limits the result.
-#[test]
-fn the_truth_of_the_twin_is_found() {
-    let unit = "twin:noise=0,curvature=0,hysteresis=0,bias_dps=0.8,tempco_dps_per_c=0.05,warmup_s=20";
-    let done = calibrate(unit, Plan { assume_linear: true, ..short() }).unwrap();
-    let (found, truth) = (only(&done), only(&done).truth.as_ref().unwrap());
-    assert!((found.btc_dps_per_c - truth.btc_dps_per_c).abs() < 1e-5, "{found:?}");
-    assert!((found.pbc_dps - truth.pbc_dps).abs() < 1e-4, "{found:?}");
-}
-
 #[test]
 fn every_method_states_a_curve_that_holds() {
     for method in [Method::An1042, Method::Warmup] {
