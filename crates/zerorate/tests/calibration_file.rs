@@ -146,6 +146,7 @@ fn an_impossible_value_is_refused_with_its_line() {
         "white_dps_per_rt_hz = -1",
         "flicker_cutoff_hz = -1e-4",
         "duration_s = -3171",
+        "duration_s = nan",
         "rate_hz = -100",
         "settle_s = -1.0",
         "max_lost = 2",

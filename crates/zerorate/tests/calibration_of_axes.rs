@@ -143,6 +143,7 @@ fn every_mistake_is_named_with_its_line_and_axis() {
         ("t3_c = 31.25", "t3_c = 200.5", 20, Some("y"), "t3_c must be a temperature within -100 … 200 °C"),
         ("t3_c = 31.25", "t3_c = 31.25\nt3_c = 3", 21, None, "duplicate key"),
         ("temp_min_c = 25", "temp_min_c = 34", 22, None, "must not lie above"),
+        ("temp_min_c = 25", "temp_min_c = -1e300", 22, None, "temp_min_c must be a temperature"),
         ("temp_min_c = 25", "margin_c = -1\ntemp_min_c = 25", 22, None, "margin_c must be"),
         (VALIDITY, "[run]", 21, None, "missing field"),
         (VALIDITY, "[correction]\npbc_dps = 0\nbtc_dps_per_c = 0\nt3_c = 25", 21, None, "belongs into an [[axis]]"),

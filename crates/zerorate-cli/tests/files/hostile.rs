@@ -129,21 +129,6 @@ fn a_serial_number_is_one_line() {
     bench.zerorate("report escape.toml").fails(1, &["line 3: `serial` holds control characters"]);
 }
 
-#[test]
-fn a_calibration_holds_numbers_that_can_be() {
-    let bench = Bench::new();
-    let run = "[run]\nduration_s = nan\nrate_hz = 5703.0\nrdy_hz = 5703.0\nsamples = 1\nlost_samples = 0\naverage_s = \
-        10.0\n\
-               warmup_s = inf\nsettle_s = 1.0\noffset_s = 1.0\nmax_lost = 0.1\nmax_u_btc_dps_per_c = \
-               0.1\nassume_linear = false\n";
-    let file = calibration(-0.25, -0.04, 31.5) + run;
-    bench.write("nan.toml", &file);
-    bench.zerorate("report nan.toml").fails(1, &["duration_s must be a number from 0 to 1000000000"]);
-    let span = calibration(-0.25, -0.04, 31.5) + "[validity]\ntemp_min_c = -1e300\ntemp_max_c = 1e300\n";
-    bench.write("span.toml", span);
-    bench.zerorate("report span.toml").fails(1, &["line 8: temp_min_c must be a temperature"]);
-}
-
 /// Commands that read a text file.
 #[cfg(target_os = "linux")]
 const TEXTS: &[&str] = &[
