@@ -26,11 +26,14 @@ mod report;
 mod tempcal;
 mod temperature;
 mod verify;
+#[path = "../../../zerorate-jobs/tests/jobs/white.rs"]
+mod white;
 
 use crate::harness::{Bench, PROGRAM, Run, SHORT, calibration, calibration_of};
 use std::io::Write;
 use std::path::Path;
 use std::process::Command;
+use white::white;
 
 /// The forms of captures that are built in.
 const FORMS: &[&str] = if cfg!(feature = "parquet") { &["csv", "arrows", "parquet"] } else { &["csv", "arrows"] };
@@ -71,16 +74,6 @@ fn capture(serial: &str, rows: &str) -> String {
          zerorate.temp_conversion = 5\n\
          # zerorate.serial = {serial}\nt_ns,edge_seq,rate_code,status,temp_code,lost\n{rows}"
     )
-}
-
-/// White noise with standard deviation `sd`: sums of twelve numbers of a congruential generator.
-fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
-    let mut state = seed;
-    let mut uniform = move || {
-        state = 16_807 * state % 2_147_483_647;
-        state as f64 / 2_147_483_647.0 - 0.5
-    };
-    (0..samples).map(|_| (0..12).map(|_| uniform()).sum::<f64>() * sd).collect()
 }
 
 /// Samples as bytes for `--raw f64`.

@@ -1,6 +1,7 @@
 //! The noise of logs: columns, several records as one, and the axes of an IMU.
 
 use super::bench::{Folder, record, refusal};
+use super::white::white;
 use std::path::{Path, PathBuf};
 use zerorate_allan::{Fit, FitOptions, Stat};
 use zerorate_host::Sampling;
@@ -12,16 +13,6 @@ use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_jobs::pool::{NoPool, pool};
 use zerorate_logs::{ColumnOptions, Cut, CutTime, LogWarning, Names, Setting};
-
-/// White noise of this standard deviation, by a congruential generator: sums of twelve uniform numbers.
-fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
-    let mut state = seed;
-    let mut uniform = move || {
-        state = 16_807 * state % 2_147_483_647;
-        state as f64 / 2_147_483_647.0 - 0.5
-    };
-    (0..samples).map(|_| (0..12).map(|_| uniform()).sum::<f64>() * sd).collect()
-}
 
 fn fitted() -> AnalysisOptions {
     AnalysisOptions { fit: Some(FitOptions::default()), ..AnalysisOptions::default() }

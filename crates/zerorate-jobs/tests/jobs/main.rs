@@ -9,3 +9,4 @@ mod correct;
 mod plan;
 mod reading;
 mod recalibrate;
+mod white;
