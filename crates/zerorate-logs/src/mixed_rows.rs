@@ -59,41 +59,17 @@ const OF_NOISE: f64 = 1.167;
 /// Standard deviation of Gaussian noise over its median absolute deviation.
 const PER_MEDIAN: f64 = 1.4826;
 
-/// Words in the names of columns that tell sensors apart.
-const IDS: [&str; 42] = [
-    "id", "sensor", "device", "dev", "instance", "inst", "imu", "unit", "node", "source", "src", "channel", "chan",
-    "name", "addr", "address", "serial", "sn", "mac", "topic", "tag", "type", "kind", "label", "module", "board",
-    "chip", "port", "probe", "slot", "i", "bus", "slave", "ch", "idx", "index", "mux", "num", "nr", "side",
-    "position", "stream",
-];
+/// Words in the names of columns that tell sensors apart. They suffice even if the rows of a sensor come in no order,
+/// or are not interrupted.
+const SENSORS: &str = "id sensor device dev instance inst imu unit node source src addr address serial sn mac topic \
+                       tag label module board chip port probe bus";
 
-/// The words of [`IDS`] that suffice even if the rows of a sensor come in no order, or are not interrupted.
-const SENSORS: [&str; 25] = [
-    "id", "sensor", "device", "dev", "instance", "inst", "imu", "unit", "node", "source", "src", "addr", "address",
-    "serial", "sn", "mac", "topic", "tag", "label", "module", "board", "chip", "port", "probe", "bus",
-];
+/// Further words in the names of columns that tell sensors apart.
+const IDS: &str = "channel chan name type kind slot i slave ch idx index mux num nr side position stream";
 
 /// Words in the names of columns that do not tell sensors apart.
-const NO_IDS: [&str; 18] = [
-    "seq",
-    "sequence",
-    "packet",
-    "sample",
-    "count",
-    "counter",
-    "cnt",
-    "fifo",
-    "tick",
-    "toggle",
-    "parity",
-    "flag",
-    "flags",
-    "status",
-    "state",
-    "mode",
-    "temp",
-    "temperature",
-];
+const NO_IDS: &str = "seq sequence packet sample count counter cnt fifo tick toggle parity flag flags status state \
+                      mode temp temperature";
 
 /// Refuses a table that mixes the rows of several sensors.
 ///
@@ -172,13 +148,13 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     let differ = |labels: &Labels<'_>| readings.iter().any(|cells| labels.differ(cells));
     let tells = |name: &str, labels: &Labels<'_>| {
         let is_said = || is_id(name, labels) || labels.share_stamps(times) || differ(labels);
-        let are_sure = || is_even(labels) || is_known(name, &SENSORS) && (labels.are_in_groups() || differ(labels));
-        (overlap || !is_known(name, &NO_IDS) && is_said()) && are_sure()
+        let are_sure = || is_even(labels) || is_known(name, SENSORS) && (labels.are_in_groups() || differ(labels));
+        (overlap || !is_known(name, NO_IDS) && is_said()) && are_sure()
     };
     let all: Vec<(&str, &Labels<'_>)> =
         sample.iter().zip(&labels).filter_map(|(column, labels)| Some((&*column.name, labels.as_ref()?))).collect();
     let single = all.iter().find(|(name, labels)| tells(name, labels));
-    let ids: Vec<_> = all.iter().filter(|(name, labels)| !is_known(name, &NO_IDS) && is_id(name, labels)).collect();
+    let ids: Vec<_> = all.iter().filter(|(name, labels)| !is_known(name, NO_IDS) && is_id(name, labels)).collect();
     let pairs = ids.iter().enumerate().flat_map(|(at, one)| ids[at + 1..].iter().map(move |other| (*one, *other)));
     let pairs = pairs.map(|(one, other)| (vec![one.0, other.0], one.1.beside(other.1)));
     let least = single.map_or(1, |(_, labels)| labels.values.len());
@@ -196,19 +172,21 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps, in_groups })
 }
 
-fn is_known(name: &str, known: &[&str]) -> bool {
-    words(name).iter().any(|word| known.contains(&word.as_str()))
+/// True if a name has one of the `known` words, between which are blanks.
+fn is_known(name: &str, known: &str) -> bool {
+    words(name).iter().any(|word| known.split(' ').any(|known| known == word))
 }
 
 /// True if words in the name or in the values of a column suggest that the column tells sensors apart.
 fn is_id(name: &str, labels: &Labels<'_>) -> bool {
-    labels.are_words() || is_known(name, &IDS) || words(name).iter().any(|word| word.ends_with("id"))
+    let ends_so = || words(name).iter().any(|word| word.ends_with("id"));
+    labels.are_words() || is_known(name, SENSORS) || is_known(name, IDS) || ends_so()
 }
 
 /// The column whose name says that it tells sensors apart, and in which all rows of one value are above those of the
 /// next.
 fn in_blocks(found: &RawColumns, sample: &[Sampled]) -> Option<Mixed> {
-    let is_sensor = |name: &str| is_known(name, &SENSORS) && !is_known(name, &NO_IDS);
+    let is_sensor = |name: &str| is_known(name, SENSORS) && !is_known(name, NO_IDS);
     let read = found.columns.iter().filter(|column| is_sensor(&column.name)).map(|column| {
         let numbers = column.values.rows_as_numbers();
         let runs = numbers.chunk_by(|one, next| one == next);

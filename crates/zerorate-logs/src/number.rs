@@ -257,26 +257,11 @@ fn could_be_thousands(cell: &str) -> bool {
 
 /// The words for a missing number, in small letters. C prints a NaN with its sign, and Windows with its kind as well.
 /// Excel writes `#N/A`.
-const MISSING: [&str; 15] = [
-    "",
-    "nan",
-    "-nan",
-    "+nan",
-    "nan(ind)",
-    "-nan(ind)",
-    "1.#qnan",
-    "-1.#ind",
-    "na",
-    "n/a",
-    "#n/a",
-    "null",
-    "none",
-    "-",
-    "--",
-];
+const MISSING: &str = "nan -nan +nan nan(ind) -nan(ind) 1.#qnan -1.#ind na n/a #n/a null none - --";
 
 fn is_missing(cell: &str) -> bool {
-    !cell.ends_with(|last: char| last.is_ascii_digit()) && MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word))
+    let is_word = || MISSING.split(' ').any(|word| cell.eq_ignore_ascii_case(word));
+    cell.is_empty() || !cell.ends_with(|last: char| last.is_ascii_digit()) && is_word()
 }
 
 #[cfg(test)]

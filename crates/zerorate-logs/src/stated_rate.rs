@@ -7,24 +7,16 @@ pub struct StatedRate {
 }
 
 /// Words for a sample rate, in lower case and with letters only.
-const WORDS: [&str; 9] = [
-    "fs",
-    "samplerate",
-    "samplingrate",
-    "samplefreq",
-    "samplingfreq",
-    "samplefrequency",
-    "samplingfrequency",
-    "updaterate",
-    "odr",
-];
+const WORDS: &str =
+    "fs samplerate samplingrate samplefreq samplingfreq samplefrequency samplingfrequency updaterate odr";
 
 /// True if a name is that of a sample rate, with or without `hz` at its end. The name of a structure or group in front
 /// does not count.
 pub fn is_rate(name: &str) -> bool {
     let own = name.rsplit(['.', '/', '@']).next().unwrap_or_default().to_lowercase();
     let word: String = own.chars().filter(|c| c.is_alphanumeric()).collect();
-    WORDS.contains(&word.strip_suffix("hz").unwrap_or(&word))
+    let bare = word.strip_suffix("hz").unwrap_or(&word);
+    WORDS.split(' ').any(|known| known == bare)
 }
 
 impl StatedRate {

@@ -10,27 +10,10 @@ pub fn is_like_time(name: &str) -> bool {
 
 /// True if the name of a column means the time and nothing else: `field.header.stamp`, but not `runtime`.
 pub fn is_named_time(name: &str) -> bool {
-    let words = [
-        "t",
-        "ts",
-        "time",
-        "timestamp",
-        "stamp",
-        "unix",
-        "epoch",
-        "utc",
-        "header",
-        "field",
-        "system",
-        "sys",
-        "sample",
-        "sensor",
-        "ros",
-        "imu",
-    ];
+    let words = "t ts time timestamp stamp unix epoch utc header field system sys sample sensor ros imu";
     let name = name.to_lowercase();
     let mut parts = name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
-    is_like_time(&name) && parts.all(|part| words.contains(&part))
+    is_like_time(&name) && parts.all(|part| words.split(' ').any(|word| word == part))
 }
 
 /// True if a name that states a unit of time is this unit alone, such as `ms`. The column may then be a part of

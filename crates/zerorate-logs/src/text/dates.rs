@@ -262,22 +262,9 @@ fn number(field: &str, digits: usize) -> Option<i64> {
 
 /// The number of an English or German month.
 fn month(field: &str) -> Option<i64> {
-    let names = [
-        &["jan"][..],
-        &["feb"],
-        &["mar", "mär", "mrz"],
-        &["apr"],
-        &["may", "mai"],
-        &["jun"],
-        &["jul"],
-        &["aug"],
-        &["sep"],
-        &["oct", "okt"],
-        &["nov"],
-        &["dec", "dez"],
-    ];
+    let months = "jan feb mar|mär|mrz apr may|mai jun jul aug sep oct|okt nov dec|dez";
     let field = field.to_lowercase();
-    let at = names.iter().position(|names| names.iter().any(|name| field.starts_with(name)))?;
+    let at = months.split(' ').position(|names| names.split('|').any(|name| field.starts_with(name)))?;
     Some(at as i64 + 1)
 }
 
