@@ -6,23 +6,15 @@ use super::clock::{Times, median};
 use crate::raw_columns::RawColumn;
 use zerorate_input::TimeUnit;
 
-/// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, 32-bit counters of µs
-/// that were written in s or ms, and the times of an hour, a day and a week.
-const MODULI: [f64; 13] = [
-    65_536.0,
-    16_777_216.0,
-    4_294_967_296.0,
-    4_294.967_296,
-    4_294_967.296,
-    3.6e12,
-    86_400.0,
-    8.64e7,
-    8.64e10,
-    8.64e13,
-    604_800.0,
-    6.048e8,
-    6.048e11,
+/// The values at which counters wrap around, in their own unit, with the text about it: counters of 16, 24 and 32
+/// bits, 32-bit counters of µs that were written in s or ms, and the times of an hour, a day and a week.
+const MODULI: [(&str, &[f64]); 4] = [
+    (COUNTER, &[65_536.0, 16_777_216.0, 4_294_967_296.0, 4_294.967_296, 4_294_967.296]),
+    ("the time of the hour starts again", &[3.6e12]),
+    ("the time of day passes midnight", &[86_400.0, 8.64e7, 8.64e10, 8.64e13]),
+    ("the time of the week starts again", &[604_800.0, 6.048e8, 6.048e11]),
 ];
+const COUNTER: &str = "the counter wraps around at";
 
 /// A step back in time is a wrap only if the rows around it are within this many intervals of the place of the wrap.
 const AT_WRAP: f64 = 1000.0;
@@ -130,7 +122,8 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
     for row in rows {
         let now = row.time;
         if now < before {
-            let modulus = MODULI.into_iter().find(|modulus| {
+            let mut all = MODULI.iter().flat_map(|(what, moduli)| moduli.iter().map(move |modulus| (*what, *modulus)));
+            let wrap = all.find(|(_, modulus)| {
                 let margin = margin.min(modulus * AT_MOST);
                 let from = |start: f64| {
                     let (before, now) = (first + before - start, first + now - start);
@@ -138,22 +131,17 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
                 };
                 (from(0.0) || from(-modulus / 2.0)) && now + modulus > before
             });
-            if let Some(modulus) = modulus {
+            if let Some((what, modulus)) = wrap {
                 added += modulus;
-                found.push((row.row, modulus));
+                found.push((row.row, what, modulus));
             }
         }
         before = now;
         row.time += added;
     }
-    let (row, modulus) = *found.first()?;
+    let (row, what, modulus) = *found.first()?;
     let times = found.len();
-    let what = match modulus {
-        86_400.0 | 8.64e7 | 8.64e10 | 8.64e13 => "the time of day passes midnight".to_owned(),
-        604_800.0 | 6.048e8 | 6.048e11 => "the time of the week starts again".to_owned(),
-        3.6e12 => "the time of the hour starts again".to_owned(),
-        _ => format!("the counter wraps around at {modulus}"),
-    };
+    let what = if what == COUNTER { format!("{what} {modulus}") } else { what.to_owned() };
     Some(match times {
         1 => format!("{what} (once, at row {row})"),
         _ => format!("{what} ({times} times, first at row {row})"),
