@@ -54,7 +54,7 @@ pub fn packing(start: &[u8]) -> Option<String> {
 impl Log<'_> {
     /// Refuses a file that is empty, or of a common format that is not supported.
     pub fn check(&self) -> Result<(), InputError> {
-        let foreign = FOREIGN.iter().find(|(mark, _)| self.start.starts_with(mark));
+        let foreign = FOREIGN.iter().find(|(marks, _)| marks.iter().any(|mark| self.start.starts_with(mark)));
         match foreign {
             Some((_, JSON)) if has_object_in_line(&self.start) => Ok(()),
             Some((_, advice)) => Err(InputError::not_a_log(self.path, *advice)),
@@ -85,47 +85,28 @@ pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
 
 /// The starts of common files that are not supported, and what to do with them. JSON is supported if each line is an
 /// object.
-const FOREIGN: &[(&[u8], &str)] = &[
-    (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
-    (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
-    (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "it is a workbook of Excel; save the sheet as CSV"),
-    (b"FMT, 128, ", DATAFLASH),
-    (b"# A zerorate ", "it is a calibration; `zerorate report` shows it"),
-    (b"{\"", JSON),
-    (b"{\n", JSON),
-    (b"{\r", JSON),
-    (b"[{", JSON),
-    (b"[\n{", JSON),
-    (b"[\n  {", JSON),
-    (b"header: \n  seq", ECHO),
-    (b"header:\n  seq", ECHO),
-    (b"header:\n  stamp", ECHO_2),
-    (b"%RAWIMUSA,", NOVATEL),
-    (b"%RAWIMUSXA,", NOVATEL),
-    (b"#RAWIMUA,", NOVATEL),
-    (b"#RAWIMUXA,", NOVATEL),
-    (b"%CORRIMUSA,", NOVATEL_CORRECTED),
-    (b"%CORRIMUDATASA,", NOVATEL_CORRECTED),
-    (b"#CORRIMUDATAA,", NOVATEL_CORRECTED),
-    (b"%INSPVASA,", NOVATEL_POSITIONS),
-    (b"#INSPVAA,", NOVATEL_POSITIONS),
-    (b"#INSPVAXA,", NOVATEL_POSITIONS),
-    (b"\xB5\x62", "it is a log of u-blox (UBX); in Python pyubx2 reads it, and writes a table"),
-    (b"TDSm", "it is a TDMS file; in Python `nptdms.TdmsFile('FILE').as_dataframe().to_csv('log.csv')`"),
-    (b"RDX2\n", RDA),
-    (b"RDX3\n", RDA),
-    (b"H Product:Black", "it is a log of Betaflight; `blackbox_decode FILE` writes a table"),
-    (b"\xFA\xFF", "it holds messages of Xsens (MTB); export it as text in MT Manager"),
-    (b"\x89PNG", PICTURE),
-    (b"\xFF\xD8\xFF", PICTURE),
-    (b"GIF8", PICTURE),
-    (b"%PDF", "it is a PDF; take the numbers from the program that made it"),
-    (b"\x7FELF", "it is a program"),
-    (b"\x80\x04\x95", PICKLE),
-    (b"\x80\x05\x95", PICKLE),
+const FOREIGN: &[(&[&[u8]], &str)] = &[
+    (&[b"#ROSBAG V1"], "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
+    (&[b"7z\xBC\xAF\x27\x1C"], "it is a 7z archive; unpack it and name a file in it"),
+    (&[b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"], "it is a workbook of Excel; save the sheet as CSV"),
+    (&[b"FMT, 128, "], DATAFLASH),
+    (&[b"# A zerorate "], "it is a calibration; `zerorate report` shows it"),
+    (&[b"{\"", b"{\n", b"{\r", b"[{", b"[\n{", b"[\n  {"], JSON),
+    (&[b"header: \n  seq", b"header:\n  seq"], ECHO),
+    (&[b"header:\n  stamp"], ECHO_2),
+    (&[b"%RAWIMUSA,", b"%RAWIMUSXA,", b"#RAWIMUA,", b"#RAWIMUXA,"], NOVATEL),
+    (&[b"%CORRIMUSA,", b"%CORRIMUDATASA,", b"#CORRIMUDATAA,"], NOVATEL_CORRECTED),
+    (&[b"%INSPVASA,", b"#INSPVAA,", b"#INSPVAXA,"], NOVATEL_POSITIONS),
+    (&[b"\xB5\x62"], "it is a log of u-blox (UBX); in Python pyubx2 reads it, and writes a table"),
+    (&[b"TDSm"], "it is a TDMS file; in Python `nptdms.TdmsFile('FILE').as_dataframe().to_csv('log.csv')`"),
+    (&[b"RDX2\n", b"RDX3\n"], RDA),
+    (&[b"H Product:Black"], "it is a log of Betaflight; `blackbox_decode FILE` writes a table"),
+    (&[b"\xFA\xFF"], "it holds messages of Xsens (MTB); export it as text in MT Manager"),
+    (&[b"\x89PNG", b"\xFF\xD8\xFF", b"GIF8"], "it is a picture; take the numbers from the program that drew it"),
+    (&[b"%PDF"], "it is a PDF; take the numbers from the program that made it"),
+    (&[b"\x7FELF"], "it is a program"),
+    (&[b"\x80\x04\x95", b"\x80\x05\x95"], PICKLE),
 ];
-
-const PICTURE: &str = "it is a picture; take the numbers from the program that drew it";
 
 const DATAFLASH: &str = "it is a log of ArduPilot as text; name the .bin file, or convert it with pymavlink: \
                          `mavlogdump.py --format csv --types IMU FILE > imu.csv`, in which column `I` is the sensor";
