@@ -12,17 +12,9 @@ use zerorate_input::Input;
 /// # Errors
 /// Returns an error if the file cannot be read.
 pub fn parameters(path: &Path, input: Input) -> Result<BTreeMap<String, f64>> {
-    let log = open::open(path, input)?;
     let mut found = BTreeMap::new();
-    if !log.start.starts_with(&ARDUPILOT) {
-        return Ok(found);
-    }
-    Messages::new(path, log.input).all(|_, form, body| {
-        if form.name == "PARM"
-            && let Some((name, value)) = form.text("Name", body).zip(form.number("Value", body))
-        {
-            found.entry(name).or_insert(value);
-        }
+    each(path, input, |name, value, _| {
+        found.entry(name).or_insert(value);
         true
     })?;
     Ok(found)
@@ -39,17 +31,9 @@ pub fn changed_parameter(
     input: Input,
     is_wanted: impl Fn(&str) -> bool,
 ) -> Result<Option<(String, f64)>> {
-    let log = open::open(path, input)?;
-    if !log.start.starts_with(&ARDUPILOT) {
-        return Ok(None);
-    }
     let (mut known, mut start_us, mut changed) = (BTreeMap::new(), None, None);
-    Messages::new(path, log.input).all(|_, form, body| {
-        if form.name == "PARM"
-            && let Some((name, value)) = form.text("Name", body).zip(form.number("Value", body))
-            && is_wanted(&name)
-        {
-            let time_us = form.number("TimeUS", body).unwrap_or(0.0);
+    each(path, input, |name, value, time_us| {
+        if is_wanted(&name) {
             let since_s = (time_us - *start_us.get_or_insert(time_us)) * 1e-6;
             if known.insert(name.clone(), value).is_some_and(|before| before != value) {
                 changed = Some((name, since_s));
@@ -58,4 +42,17 @@ pub fn changed_parameter(
         changed.is_none()
     })?;
     Ok(changed)
+}
+
+/// Calls `take` with the name, the value and the time, µs, of each parameter that is logged, until it returns false.
+fn each(path: &Path, input: Input, mut take: impl FnMut(String, f64, f64) -> bool) -> Result<()> {
+    let log = open::open(path, input)?;
+    if !log.start.starts_with(&ARDUPILOT) {
+        return Ok(());
+    }
+    Messages::new(path, log.input).all(|_, form, body| {
+        let parameter = form.text("Name", body).zip(form.number("Value", body)).filter(|_| form.name == "PARM");
+        parameter.is_none_or(|(name, value)| take(name, value, form.number("TimeUS", body).unwrap_or(0.0)))
+    })?;
+    Ok(())
 }
