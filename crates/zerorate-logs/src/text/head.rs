@@ -3,7 +3,7 @@
 use super::super::number::{Number, Numerals};
 use super::axes_in_name;
 use super::dates::{DateColumn, DateFormat, nanoseconds};
-use super::marks::Marks;
+use super::marks::{Marks, counts};
 use super::scales::Scales;
 use super::sentence;
 use crate::error::{LogError, Result};
@@ -262,8 +262,7 @@ impl Head {
         };
         let names = cells(last);
         let before = above.len().checked_sub(2).map(|at| cells(above[at].1));
-        let numbered = names[0].is_empty() && names[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at));
-        if names.len() == self.width && numbered && names.len() > 1 {
+        if names.len() == self.width && is_numbered(&names) {
             self.names = names;
             return Ok(1);
         }
@@ -366,13 +365,7 @@ impl Shape {
 
     /// The most frequent shape of these lines; among equally frequent ones, the first.
     fn most(lines: &[Numbered<'_>], decimal: Option<Decimal>) -> Option<Self> {
-        let mut votes: Vec<(Self, usize)> = Vec::new();
-        for shape in lines.iter().filter_map(|(_, line)| Self::of(line, decimal)) {
-            match votes.iter_mut().find(|(one, _)| *one == shape) {
-                Some((_, count)) => *count += 1,
-                None => votes.push((shape, 1)),
-            }
-        }
+        let votes = counts(lines.iter().filter_map(|(_, line)| Self::of(line, decimal)));
         let (shape, _) = votes.into_iter().rev().max_by_key(|(_, count)| *count)?;
         // a single column needs no separator, so a comma in it is a decimal comma
         let is_one = shape == Self { delimiter: Delimiter::Comma, width: 1 };
@@ -458,8 +451,9 @@ fn is_unread(cell: &str) -> bool {
 }
 
 /// True if the names are an empty one and then 0, 1, 2 …, as pandas writes them.
-fn is_numbered(row: &[&str]) -> bool {
-    row.len() > 1 && row[0].is_empty() && row[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at))
+fn is_numbered<T: AsRef<str>>(row: &[T]) -> bool {
+    let are_counted = || row[1..].iter().zip(0..).all(|(cell, at)| cell.as_ref().parse() == Ok(at));
+    row.len() > 1 && row[0].as_ref().is_empty() && are_counted()
 }
 
 /// True if a cell may be the decimals of a number that was cut at its comma: `05` of `0,05`.

@@ -212,6 +212,11 @@ fn is_unit(word: &str) -> bool {
 }
 
 fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
+    counts(all).into_iter().max_by_key(|(_, count)| *count)
+}
+
+/// Each different item with its number, in the order in which they first come.
+pub fn counts<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<(T, usize)> {
     let mut counts: Vec<(T, usize)> = Vec::new();
     for one in all {
         match counts.iter_mut().find(|(other, _)| *other == one) {
@@ -219,7 +224,7 @@ fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
             None => counts.push((one, 1)),
         }
     }
-    counts.into_iter().max_by_key(|(_, count)| *count)
+    counts
 }
 
 #[cfg(test)]
