@@ -101,9 +101,10 @@ pub fn is_table(text: &str) -> bool {
 }
 
 /// The separator between the cells of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Delimiter {
     /// `,`
+    #[default]
     Comma,
     /// `;`
     Semicolon,

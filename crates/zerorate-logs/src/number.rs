@@ -32,7 +32,7 @@ impl Number {
 }
 
 /// Reads numbers, and learns from them which decimal mark the text uses.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Numerals {
     decimal: Option<Decimal>,
     /// The line and the text of the first cell whose comma may be decimal or may separate thousands.

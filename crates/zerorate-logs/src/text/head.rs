@@ -21,7 +21,7 @@ const LINES: usize = 1000;
 /// A line with its number, counted from 1.
 type Numbered<'a> = (u64, &'a str);
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Head {
     pub delimiter: Delimiter,
     pub width: usize,
@@ -55,8 +55,9 @@ pub struct Head {
 }
 
 /// A question that the first lines leave open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Open {
+    #[default]
     Nothing,
     /// The header has one name less than the rows have cells.
     OneNameLess,
@@ -84,25 +85,8 @@ pub fn not_text(path: &Path, names: Names) -> LogError {
 impl Head {
     /// The head of a text that begins with its first row, and whose columns all hold numbers.
     fn new(delimiter: Delimiter, names: Vec<String>) -> Self {
-        Self {
-            delimiter,
-            width: names.len(),
-            numeric: vec![true; names.len()],
-            dates: vec![DateColumn::default(); names.len()],
-            names,
-            lines: 0,
-            header: Vec::new(),
-            skipped: None,
-            sentence: None,
-            stamps: None,
-            marks: Marks::default(),
-            decimal: None,
-            cuts_numbers: false,
-            index: false,
-            scales: Scales::default(),
-            unread: None,
-            open: Open::Nothing,
-        }
+        let (numeric, dates) = (vec![true; names.len()], vec![DateColumn::default(); names.len()]);
+        Self { delimiter, width: names.len(), numeric, dates, names, ..Self::default() }
     }
 
     /// Reads the head from `text`, the lines with which the file begins.

@@ -45,6 +45,7 @@ pub struct Cut<'a> {
 }
 
 /// The wanted numbers and the findings from one block of lines.
+#[derive(Default)]
 pub struct Piece {
     /// The numbers of each wanted cell, NaN where one is missing, and whether all of them are codes.
     pub columns: Vec<(Vec<f64>, bool)>,
@@ -86,19 +87,7 @@ pub enum Time {
 
 impl Piece {
     pub fn new(columns: usize) -> Self {
-        Self {
-            columns: vec![(Vec::new(), true); columns],
-            times: Vec::new(),
-            lines: 0,
-            rows: 0,
-            bad: 0,
-            first_bad: None,
-            again: None,
-            fatal: None,
-            cut: None,
-            numerals: Numerals::new(None),
-            sample: Vec::new(),
-        }
+        Self { columns: vec![(Vec::new(), true); columns], ..Self::default() }
     }
 
     /// Empties the piece but keeps its memory. To allocate new memory would take as long as to read into it.
@@ -109,7 +98,7 @@ impl Piece {
         });
         self.times.clear();
         let (columns, times) = (take(&mut self.columns), take(&mut self.times));
-        *self = Self { columns, times, numerals, ..Self::new(0) };
+        *self = Self { columns, times, numerals, ..Self::default() };
     }
 }
 
