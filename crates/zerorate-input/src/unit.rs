@@ -197,37 +197,22 @@ impl fmt::Display for Unit {
 fn plain(unit: &str) -> String {
     let unit: String = unit.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()^*·".contains(*c)).collect();
     let parts = [
-        ("⁻", "-"),
-        ("¹", "1"),
-        ("²", "2"),
-        ("seconds", "s"),
-        ("second", "s"),
-        ("sec", "s"),
-        ("minute", "min"),
-        ("hour", "h"),
-        ("hr", "h"),
-        ("per", "/"),
-        ("degrees", "deg"),
-        ("degree", "deg"),
+        ("-", "⁻"),
+        ("1", "¹"),
+        ("2", "²"),
+        ("s", "seconds second sec"),
+        ("min", "minute"),
+        ("h", "hour hr"),
+        ("/", "per"),
         // the degree sign: as GBK read as Latin-1, as UTF-8 read as Latin-1 (in lower case), as UTF-8, and as an
         // ordinal sign
-        ("¡ã", "deg"),
-        ("â°", "deg"),
-        ("°", "deg"),
-        ("º", "deg"),
-        ("radians", "rad"),
-        ("radian", "rad"),
-        ("meters", "m"),
-        ("metres", "m"),
-        ("meter", "m"),
-        ("metre", "m"),
-        ("milli-", "m"),
-        ("milli", "m"),
-        ("micro", "u"),
-        ("µ", "u"),
-        ("μ", "u"),
+        ("deg", "degrees degree ¡ã â° ° º"),
+        ("rad", "radians radian"),
+        ("m", "meters metres meter metre milli- milli"),
+        ("u", "micro µ μ"),
     ];
-    parts.into_iter().fold(unit, |unit, (part, plain)| unit.replace(part, plain))
+    let spellings = parts.into_iter().flat_map(|(plain, all)| all.split(' ').map(move |one| (plain, one)));
+    spellings.fold(unit, |unit, (plain, spelling)| unit.replace(spelling, plain))
 }
 
 /// A unit of time.
