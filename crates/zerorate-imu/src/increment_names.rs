@@ -3,26 +3,15 @@
 use zerorate_logs::Quantity;
 
 /// Words in the names of increments of an angle, and of a velocity. Only letters and digits are compared.
-const ANGLES: [&str; 10] = [
-    "dtheta",
-    "deltatheta",
-    "dangle",
-    "deltaang",
-    "deltang",
-    "delang",
-    "angleincr",
-    "angularincr",
-    "angincr",
-    "incang",
-];
-const VELOCITIES: [&str; 7] = ["dvel", "deltavel", "deltvel", "delvel", "velincr", "velocityincr", "incvel"];
+const ANGLES: &str = "dtheta deltatheta dangle deltaang deltang delang angleincr angularincr angincr incang";
+const VELOCITIES: &str = "dvel deltavel deltvel delvel velincr velocityincr incvel";
 
 /// Beginnings of short names of increments, before the letter or digit of the axis.
-const SHORT_ANGLES: [&str; 7] = ["dth", "dang", "dphi", "angleinc", "anginc", "gyroinc", "gyrinc"];
-const SHORT_VELOCITIES: [&str; 6] = ["dv", "deltav", "delv", "velinc", "accinc", "accelinc"];
+const SHORT_ANGLES: &str = "dth dang dphi angleinc anginc gyroinc gyrinc";
+const SHORT_VELOCITIES: &str = "dv deltav delv velinc accinc accelinc";
 
 /// Beginnings of names that may be increments or something else: `day` is a date. They do not make a column an axis.
-const DOUBTFUL: [&str; 5] = ["da", "dt", "dw", "dg", "dr"];
+const DOUBTFUL: &str = "da dt dw dg dr";
 
 /// Units of an angle, and of a velocity, in lower case.
 const ANGLE_UNITS: [&str; 14] = [
@@ -37,32 +26,32 @@ const UNITS: [&str; 10] = ["", "rad", "mrad", "urad", "deg", "mdeg", "arcsec", "
 /// The quantity of a column of increments, by its name: angular rate for increments of an angle, acceleration for
 /// those of a velocity. `None` if the name does not state increments.
 pub fn named(name: &str) -> Option<Quantity> {
-    let holds = |words: &[&str], starts: &[&str]| {
+    let holds = |words: &str, starts: &str| {
         let plain = plain(name);
-        words.iter().any(|word| plain.contains(word)) || starts_before_axis(&plain, starts)
+        words.split(' ').any(|word| plain.contains(word)) || starts_before_axis(&plain, starts)
     };
     match () {
-        () if holds(&ANGLES, &SHORT_ANGLES) => Some(Quantity::AngularRate),
-        () if holds(&VELOCITIES, &SHORT_VELOCITIES) => Some(Quantity::Acceleration),
+        () if holds(ANGLES, SHORT_ANGLES) => Some(Quantity::AngularRate),
+        () if holds(VELOCITIES, SHORT_VELOCITIES) => Some(Quantity::Acceleration),
         () => None,
     }
 }
 
 /// True if an axis of this name may hold increments, by a unit or a short beginning.
 pub fn may_be(name: &str) -> bool {
-    by_unit(name).is_some() || starts_before_axis(&plain(name), &DOUBTFUL)
+    by_unit(name).is_some() || starts_before_axis(&plain(name), DOUBTFUL)
 }
 
 fn plain(name: &str) -> String {
     name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect()
 }
 
-fn starts_before_axis(plain: &str, starts: &[&str]) -> bool {
-    let is_axis_of = |start: &&str| {
-        let unit = plain.strip_prefix(*start).and_then(|rest| rest.strip_prefix(['x', 'y', 'z', '0', '1', '2', '3']));
+fn starts_before_axis(plain: &str, starts: &str) -> bool {
+    let is_axis_of = |start: &str| {
+        let unit = plain.strip_prefix(start).and_then(|rest| rest.strip_prefix(['x', 'y', 'z', '0', '1', '2', '3']));
         unit.is_some_and(|unit| UNITS.contains(&unit))
     };
-    starts.iter().any(is_axis_of)
+    starts.split(' ').any(is_axis_of)
 }
 
 /// The quantity of a column of increments, by the unit in its name, and the name in lower case without that unit:

@@ -64,20 +64,8 @@ impl Kind {
         let name = name.to_lowercase();
         let bare = without_unit(&name);
         let is_of_motor = is_rpm && Self::named(bare).is_none();
-        let beside = [
-            "covariance",
-            "integral",
-            "clipping",
-            "calibration",
-            "timestamp",
-            "absolute",
-            "magn",
-            "setpoint",
-            "freeacc",
-            "free_acc",
-            "useracc",
-            "user_acc",
-        ];
+        let beside = "covariance integral clipping calibration timestamp absolute magn setpoint freeacc free_acc \
+                      useracc user_acc";
         let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity", "mag", "load"];
         let of_calibration = ["offset", "offsets", "cov"];
         let of_results = ["corrected", "removed", "compensated", "free"];
@@ -87,7 +75,7 @@ impl Kind {
         let is_magnetic = is_in_g && (is_short(bare, "mbh") || has_word(bare, is_compass));
         let is_beside = is_of_motor
             || is_magnetic
-            || beside.iter().any(|part| name.contains(part))
+            || beside.split(' ').any(|part| name.contains(part))
             || has_word(&name, |word| words.contains(&word))
             || has_word(own, |word| of_calibration.contains(&word))
                 && !has_word(own, |word| of_results.contains(&word));
@@ -120,15 +108,15 @@ impl Kind {
         let name = name.strip_suffix("raw").map_or(&*name, |bare| bare.trim_end_matches(['_', ' ', '.']));
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         // for names such as `gyX` (SparkFun's loggers) and `BodyRateX`
-        let ends = |words: &[&str]| words.iter().any(|word| name.ends_with(word));
+        let ends = |words: &str| words.split(' ').any(|word| name.ends_with(word));
         match () {
             () if Self::is_of_others(name) => None,
-            () if holds(&GYROSCOPES) || fits(Self::Gyroscope) && is_short(name, "gw") || ends(&RATES) => {
+            () if holds(&GYROSCOPES) || fits(Self::Gyroscope) && is_short(name, "gw") || ends(RATES) => {
                 Some(Self::Gyroscope)
             }
             () if holds(&ACCELEROMETERS)
                 || fits(Self::Accelerometer) && is_short(name, "af")
-                || ends(&["acx", "acy", "acz"]) =>
+                || ends("acx acy acz") =>
             {
                 Some(Self::Accelerometer)
             }
@@ -196,23 +184,8 @@ const GYROSCOPES: [&str; 10] =
     ["gyr", "giro", "angular", "omega", "angvel", "ang_vel", "anglvel", "rotationrate", "rotation_rate", "bodyrate"];
 
 /// Ends of the names of gyroscopes.
-const RATES: [&str; 15] = [
-    "gyx",
-    "gyy",
-    "gyz",
-    "ratex",
-    "ratey",
-    "ratez",
-    "rate_x",
-    "rate_y",
-    "rate_z",
-    "rollrate",
-    "pitchrate",
-    "yawrate",
-    "roll_rate",
-    "pitch_rate",
-    "yaw_rate",
-];
+const RATES: &str = "gyx gyy gyz ratex ratey ratez rate_x rate_y rate_z rollrate pitchrate yawrate roll_rate \
+                     pitch_rate yaw_rate";
 
 const ACCELEROMETERS: [&str; 4] = ["acc", "acel", "linear", "specific_force"];
 
