@@ -32,97 +32,35 @@ struct Task {
 }
 
 const TASKS: [Task; 13] = [
-    Task {
-        name: "test",
-        usage: "[--full]",
-        about: "Run the tests; they need Rust and a C compiler",
-        help: test::help,
-        run: test::run,
-    },
-    Task {
-        name: "check",
-        usage: "[STEP…]",
-        about: "Check formatting, lints, documentation and bare targets, while you work",
-        help: check::help,
-        run: check::run,
-    },
-    Task {
-        name: "ci",
-        usage: "[--list] [STEP…]",
-        about: "Run the gate: everything that a change must pass",
-        help: ci::help,
-        run: ci::run,
-    },
-    Task {
-        name: "night",
-        usage: "[--seed N] [--list] [STEP…]",
-        about: "Run campaigns with fresh seeds, and the steps that need not run before each change",
-        help: night::help,
-        run: night::run,
-    },
-    Task {
-        name: "codegen",
-        usage: "[--check]",
-        about: "Write the generated files: C header, the examples' unit, two pictures",
-        help: || codegen::HELP.to_owned(),
-        run: codegen::run,
-    },
-    Task {
-        name: "web",
-        usage: "[--site DIR] [--check] [--live] [--pictures] [--small]",
-        about: "Build the page for the program, or as a static site, and test it",
-        help: || web::HELP.to_owned(),
-        run: web::run,
-    },
-    Task {
-        name: "python",
-        usage: "[PART…]",
-        about: "Build the Python wheel, install it below target/ and test it there",
-        help: python::help,
-        run: python::run,
-    },
-    Task {
-        name: "bench-fleet",
-        usage: "[--captures N]",
-        about: "Time captures through zerorate.fleet beside a plain loop of the program, and print ratios",
-        help: || python::BENCH_HELP.to_owned(),
-        run: python::bench_fleet,
-    },
-    Task {
-        name: "deny",
-        usage: "[--advisories DIR]",
-        about: "Check the dependencies: advisories, licences, sources",
-        help: || deny::HELP.to_owned(),
-        run: deny::run,
-    },
-    Task {
-        name: "mutants",
-        usage: "[--share N] [--seed N] [CRATE…]",
-        about: "Make the code wrong at one place at a time, and count the mutants that no test kills",
-        help: mutants::help,
-        run: mutants::run,
-    },
-    Task {
-        name: "code-coverage",
-        usage: "[--at-least SHARE] [--missed CRATE] [CRATE…]",
-        about: "Count the lines of each crate that a test reaches",
-        help: || code_coverage::HELP.to_owned(),
-        run: code_coverage::run,
-    },
-    Task {
-        name: "instructions",
-        usage: "",
-        about: "Compare the cost of reading and checking a log with the cost of its deviations, in instructions",
-        help: || instructions::HELP.to_owned(),
-        run: instructions::run,
-    },
-    Task {
-        name: "build-time",
-        usage: "",
-        about: "Time the two commands of the README from an empty target folder, and print sizes",
-        help: || build_time::HELP.to_owned(),
-        run: build_time::run,
-    },
+    Task::new("test", "[--full]", test::help, test::run).about("Run the tests; they need Rust and a C compiler"),
+    Task::new("check", "[STEP…]", check::help, check::run)
+        .about("Check formatting, lints, documentation and bare targets, while you work"),
+    Task::new("ci", "[--list] [STEP…]", ci::help, ci::run).about("Run the gate: everything that a change must pass"),
+    Task::new("night", "[--seed N] [--list] [STEP…]", night::help, night::run)
+        .about("Run campaigns with fresh seeds, and the steps that need not run before each change"),
+    Task::new("codegen", "[--check]", || codegen::HELP.to_owned(), codegen::run)
+        .about("Write the generated files: C header, the examples' unit, two pictures"),
+    Task::new("web", "[--site DIR] [--check] [--live] [--pictures] [--small]", || web::HELP.to_owned(), web::run)
+        .about("Build the page for the program, or as a static site, and test it"),
+    Task::new("python", "[PART…]", python::help, python::run)
+        .about("Build the Python wheel, install it below target/ and test it there"),
+    Task::new("bench-fleet", "[--captures N]", || python::BENCH_HELP.to_owned(), python::bench_fleet)
+        .about("Time captures through zerorate.fleet beside a plain loop of the program, and print ratios"),
+    Task::new("deny", "[--advisories DIR]", || deny::HELP.to_owned(), deny::run)
+        .about("Check the dependencies: advisories, licences, sources"),
+    Task::new("mutants", "[--share N] [--seed N] [CRATE…]", mutants::help, mutants::run)
+        .about("Make the code wrong at one place at a time, and count the mutants that no test kills"),
+    Task::new(
+        "code-coverage",
+        "[--at-least SHARE] [--missed CRATE] [CRATE…]",
+        || code_coverage::HELP.to_owned(),
+        code_coverage::run,
+    )
+    .about("Count the lines of each crate that a test reaches"),
+    Task::new("instructions", "", || instructions::HELP.to_owned(), instructions::run)
+        .about("Compare the cost of reading and checking a log with the cost of its deviations, in instructions"),
+    Task::new("build-time", "", || build_time::HELP.to_owned(), build_time::run)
+        .about("Time the two commands of the README from an empty target folder, and print sizes"),
 ];
 
 fn main() -> ExitCode {
@@ -164,6 +102,20 @@ fn in_lab(name: &str, arguments: &[String]) -> Result<ExitCode> {
 }
 
 impl Task {
+    const fn new(
+        name: &'static str,
+        usage: &'static str,
+        help: fn() -> String,
+        run: fn(Arguments) -> Result<()>,
+    ) -> Self {
+        Self { name, usage, about: "", help, run }
+    }
+
+    const fn about(mut self, what: &'static str) -> Self {
+        self.about = what;
+        self
+    }
+
     fn help(&self) -> String {
         let text = format!("{}\n\nUsage: cargo xtask {} {}\n\n{}", self.about, self.name, self.usage, (self.help)());
         text.trim_end().to_owned()
