@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use std::path::{Path, PathBuf};
-pub use xtask::app::{WHOLE, program, target_folder};
+pub use xtask::app::{WHOLE, emptied, program, target_folder};
 
 /// Options of a task that tries the program on a unit of the twin.
 #[derive(clap::Args)]

@@ -2,6 +2,7 @@
 
 use crate::venv::done;
 use anyhow::{Context, Result};
+use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -25,4 +26,13 @@ pub fn built(name: &str) -> Result<PathBuf> {
 pub fn target_folder() -> Result<PathBuf> {
     let program = std::env::current_exe()?;
     Ok(program.ancestors().nth(2).context("this program is not in a target folder")?.to_owned())
+}
+
+/// Makes `folder` an empty folder, whatever it held; returns it.
+pub fn emptied(folder: PathBuf) -> Result<PathBuf> {
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    fs::create_dir_all(&folder)?;
+    Ok(folder)
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Instant;
-use xtask::app::target_folder;
+use xtask::app::{emptied, target_folder};
 use xtask::arguments::Arguments;
 use xtask::venv::printed;
 
@@ -22,10 +22,7 @@ const TOUCHED: &str = "crates/zerorate-cli/src/lib.rs";
 
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
-    let folder = target_folder()?.join("build-time");
-    if folder.exists() {
-        fs::remove_dir_all(&folder)?;
-    }
+    let folder = emptied(target_folder()?.join("build-time"))?;
     println!("{}", machine()?);
     println!("{:44} {:>8} {:>14}", "", "wall, s", "processor, s");
     timed(FIRST, &folder)?.print("first command, cold");

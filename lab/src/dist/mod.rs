@@ -15,7 +15,7 @@ mod trial;
 mod uf2;
 mod wheel;
 
-use crate::app::target_folder;
+use crate::app::{emptied, target_folder};
 use crate::venv::{self, done, printed};
 use anyhow::{Context, Result};
 use std::fs;
@@ -100,12 +100,7 @@ impl Folder {
     }
 
     fn empty(&self, name: &str) -> Result<PathBuf> {
-        let folder = self.work.join(name);
-        if folder.exists() {
-            fs::remove_dir_all(&folder)?;
-        }
-        fs::create_dir_all(&folder)?;
-        Ok(folder)
+        emptied(self.work.join(name))
     }
 
     /// Packs the folder `name` below `parent` into `name.tar.gz`.

@@ -2,6 +2,7 @@
 //! gyroscope, and the script.
 
 use super::kernel::Kernel;
+use crate::app::emptied;
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -20,10 +21,7 @@ const FIRST_LINE: &str = "#!/bin/busybox sh\n";
 
 /// Builds the file system in `folder`, with `program` in it. `settings` become shell variables of the script.
 pub fn build(folder: &Path, kernel: &Kernel, program: &Path, settings: &[(&str, &str)]) -> Result<PathBuf> {
-    let root = folder.join("root");
-    if root.exists() {
-        fs::remove_dir_all(&root)?;
-    }
+    let root = emptied(folder.join("root"))?;
     for name in ["bin", "lib/modules"] {
         fs::create_dir_all(root.join(name))?;
     }

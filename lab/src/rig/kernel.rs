@@ -1,5 +1,6 @@
 //! Debian's stock kernel. The kernel package is only unpacked, not installed.
 
+use crate::app::emptied;
 use crate::tools::is_root;
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, ensure};
@@ -67,11 +68,7 @@ fn known() -> Option<String> {
 }
 
 fn unpack(package: &str, folder: &Path, tree: &Path) -> Result<()> {
-    let download = folder.join("download");
-    if download.exists() {
-        fs::remove_dir_all(&download)?;
-    }
-    fs::create_dir_all(&download)?;
+    let download = emptied(folder.join("download"))?;
     eprintln!("fetching {package}");
     done(Command::new("apt-get").args(["download", "-qq", package]).current_dir(&download))?;
     let file = fs::read_dir(&download)?.next().context("apt-get download left no file")??;

@@ -15,7 +15,7 @@ mod kernel;
 mod machine;
 mod part;
 
-use crate::app::{ProgramArgs, target_folder};
+use crate::app::{ProgramArgs, emptied, target_folder};
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result};
 use checks::{Findings, RigData};
@@ -73,11 +73,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
 
 /// Boots the guest, plugs in one part after the other when the guest's script asks, and collects all data.
 fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<RigData> {
-    let run = folder.join("run");
-    if run.exists() {
-        fs::remove_dir_all(&run)?;
-    }
-    fs::create_dir_all(&run)?;
+    let run = emptied(folder.join("run"))?;
     let settings = [("SLOW_HZ", SLOW_HZ), ("FAST_HZ", FAST_HZ), ("PLAN", PLAN)];
     let initramfs = initramfs::build(&run, kernel, program, &settings)?;
     let socket = run.join("part.sock");
