@@ -6,7 +6,8 @@ mod edit;
 #[path = "../../../crates/zerorate-record/src/fuzz/harness.rs"]
 mod harness;
 
-use super::ljca::{Board, LONGEST_MESSAGE, Ljca};
+use super::ljca::tests::Echo;
+use super::ljca::{LONGEST_MESSAGE, Ljca};
 use super::redir::{Connection, LONGEST_PACKET, Request};
 use harness::edited;
 
@@ -37,26 +38,13 @@ fn usb_redirection() {
     });
 }
 
-/// A part that returns the bytes that it receives.
-struct Echo;
-
-impl Board for Echo {
-    fn frame(&mut self, mosi: &[u8]) -> Vec<u8> {
-        mosi.to_vec()
-    }
-
-    fn rdy_high(&mut self) -> bool {
-        true
-    }
-}
-
 #[test]
 fn usb_messages() {
     // each message has two bytes of type and command, flags, a length, and the body: read a pin, set up a pin,
     // transfer over SPI
     let messages = vec![vec![3, 3, 1, 2, 1, 3], vec![3, 1, 1, 5, 1, 3, 0, 0, 0], vec![5, 3, 1, 6, 0, 3, 0, 1, 2, 3]];
     edited(2000, &messages, |bytes| {
-        for answer in Ljca::default().message(bytes, &mut Echo) {
+        for answer in Ljca::default().message(bytes, &mut Echo(true)) {
             assert!(answer.len() <= LONGEST_MESSAGE);
         }
     });

@@ -234,11 +234,11 @@ fn string_descriptor(text: &str) -> Vec<u8> {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
 
     /// Answers each byte with its complement.
-    struct Echo(bool);
+    pub struct Echo(pub bool);
 
     impl Board for Echo {
         fn frame(&mut self, mosi: &[u8]) -> Vec<u8> {
