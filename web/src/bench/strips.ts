@@ -191,25 +191,16 @@ export class Strips {
     const { A, B } = this.#shared.cursors;
     if (A === undefined && B === undefined) return say(this.#cursors, "Cursors: none set");
     const at = (name: string, time: number | undefined) =>
-      time === undefined ? "" : `${name} at ${moment(time, 3)}: ${this.#values(time)}`;
+      time === undefined ? "" : `${name} at ${moment(time, 3)}: ${this.#values(5, (strip) => strip.middle(time))}`;
+    const difference = (A: number, B: number) => this.#values(4, (strip) => strip.middle(B) - strip.middle(A));
     const between =
-      A !== undefined && B !== undefined ? `B − A: ${significant(B - A, 5)} s, ${this.#differences(A, B)}` : "";
+      A !== undefined && B !== undefined ? `B − A: ${significant(B - A, 5)} s, ${difference(A, B)}` : "";
     say(this.#cursors, [at("A", A), at("B", B), between].filter((words) => words !== "").join("  ·  "));
   }
 
-  #values(time: number): string {
-    const words = this.#strips.map((strip) => {
-      const value = strip.middle(time);
-      return value === undefined ? undefined : `${significant(value, 5)} ${strip.unit}`;
-    });
-    return words.filter((text) => text !== undefined).join(", ") || "not on view";
-  }
-
-  #differences(A: number, B: number): string {
-    const words = this.#strips.map((strip) => {
-      const [a, b] = [strip.middle(A), strip.middle(B)];
-      return a === undefined || b === undefined ? undefined : `${significant(b - a, 4)} ${strip.unit}`;
-    });
-    return words.filter((text) => text !== undefined).join(", ") || "not on view";
+  /** A number of each strip with its unit, except where it is NaN because a cursor is not on view. */
+  #values(digits: number, of: (strip: Strip) => number): string {
+    const known = this.#strips.filter((strip) => !Number.isNaN(of(strip)));
+    return known.map((strip) => `${significant(of(strip), digits)} ${strip.unit}`).join(", ") || "not on view";
   }
 }

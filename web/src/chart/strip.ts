@@ -135,12 +135,12 @@ export class Strip {
     say(this.#readout, bin < 0 || bin >= this.#count ? "" : this.#words(bin, at !== undefined));
   }
 
-  /** The mean of the smallest and largest value of the bin at a time, in the displayed unit. */
-  middle(at_s: number): number | undefined {
+  /** The mean of the smallest and largest value of the bin at a time, in the displayed unit; NaN if there is none. */
+  middle(at_s: number): number {
     const bin = this.#index(at_s);
-    if (bin < 0 || bin >= this.#count) return undefined;
+    if (bin < 0 || bin >= this.#count) return NaN;
     const middle = (this.#least[bin]! + this.#largest[bin]!) / 2;
-    return Number.isFinite(middle) ? middle * this.scale : undefined;
+    return Number.isFinite(middle) ? middle * this.scale : NaN;
   }
 
   /** The smallest and largest displayed value in words, for users who do not see the chart. */
