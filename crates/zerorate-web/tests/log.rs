@@ -9,11 +9,15 @@ use zerorate_input::Input;
 use zerorate_web::log::LogReader;
 use zerorate_web::log::message::{LogBias, LogInspection, LogSetting, LogSettings, NoiseFileCommand};
 
+/// Normal numbers with variance 1, almost: each is the sum of twelve uniform ones.
+fn noise(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    move || (0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0
+}
+
 /// A log with the header `head`: white noise of six axes at 100 Hz, with standard deviation 0.1.
 fn table(head: &str, rows: usize) -> String {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
-    // the sum of twelve uniform numbers has variance 1
-    let mut noise = || (0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0;
+    let mut noise = noise(7);
     let mut text = format!("{head}\n");
     for row in 0..rows {
         let _ = write!(text, "{}", row as f64 / 100.0);
@@ -27,8 +31,7 @@ fn table(head: &str, rows: usize) -> String {
 
 /// A log of half an hour at 10 Hz. The temperature rises by `span_c`, and the bias by 0.002 °/s/°C.
 fn warming(span_c: f64) -> String {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
-    let mut noise = || (0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0;
+    let mut noise = noise(9);
     let mut text = "t_s,gx_dps,gy_dps,gz_dps,temp_c\n".to_owned();
     for row in 0..18_000 {
         let temp_c = 20.0 + span_c * f64::from(row) / 18_000.0;
@@ -43,8 +46,7 @@ fn warming(span_c: f64) -> String {
 
 /// A PX4 log of a gyroscope: half an hour at 10 Hz, during which the gyroscope warms by 30 °C.
 fn of_px4() -> Vec<u8> {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
-    let mut noise = || ((0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0) as f32;
+    let mut noise = noise(9);
     let mut bytes = b"ULog\x01\x12\x35\x01".to_vec();
     bytes.extend(0u64.to_le_bytes());
     let mut message = |kind: u8, body: &[u8]| {
@@ -61,7 +63,7 @@ fn of_px4() -> Vec<u8> {
         body.extend((u64::from(row) * 100_000).to_le_bytes());
         body.extend(3_670_026u32.to_le_bytes());
         for _ in 0..3 {
-            body.extend((3.5e-5 * temp_c + 3.5e-4 * noise()).to_le_bytes());
+            body.extend((3.5e-5 * temp_c + 3.5e-4 * noise() as f32).to_le_bytes());
         }
         body.extend(temp_c.to_le_bytes());
         message(b'D', &body);
@@ -70,8 +72,8 @@ fn of_px4() -> Vec<u8> {
 }
 
 /// The bias over temperature that the page shows, after the analysis.
-fn bias(text: &str) -> Option<LogBias> {
-    let (LogInspection::Log(_), Some(mut reader)) = look(text, &LogSettings::default()) else { panic!("a log") };
+fn bias(text: &str, settings: &LogSettings) -> Option<LogBias> {
+    let (LogInspection::Log(_), Some(mut reader)) = look(text, settings) else { panic!("a log") };
     while reader.analyse().expect("an axis").is_some() {}
     reader.bias()
 }
@@ -116,7 +118,7 @@ fn six_axes_become_coefficients_pictures_and_a_file() {
 
 #[test]
 fn a_changing_temperature_becomes_a_curve_and_files() {
-    let found = bias(&warming(30.0)).expect("a curve");
+    let found = bias(&warming(30.0), &LogSettings::default()).expect("a curve");
     assert_eq!((found.why_not, found.pictures.len()), (None, 1));
     assert!(found.text.contains("gx_dps") && found.text.contains("20.0 to 50.0 °C"), "{}", found.text);
     assert!(found.warnings.iter().any(|text| text.contains(": all axes: ")), "{:?}", found.warnings);
@@ -140,20 +142,15 @@ fn a_log_of_px4_becomes_its_parameters() {
 
 #[test]
 fn a_small_span_of_temperatures_is_not_offered() {
-    assert!(bias(&warming(4.0)).is_none());
-    assert!(bias(&table(HEAD, 2_000)).is_none());
+    assert!(bias(&warming(4.0), &LogSettings::default()).is_none());
+    assert!(bias(&table(HEAD, 2_000), &LogSettings::default()).is_none());
 }
 
 #[test]
 fn a_temperature_of_any_name_gives_the_bias_once_it_is_named() {
     let text = warming(30.0).replacen("temp_c", "heat", 1);
     let named = |name: &str| LogSettings { temp_column: Some(name.to_owned()), ..LogSettings::default() };
-    let why_not = |settings: &LogSettings| {
-        let (_, reader) = look(&text, settings);
-        let mut reader = reader.expect("a log");
-        while reader.analyse().expect("an axis").is_some() {}
-        reader.bias().map(|bias| bias.why_not)
-    };
+    let why_not = |settings: &LogSettings| bias(&text, settings).map(|bias| bias.why_not);
     assert_eq!(why_not(&LogSettings::default()), None);
     assert_eq!(why_not(&named("heat")), Some(None));
     let still = why_not(&named("gx_dps")).flatten().expect("a rate is no temperature");

@@ -5,6 +5,7 @@ use adis16130::{Config, Edge, Framing, MCLK_HZ, Sampler, SamplerConfig, Width};
 use adis16130_twin::{Spec, Twin, TwinSpi};
 use embedded_hal::delay::DelayNs;
 use serde_json::{Value, json};
+use std::fmt::Display;
 use zerorate::Part;
 use zerorate_record::{CaptureInfo, Converter, Row};
 use zerorate_web::message::DeviceState;
@@ -64,7 +65,7 @@ fn read(frame: &[u8]) -> (Value, Vec<f32>) {
     (header, numbers.map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect())
 }
 
-fn asked(session: &mut Session, request: Value) -> Value {
+fn asked(session: &mut Session, request: impl Display) -> Value {
     match session.ask(&request.to_string()) {
         RequestResult::Answer(text) => serde_json::from_str(&text).unwrap(),
         RequestResult::Host { .. } => panic!("{request} is the session's own"),
@@ -251,10 +252,6 @@ fn a_pending_refusal_is_shown_before_the_end() {
 #[test]
 fn requests_that_make_no_sense_are_answered() {
     let mut session = Session::new(about());
-    let error = |session: &mut Session, request: &str| match session.ask(request) {
-        RequestResult::Answer(text) => serde_json::from_str::<Value>(&text).unwrap(),
-        host => panic!("{host:?}"),
-    };
     for (request, id, word) in [
         ("", 0, "not understood"),
         (r#"{"id": 9, "do": "fly"}"#, 9, "fly"),
@@ -266,7 +263,7 @@ fn requests_that_make_no_sense_are_answered() {
         (r#"{"id": 7, "do": "calibrate", "method": "warmup", "average_s": -3}"#, 7, "averages"),
         (r#"{"id": 10, "do": "calibrate", "method": "warmup", "latitude_deg": 95}"#, 10, "from -90 to 90"),
     ] {
-        let answer = error(&mut session, request);
+        let answer = asked(&mut session, request);
         assert_eq!(answer["id"], id, "{request}");
         assert!(answer["error"].as_str().unwrap().contains(word), "{request}: {answer}");
     }
