@@ -10,10 +10,10 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate_allan::SettingName;
-use zerorate_host::files;
 use zerorate_imu::{Axes, ImuOptions, KindOptions};
 use zerorate_jobs::code_scales::{CodeOptions, CodeScales, concerns};
 use zerorate_jobs::output::Outputs;
+use zerorate_jobs::tempcal::UnitLog;
 use zerorate_jobs::{catalogue, temperature};
 use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, Cut, CutTime, Decimal, LogWarning, Names, Quantity, Series, Setting,
@@ -103,17 +103,9 @@ pub fn read_columns<'py>(
         None => ColumnSelection::One(None),
         Some(names) => ColumnSelection::Listed(names),
     };
-    let (path, columns) = match opened(source)? {
-        OpenSource::Table(path, table) => {
-            (path.clone(), py.detach(|| zerorate_logs::read_table(&path, &table, wanted, &options)))
-        }
-        OpenSource::File(path) => {
-            let read = || zerorate_logs::read_parts(&path, files::log(&path)?, wanted, &options);
-            (path.clone(), py.detach(read))
-        }
-    };
-    let columns = columns.map_err(|error| exception(&error.into()))?;
-    columns.into_iter().map(|column| described(py, &path, column, given, points)).collect()
+    let log = opened(source)?;
+    let columns = py.detach(|| log.columns(wanted, &options)).map_err(|error| exception(&error.into()))?;
+    columns.into_iter().map(|column| described(py, log.path(), column, given, points)).collect()
 }
 
 /// Reads the temperature of each sample, °C, and returns it with the name of its column; ``None`` if there is none.
@@ -128,22 +120,16 @@ pub fn read_temperature<'py>(
 ) -> PyResult<Option<(String, Bound<'py, PyArray1<f64>>)>> {
     // warnings about the unit of the other columns do not apply to the temperature
     let options = ColumnOptions { unit: None, scale: None, ..options.checked()? };
-    let (path, column) = match opened(source)? {
-        OpenSource::Table(path, table) => {
-            let read = |name: &str| {
-                let wanted = [name.to_owned()];
-                zerorate_logs::read_table(&path, &table, ColumnSelection::Listed(&wanted), &options).ok()?.pop()
-            };
-            let column = name.map_or_else(|| TEMPERATURE_NAMES.into_iter().find_map(read), read);
-            (path, column)
+    let log = opened(source)?;
+    let column = match &log {
+        UnitLog::Table(..) => {
+            let read = |name: &str| log.columns(ColumnSelection::Listed(&[name.to_owned()]), &options).ok()?.pop();
+            name.map_or_else(|| TEMPERATURE_NAMES.into_iter().find_map(read), read)
         }
-        OpenSource::File(path) => {
-            let column = py.detach(|| temperature::of_log(&path, name, &options));
-            (path, column)
-        }
+        UnitLog::File(path) => py.detach(|| temperature::of_log(path, name, &options)),
     };
     let Some(column) = column else { return Ok(None) };
-    let mut temps_c = column.points(&path).map_err(|error| exception(&error.into()))?;
+    let mut temps_c = column.points(log.path()).map_err(|error| exception(&error.into()))?;
     temps_c.iter_mut().for_each(|temp_c| *temp_c *= column.scale);
     Ok(Some((column.name, PyArray1::from_vec(py, temps_c))))
 }
@@ -169,16 +155,9 @@ pub fn read_imu<'py>(
     let mut options = imu_options(names, gyro, accel, &options)?;
     let assumed = code_options(codes)?.apply(&mut options).map_err(|error| exception(&error.into()))?;
     let (gyro_unit, accel_unit) = (options.gyro.unit, options.accel.unit);
-    let (path, axes) = match opened(source)? {
-        OpenSource::Table(path, table) => {
-            let listed = options.listed();
-            let wanted = options.selection(listed.as_deref());
-            let read = || Axes::of(&path, zerorate_logs::read_table(&path, &table, wanted, &options.log)?, &options);
-            (path.clone(), py.detach(read))
-        }
-        OpenSource::File(path) => (path.clone(), py.detach(|| Axes::read(&path, files::log(&path)?, &options))),
-    };
-    let Axes { columns, topic, mut warnings, .. } = axes.map_err(|error| exception(&error.into()))?;
+    let log = opened(source)?;
+    let axes = py.detach(|| log.axes(&options)).map_err(|error| exception(&error.into()))?;
+    let Axes { columns, topic, mut warnings, .. } = axes;
     warnings.extend(assumed.into_iter().filter(|(kind, _)| concerns(*kind, &columns)).map(|(_, said)| said));
     let of_kind = |column: &Column| match column.quantity {
         Some(Quantity::Acceleration) => accel_unit,
@@ -186,7 +165,7 @@ pub fn read_imu<'py>(
     };
     let columns = columns.into_iter().map(|column| {
         let given = of_kind(&column);
-        described(py, &path, column, given, false)
+        described(py, log.path(), column, given, false)
     });
     Ok((columns.collect::<PyResult<_>>()?, topic, texts(&warnings)))
 }
@@ -296,15 +275,10 @@ fn positive(number: Option<f64>) -> PyResult<Option<f64>> {
     }
 }
 
-/// A source that can be read without Python.
-pub enum OpenSource {
-    Table(PathBuf, RecordBatch),
-    File(PathBuf),
-}
-
-pub fn opened(source: Source<'_>) -> PyResult<OpenSource> {
+/// The source, which can then be read without Python.
+pub fn opened(source: Source<'_>) -> PyResult<UnitLog> {
     let (name, columns) = match source {
-        Source::File(path) => return Ok(OpenSource::File(path)),
+        Source::File(path) => return Ok(UnitLog::File(path)),
         Source::Table(name, columns) => (name, columns),
     };
     let arrays = columns.iter().map(|(_, cells)| cells.array()).collect::<PyResult<Vec<ArrayRef>>>()?;
@@ -313,7 +287,7 @@ pub fn opened(source: Source<'_>) -> PyResult<OpenSource> {
     let fields: Vec<Field> = columns.iter().zip(&arrays).map(field).collect();
     let table = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays);
     let table = table.map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
-    Ok(OpenSource::Table(name.into(), table))
+    Ok(UnitLog::Table(name.into(), table))
 }
 
 impl Cells<'_> {

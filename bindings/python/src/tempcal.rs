@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::error::{exception, joined};
-use crate::log::{OfCodes, OfKind, OpenSource, Options, Source, argument, code_options, imu_options, opened};
+use crate::log::{OfCodes, OfKind, Options, Source, argument, code_options, imu_options, opened};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -37,7 +37,7 @@ pub fn tempcal<'py>(
     axes.log.names = Names(name);
     let options =
         TempcalOptions { axes, codes: code_options(codes)?, temperature: temp_column, reference_c, max_u_dps };
-    let logs = sources.into_iter().map(log).collect::<PyResult<Vec<UnitLog>>>()?;
+    let logs = sources.into_iter().map(opened).collect::<PyResult<Vec<UnitLog>>>()?;
     let found = py.detach(|| found(&logs, &options)).map_err(|error| exception(&error))?;
     let result = PyDict::new(py);
     let axes = found.axes.iter().zip(&found.points).map(|(curve, points)| axis(py, curve, points));
@@ -57,13 +57,6 @@ fn name(setting: Setting) -> SettingName {
         Setting::TempColumn => SettingName::text("temp_column="),
         other => argument(other),
     }
-}
-
-fn log(source: Source<'_>) -> PyResult<UnitLog> {
-    Ok(match opened(source)? {
-        OpenSource::Table(name, table) => UnitLog::Table(name, table),
-        OpenSource::File(path) => UnitLog::File(path),
-    })
 }
 
 fn calibration(found: &Tempcal, serial: Option<String>, logs: &[UnitLog]) -> (Option<Calibration>, Option<String>) {

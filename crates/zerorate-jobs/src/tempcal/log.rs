@@ -23,18 +23,22 @@ impl UnitLog {
         }
     }
 
-    pub(super) fn columns(
-        &self,
-        wanted: ColumnSelection<'_>,
-        options: &ColumnOptions,
-    ) -> zerorate_logs::Result<Vec<Column>> {
+    /// Reads columns of the log.
+    ///
+    /// # Errors
+    /// Returns an error if the log cannot be read or lacks a fact.
+    pub fn columns(&self, wanted: ColumnSelection<'_>, options: &ColumnOptions) -> zerorate_logs::Result<Vec<Column>> {
         match self {
             Self::File(path) => zerorate_logs::read_parts(path, files::log(path)?, wanted, options),
             Self::Table(name, table) => zerorate_logs::read_table(name, table, wanted, options),
         }
     }
 
-    pub(super) fn axes(&self, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
+    /// Reads the axes of an IMU.
+    ///
+    /// # Errors
+    /// Returns an error if the log cannot be read or lacks a fact.
+    pub fn axes(&self, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
         match self {
             Self::File(path) => Axes::read(path, files::log(path)?, options),
             Self::Table(name, _) => {
