@@ -95,12 +95,7 @@ fn fitted(sensors: Vec<Sensor>) -> Result<Vec<FittedAxis>, CurveRefusal> {
 }
 
 fn found(path: &Path, notes: &[String], fitted: Vec<FittedAxis>) -> LogBias {
-    let (mut axes, mut curves, mut points) = (Vec::new(), Vec::new(), Vec::new());
-    for (axis, curve, means) in fitted {
-        axes.push(axis);
-        curves.push(curve);
-        points.push(means);
-    }
+    let (axes, curves, points): (Vec<_>, Vec<_>, Vec<_>) = fitted.into_iter().collect();
     let warnings = warnings_of_axes(&axes);
     let (mut files, mut no_files) = (Vec::new(), Vec::new());
     for (name, media_type, text) in texts(path, notes, &axes, &curves, &points) {
