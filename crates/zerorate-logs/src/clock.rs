@@ -1,5 +1,6 @@
 //! The time column of a log: its sampling rate, and the places of missing samples.
 
+use super::late_rows::{self, AROUND};
 use super::series::{join, missing_in};
 use crate::setting::{Names, Setting};
 use zerorate_allan::{Gap, SettingName};
@@ -33,21 +34,11 @@ const FOLLOW: f64 = 0.1;
 /// Longest regular interval, in steps, of a clock that counts in steps. Regular intervals are one step or two.
 const LONGEST_STEP: f64 = 2.5;
 
-/// A span of rows has no gap if it differs from the usual span by no more than this, in intervals.
-const NEAR: f64 = 1.75;
-
-/// Number of rows on each side of a possible gap. The median delays of both sides differ if samples are missing
-/// between them. The standard deviation of such a median is a fifth of the jitter.
-const AROUND: usize = 32;
-
 /// Limits that tell a clock that counts in steps from a sensor that loses single samples: the fewest blocks of rows,
 /// the mean number of losses in a block, and the share of neighbouring blocks whose losses differ by one at most.
 const FEWEST_BLOCKS: usize = 8;
 const IN_A_BLOCK: usize = 8;
 const EVEN_BLOCKS: f64 = 0.9;
-
-/// Samples can be missing before a row only if its delay exceeds that of the row before by this, in intervals.
-const LEAP: f64 = 0.25;
 
 /// Times of rows, relative to the first, in the unit of the file.
 pub struct Times {
@@ -191,7 +182,7 @@ impl Times {
         let (jitter, gaps, steps) = match is_clear {
             true if is_coarse => self.in_steps(interval, &tracking.gaps),
             true => (jitter, tracking.gaps, tracking.steps),
-            false => self.among_late_rows(),
+            false => late_rows::gaps(&self.since_first),
         };
         let missing = missing_in(&gaps);
         if missing > rows as u64 && gaps.len() as f64 > MAX_GAPS * rows as f64 {
@@ -247,58 +238,6 @@ impl Times {
         self.since_first.windows(2).map(|pair| pair[1] - pair[0])
     }
 
-    /// Jitter, gaps and number of intervals of a clock whose rows may be as late as a missing sample would make them.
-    /// A late row stands alone. Behind a missing sample all rows are later, which median delays of neighbouring rows
-    /// show.
-    fn among_late_rows(&self) -> (f64, Vec<Gap>, u64) {
-        let times = &self.since_first;
-        let span = AROUND.min(times.len() / 2).max(1);
-        let mut over: Vec<f64> = times.windows(span + 1).map(|rows| (rows[span] - rows[0]) / span as f64).collect();
-        let middle = median(&mut over);
-        // the mean is exact for a clock that counts in steps, and the median is not
-        let is_near = |over: &f64| (over - middle).abs() * span as f64 <= NEAR * middle;
-        let interval = mean(over.into_iter().filter(is_near));
-        // how late each row is, in intervals
-        let late: Vec<f64> = times.iter().enumerate().map(|(row, time)| time / interval - row as f64).collect();
-        let mut buffer = Vec::with_capacity(AROUND);
-        let mut around = |row: usize| {
-            let mut middle = |rows: &[f64]| {
-                buffer.clear();
-                buffer.extend_from_slice(rows);
-                median(&mut buffer)
-            };
-            let before = middle(&late[row.saturating_sub(AROUND)..row]);
-            (before, middle(&late[row..late.len().min(row + AROUND)]))
-        };
-        let mut squares = 0.0;
-        for first in (1..late.len()).step_by(AROUND / 2) {
-            let (before, after) = around(first);
-            let rows = &late[first..late.len().min(first + AROUND / 2)];
-            squares += rows.iter().map(|late| (late - after).abs().min((late - before).abs()).powi(2)).sum::<f64>();
-        }
-        let mut gaps: Vec<Gap> = Vec::new();
-        let mut widest = 0.0;
-        for row in 1..late.len() {
-            let leap = late[row] - late[row - 1];
-            if leap < LEAP {
-                continue;
-            }
-            let (before, after) = around(row);
-            let missing = (after - before).round();
-            // near a gap, the medians differ as well; the gap is where the leap is widest
-            let is_new = gaps.last().is_none_or(|last| row > last.at + AROUND / 2);
-            if missing >= 1.0 && (is_new || leap > widest) {
-                if !is_new {
-                    gaps.pop();
-                }
-                gaps.push(Gap { at: row, missing: missing as u64 });
-                widest = leap;
-            }
-        }
-        let steps = (times.len() as u64 - 1).saturating_add(missing_in(&gaps));
-        ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
-    }
-
     /// The sampling interval by least squares, so that delays of the first and the last row matter little.
     fn slope(&self, gaps: &[Gap]) -> f64 {
         let (mut missing, mut gaps) = (0, gaps.iter().peekable());
@@ -348,7 +287,7 @@ fn is_even(gaps: &[Gap], rows: usize) -> bool {
     even as f64 >= EVEN_BLOCKS * (counts.len() - 1) as f64
 }
 
-fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
+pub fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = numbers.fold((0.0, 0u32), |(sum, count), number| (sum + number, count + 1));
     sum / f64::from(count)
 }
@@ -516,8 +455,11 @@ mod tests {
 
     #[test]
     fn jitter_is_not_a_gap() {
-        for jitter_s in [0.001, 0.002] {
-            let late: Vec<f64> = normal(20_000).map(|z| z * jitter_s).collect();
+        let normal: Vec<f64> = normal(40_000).collect();
+        let gaussian = |jitter_s: f64| -> Vec<f64> { normal[..20_000].iter().map(|z| z * jitter_s).collect() };
+        // the delays of a busy computer
+        let exponential = normal.chunks_exact(2).map(|z| 0.000_75 * (z[0].powi(2) + z[1].powi(2))).collect();
+        for late in [gaussian(0.001), gaussian(0.002), exponential] {
             let stamps = |missing: std::ops::Range<usize>| {
                 let there = (0..20_000).filter(move |i| !missing.contains(i));
                 let mut times: Vec<f64> = there.map(|i| i as f64 / 200.0 + late[i]).collect();

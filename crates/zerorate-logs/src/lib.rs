@@ -36,6 +36,7 @@ mod hdf5_index;
 mod imu_messages;
 #[cfg(all(test, feature = "full"))]
 mod joined;
+mod late_rows;
 mod lost_digits;
 #[cfg(feature = "hdf5")]
 mod lzf;
