@@ -1,6 +1,7 @@
 //! The time column of a log: its sampling rate, and the places of missing samples.
 
 use super::late_rows::{self, AROUND};
+use super::middle::mean;
 use super::series::{join, missing_in};
 use crate::setting::{Names, Setting};
 use zerorate_allan::{Gap, SettingName};
@@ -285,23 +286,6 @@ fn is_even(gaps: &[Gap], rows: usize) -> bool {
     }
     let even = counts.windows(2).filter(|pair| (pair[1] - pair[0]).abs() <= 1).count();
     even as f64 >= EVEN_BLOCKS * (counts.len() - 1) as f64
-}
-
-pub fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = numbers.fold((0.0, 0u32), |(sum, count), number| (sum + number, count + 1));
-    sum / f64::from(count)
-}
-
-/// The median: the upper one, if two numbers are in the middle. 0 without numbers.
-pub fn median(numbers: &mut [f64]) -> f64 {
-    let middle = numbers.len() / 2;
-    if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
-}
-
-/// Mean of the steps from half to twice the median, so that gaps are left out. `None` unless the median is positive.
-pub fn usual_step(mut steps: Vec<f64>) -> Option<f64> {
-    let middle = Some(median(&mut steps)).filter(|median| *median > 0.0)?;
-    Some(mean(steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / middle)))))
 }
 
 /// The rate and the gaps of a log according to its timestamps.

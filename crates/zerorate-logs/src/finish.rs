@@ -1,9 +1,10 @@
 //! Gives the columns of a file their unit, rate and gaps.
 
-use crate::clock::{TimeBase, Times, usual_step};
+use crate::clock::{TimeBase, Times};
 use crate::column::Column;
 use crate::column_checks::ColumnChecks;
 use crate::error::{LogError, Result, no_time_unit, rate_of_steps, too_many, unsteady};
+use crate::middle::usual_step;
 use crate::options::ColumnOptions;
 use crate::rate_question::{no_rate, quoted};
 use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};

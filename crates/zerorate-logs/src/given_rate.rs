@@ -1,7 +1,8 @@
 //! Compares a rate that the user or the log states with the timestamps of the log.
 
 use crate::choice::Columns;
-use crate::clock::{Times, median};
+use crate::clock::Times;
+use crate::middle::median;
 use crate::sample::{Cell, Sampled};
 use crate::setting::Names;
 use crate::text::dates::{self, DateColumn};

@@ -2,7 +2,7 @@
 //!
 //! A late row stands alone. Behind a missing sample all rows are later, which median delays of neighbouring rows show.
 
-use super::clock::{mean, median};
+use super::middle::{mean, median};
 use super::series::missing_in;
 use std::ops::Range;
 use zerorate_allan::Gap;
@@ -71,8 +71,8 @@ fn possible(late: &[f64]) -> Vec<Gap> {
     gaps
 }
 
-/// The gaps that the rows up to the next gap confirm. The smallest are examined first, since the rows beside a wide gap
-/// seem to have another.
+/// The gaps that the rows up to the next gap confirm. The smallest are examined first, since the rows beside a wide
+/// gap seem to have another.
 fn confirmed(late: &[f64], mut gaps: Vec<Gap>, jitter: f64) -> Vec<Gap> {
     let mut order: Vec<Gap> = gaps.clone();
     order.sort_by_key(|gap| gap.missing);

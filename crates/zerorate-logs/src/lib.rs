@@ -47,6 +47,7 @@ mod mcap_bag;
 mod merged_rows;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod message;
+mod middle;
 #[cfg(all(test, not(feature = "full")))]
 mod missing;
 mod mixed_rows;

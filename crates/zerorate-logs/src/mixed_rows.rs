@@ -10,8 +10,9 @@
 //! A counter of the samples in a packet looks the same as the number of a sensor. The user then states with [`ANY`]
 //! that the rows are of one sensor.
 
-use crate::clock::{Times, median};
+use crate::clock::Times;
 use crate::error::{LogError, Result};
+use crate::middle::median;
 use crate::only::{ANY, Condition, RowFilter};
 use crate::options::ColumnOptions;
 use crate::rate_question::quoted;

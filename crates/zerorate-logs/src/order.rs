@@ -2,7 +2,8 @@
 //! drops duplicate rows, and follows a clock that was set back. Each repair is counted and reported. If repairs are
 //! too frequent, the log is refused, and the error names the place.
 
-use super::clock::{Times, median};
+use super::clock::Times;
+use super::middle::median;
 use crate::raw_columns::RawColumn;
 use zerorate_input::TimeUnit;
 

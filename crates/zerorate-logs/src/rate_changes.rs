@@ -1,6 +1,6 @@
 //! Detects a sampling rate that changes within the log. A single rate is then wrong for most of the log.
 
-use super::clock::median;
+use super::middle::median;
 use zerorate_allan::Gap;
 use zerorate_input::TimeUnit;
 

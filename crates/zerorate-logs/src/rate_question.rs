@@ -1,8 +1,8 @@
 //! The error that asks for the rate of a log that does not state it.
 
-use crate::clock::{median, usual_step};
 use crate::clock_digits::times_of_day;
 use crate::error::LogError;
+use crate::middle::{median, usual_step};
 use crate::sample::{Cell, Sampled};
 use crate::setting::{Names, Setting};
 use crate::text::dates::{self, DateColumn};

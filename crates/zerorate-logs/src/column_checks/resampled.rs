@@ -2,7 +2,7 @@
 //! that of the sensor.
 
 use super::block::Block;
-use crate::clock::median;
+use crate::middle::median;
 use std::ops::RangeInclusive;
 
 /// Number of samples at the start of a column that are examined.
