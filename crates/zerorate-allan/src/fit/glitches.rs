@@ -236,8 +236,8 @@ fn gap(peaks: &[(usize, f64)], slope: f64) -> f64 {
     sizes.sort_unstable_by(f64::total_cmp);
     let below = sizes.partition_point(|size| *size <= 1.0);
     // sizes of codes differ by a step at least
-    let step =
-        sizes.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > ROUNDING).fold(f64::INFINITY, f64::min);
+    let steps = sizes[..below].windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > ROUNDING);
+    let step = steps.min_by(f64::total_cmp).unwrap_or_default();
     let ratio = |at: usize| ((sizes[at] - step) / sizes[at - 1]).max(1.0);
     // ln of the sizes above a threshold is exponentially distributed
     let chance = |at: usize| libm::exp(-libm::log(ratio(at)) * (sizes.len() - at) as f64 / slope);
