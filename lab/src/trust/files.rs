@@ -122,6 +122,6 @@ fn edited_state(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
         Some(0) if run.stdout == expected.stdout => Verdict::Right,
         Some(0) => Verdict::Silent(format!("the edited state was believed: {}\n{edited}", run.stderr)),
         Some(1) if fs::read_to_string(&state)? != edited => Verdict::Silent("the refused state is gone".to_owned()),
-        _ => run.refusal(&["can be taken up"]),
+        _ => run.refusal(&["not a usable state"]),
     })
 }
