@@ -40,7 +40,7 @@ pub fn repaired(bench: &Bench, folder: &Folder, file: &str, device: &str) -> Res
     let (repaired, whole) = (folder.file("repaired.arrows"), folder.file("whole.arrows"));
     let repair = bench.run(&["repair", file, "-o", &repaired])?;
     if repair.code != Some(0) {
-        return Ok(repair.refusal(&["no whole batch", "no schema", "empty"]));
+        return Ok(repair.refusal(&["no row of it can be kept", "it is empty"]));
     }
     let rows = verified(bench, &repaired)?["rows"].as_u64().context("rows")?;
     if rows == 0 {
