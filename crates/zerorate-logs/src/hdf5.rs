@@ -301,8 +301,8 @@ impl SetColumn<'_> {
         Some(text.trim_matches(['\0', ' ']).to_owned())
     }
 
-    /// The name with the unit of the data set, unless the name states it, or the column is a field of a compound. A
-    /// text that is no unit, such as `counts`, is put beside the unit of a name alone, since it may deny that unit.
+    /// The name with the unit of the data set, unless the name states it, or the column is a field of a compound.
+    /// Another text, such as `counts`, is put beside a name that states a unit, since it may deny that unit.
     fn with_unit(&self) -> String {
         let stated = Unit::of_column(&self.name);
         let text = self.unit_text().filter(|text| self.field.is_none() && !text.is_empty()).unwrap_or_default();

@@ -59,8 +59,8 @@ fn a_knock_or_burst_in_a_heavy_tail_is_taken_out_whole() {
     }
 }
 
-/// A shock stays in filtered noise for several samples, or comes again two samples later. That is no knock. A step of
-/// coarse codes is no gap.
+/// A shock stays in filtered noise for several samples, or comes again two samples later. Knocks are rarer. The sizes
+/// of coarse codes have a step between them, which does not count as a gap.
 #[test]
 fn filtered_or_coarse_heavy_tails_keep_their_samples() {
     for seed in 4130..4140 {
