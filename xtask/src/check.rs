@@ -8,8 +8,8 @@ use xtask::arguments::Arguments;
 /// and C libraries are compiled once for all.
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
-/// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
-pub const STEPS: [Step; 15] = [
+/// TOML parser behind the core's feature `file` needs.
+pub const STEPS: [Step; 13] = [
     Step::new("fmt", "fmt --all --check").about("Formatting of the workspace"),
     Step::new("fmt-firmware", "fmt --manifest-path firmware/Cargo.toml --all --check")
         .about("Formatting of firmware/"),
@@ -19,8 +19,8 @@ pub const STEPS: [Step; 15] = [
         .about("Links, cited facts, line lengths, packaging, workflows, and circles among modules"),
     Step::new("clippy", "clippy --release --workspace --all-targets --all-features -- -D warnings")
         .about("Lints with all features"),
-    Step::new("clippy-default", "clippy --release --all-targets -- -D warnings")
-        .about("Lints with the default features"),
+    Step::new("clippy-default", "clippy --release -p zerorate-cli -- -D warnings")
+        .about("Lints of the program and its libraries with the default features"),
     Step::new("doc", "doc --release --workspace --no-deps --all-features")
         .about("The documentation builds without a warning")
         .with_env("RUSTDOCFLAGS", "-Dwarnings"),
@@ -39,13 +39,6 @@ pub const STEPS: [Step; 15] = [
     )
     .about("Driver, core and twin on a Cortex-M4F"),
     Step::new(
-        "clippy-wasm",
-        "clippy --release -p zerorate-web -p zerorate-logs --lib --features zerorate-web/wasm-first,\
-         zerorate-web/wasm-live,zerorate-logs/hdf5,zerorate-logs/matlab,zerorate-logs/mcap,zerorate-logs/npz,\
-         zerorate-logs/packed,zerorate-logs/parquet,zerorate-logs/ros --target wasm32-unknown-unknown -- -D warnings",
-    )
-    .about("What stands behind the page, and the readers that need no C, in a browser"),
-    Step::new(
         "clippy-c",
         "clippy --release --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D \
          warnings",
@@ -57,13 +50,6 @@ pub const STEPS: [Step; 15] = [
          --target thumbv7em-none-eabihf --features firmware-bridge/stm32f4,firmware-examples/stm32f4 -- -D warnings",
     )
     .about("Images for the emulator, bridge and examples on an STM32F411"),
-    Step::new(
-        "clippy-firmware-m0",
-        "clippy --release --manifest-path firmware/Cargo.toml -p firmware-bridge -p firmware-examples --locked \
-         --target-dir target/firmware --target thumbv6m-none-eabi --features \
-         firmware-bridge/rp2040,firmware-examples/rp2040 -- -D warnings",
-    )
-    .about("Bridge and example on an RP2040"),
 ];
 
 pub fn help() -> String {

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::hash::{BuildHasher, RandomState};
 use xtask::arguments::Arguments;
 
-const STEPS: [Step; 18] = [
+const STEPS: [Step; 20] = [
     Step::new("test-default", "xtask test").about("The README's command: the tests with the default features"),
     // a debug build, because the profile `release` does not check zerorate-allan for overflow
     Step::new("test-allan", "test -p zerorate-allan --all-features")
@@ -14,6 +14,20 @@ const STEPS: [Step; 18] = [
     // `--allow-dirty`, so that the step also runs with uncommitted changes
     Step::new("publish", "publish --dry-run --allow-dirty -p adis16130 -p zerorate-allan")
         .about("Driver and zerorate-allan would be accepted by crates.io; nothing is uploaded"),
+    Step::new(
+        "clippy-wasm",
+        "clippy --release -p zerorate-web -p zerorate-logs --lib --features zerorate-web/wasm-first,\
+         zerorate-web/wasm-live,zerorate-logs/hdf5,zerorate-logs/matlab,zerorate-logs/mcap,zerorate-logs/npz,\
+         zerorate-logs/packed,zerorate-logs/parquet,zerorate-logs/ros --target wasm32-unknown-unknown -- -D warnings",
+    )
+    .about("What stands behind the page, and the readers that need no C, in a browser"),
+    Step::new(
+        "clippy-firmware-m0",
+        "clippy --release --manifest-path firmware/Cargo.toml -p firmware-bridge -p firmware-examples --locked \
+         --target-dir target/firmware --target thumbv6m-none-eabi --features \
+         firmware-bridge/rp2040,firmware-examples/rp2040 -- -D warnings",
+    )
+    .about("Bridge and example on an RP2040"),
     Step::new(
         "images-m4",
         "build --manifest-path firmware/Cargo.toml -p firmware-bridge -p firmware-examples --locked --release \

@@ -177,7 +177,6 @@ impl Axes {
             let what = "omega in rad/s and alpha in m/s², as in the files of Kalibr's tools";
             warnings.push(LogWarning::UnitsTaken { path: path.display().to_string(), what });
         }
-        Kind::take_letters(&mut columns);
         let (mut axes, others) = Self::among(path, columns, options)?;
         if options.listed().is_none() {
             let others: Vec<&Column> = others.iter().collect();

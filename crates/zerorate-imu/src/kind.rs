@@ -134,20 +134,6 @@ impl Kind {
             _ => None,
         }
     }
-
-    /// Takes the unit g from columns such as `x_g` beside `x_a`, where the letter means the gyroscope.
-    pub(super) fn take_letters(columns: &mut [Column]) {
-        let names: Vec<String> = columns.iter().map(|column| column.name.to_lowercase()).collect();
-        let has_sibling = |name: &str| {
-            let sibling = name.strip_suffix('g').map(|own| format!("{own}a"));
-            Self::by_letter(name).is_some() && sibling.is_some_and(|sibling| names.contains(&sibling))
-        };
-        for (column, name) in columns.iter_mut().zip(&names).filter(|(_, name)| has_sibling(name)) {
-            if Self::named(name).is_some_and(|kind| Some(kind.quantity()) != column.quantity) {
-                (column.quantity, column.scale) = (None, 1.0);
-            }
-        }
-    }
 }
 
 /// The name without the unit in its last bracket, or without rpm or g at its end.
@@ -231,23 +217,6 @@ mod tests {
             .into_iter()
             .any(|name| !Kind::is_axis(name, true))
         );
-    }
-
-    #[test]
-    fn a_letter_behind_the_axis_is_a_sensor_beside_the_other_letter() {
-        let kinds = |names: &[&str]| -> Vec<Option<Kind>> {
-            let column = |name: &&str| {
-                let mut column = Column::new(name, zerorate_logs::Series::Numbers(vec![0.0]), 1.0);
-                column.quantity = Quantity::of_column(name).map(|(quantity, _)| quantity);
-                column
-            };
-            let mut columns: Vec<Column> = names.iter().map(column).collect();
-            Kind::take_letters(&mut columns);
-            columns.iter().map(Kind::of_column).collect()
-        };
-        let [gyro, accel] = Kind::ALL.map(Some);
-        assert_eq!(kinds(&["x_g", "x_a", "imu.y_g", "imu.y_a"]), [gyro, accel, gyro, accel]);
-        assert_eq!(kinds(&["x_g", "y_g", "acc_x_g", "acc_x_a"]), [accel; 4]);
     }
 
     #[test]

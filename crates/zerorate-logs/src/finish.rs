@@ -196,6 +196,19 @@ impl RawColumns {
         )))
     }
 
+    /// Takes the unit g from columns such as `x_g` beside `x_a`, where the letter means the gyroscope.
+    fn take_letters(&mut self) {
+        let names = first_rows(&self.sample, &self.columns);
+        let names: Vec<String> = names.iter().map(|column| column.name.to_lowercase()).collect();
+        for column in &mut self.columns {
+            let name = column.name.to_lowercase();
+            let Some(axis) = name.strip_suffix('g') else { continue };
+            let own = axis.strip_suffix(['_', '.', ' ']).and_then(|axis| axis.strip_suffix(['x', 'y', 'z']));
+            let is_axis = own.is_some_and(|own| !own.ends_with(char::is_alphanumeric) && !own.contains("acc"));
+            column.is_lettered = is_axis && names.contains(&format!("{axis}a"));
+        }
+    }
+
     pub fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
         let (columns, no_rate) = self.finish_without_rate(path, args)?;
         no_rate.map_or(Ok(columns), Err)
@@ -209,6 +222,7 @@ impl RawColumns {
         args: &ColumnOptions,
     ) -> Result<(Vec<Column>, Option<LogError>)> {
         self.repair_times(path, args)?;
+        self.take_letters();
         let skipped_s = self.cut(path, args)?;
         let time_base = self.clock.time_base(path, args)?;
         let start_s = self.clock.start_s(args);
@@ -290,7 +304,8 @@ fn disordered(
 
 impl RawColumn {
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
-        let Self { name, values, stated, step, is_scaled, mut warnings, .. } = self;
+        let Self { name, values, stated, step, is_scaled, is_lettered, mut warnings, .. } = self;
+        let of_name = Quantity::of_column(&name).filter(|_| !is_lettered);
         let (mut series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
         warnings.extend(unsigned::unwrap(&mut series).map(|bits| {
             let (path, column) = (path.display().to_string(), name.clone());
@@ -298,8 +313,8 @@ impl RawColumn {
         }));
         let taken = Unit::taken_by_words(&name).filter(|_| stated.is_none() && args.unit.is_none());
         warnings.extend(taken.map(|unit| LogWarning::of_ros(path, unit)));
-        let stated = stated.or_else(|| Quantity::of_column(&name));
-        if let Some(unit) = args.unit {
+        let stated = stated.or(of_name);
+        if let Some(unit) = args.unit.filter(|_| !is_lettered) {
             args.agrees(path, &name, unit, Setting::Unit)?;
         }
         let given = args.unit.map(|unit| (unit.quantity(), unit.in_results() * step));
@@ -312,7 +327,7 @@ impl RawColumn {
                     _ => (quantity, per_step / step),
                 });
                 let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
-                let unit = given.or_else(|| Quantity::of_column(&name)).or(of_file);
+                let unit = given.or(of_name).or(of_file);
                 let (quantity, per_unit) = unit.unwrap_or((Quantity::AngularRate, 1.0));
                 Some((quantity, scale * per_unit))
             }

@@ -45,11 +45,14 @@ pub struct RawColumn {
     pub warnings: Vec<LogWarning>,
     /// True if this is an unrequested temperature beside requested columns.
     pub is_beside: bool,
+    /// True if the end of the name means a sensor and is no unit.
+    pub is_lettered: bool,
 }
 
 impl RawColumn {
     pub fn new(name: String, values: SeriesBuilder) -> Self {
-        Self { name, values, stated: None, step: 1.0, is_scaled: false, warnings: Vec::new(), is_beside: false }
+        let (stated, warnings) = (None, Vec::new());
+        Self { name, values, stated, step: 1.0, is_scaled: false, warnings, is_beside: false, is_lettered: false }
     }
 
     /// The column with the unit and the size of its steps, which the log states.
