@@ -2,7 +2,7 @@
 //! compares the bias with the truth. The simulated motion is the same as in the core's tests. The task prints the
 //! table of docs/tracking.md.
 
-#[path = "../../crates/zerorate/tests/track/world.rs"]
+#[path = "../../crates/zerorate/tests/core/track/world.rs"]
 mod world;
 
 use crate::residuals::{DPH_PER_DPS, median, rms};

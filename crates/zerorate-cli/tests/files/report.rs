@@ -1,6 +1,6 @@
 //! The page of a calibration, as a browser gets it.
 
-#[path = "../../../zerorate/tests/outcome/mod.rs"]
+#[path = "../../../zerorate/tests/core/outcome/mod.rs"]
 mod outcome;
 
 use super::Bench;

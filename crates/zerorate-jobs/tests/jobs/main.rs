@@ -5,6 +5,7 @@
 mod analysis;
 mod bench;
 mod calibrate;
+mod codes;
 mod correct;
 mod plan;
 mod reading;

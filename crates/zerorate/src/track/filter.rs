@@ -3,7 +3,7 @@
 //! The calibration leaves b(T) = offset + slope · d + curvature · d² + flicker, with d = T − T3. The offset is a
 //! random walk with K, the flicker is three first-order processes, slope and curvature stay constant. Time and
 //! temperature are arguments. All numbers are f32, which a Cortex-M4F computes in hardware.
-//! `tests/track_on_twin.rs` checks the covariance over days.
+//! `tests/core/track_on_twin.rs` checks the covariance over days.
 
 use core::f64::consts::PI;
 use libm::{exp, expf, log, sqrtf};

@@ -147,7 +147,7 @@ fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64, assumes_line: 
 }
 
 #[cfg(test)]
-#[path = "../../../../zerorate/tests/outcome/mod.rs"]
+#[path = "../../../../zerorate/tests/core/outcome/mod.rs"]
 mod measured;
 
 #[cfg(test)]

@@ -1,11 +1,8 @@
 //! Checks that each method gives the same result from the same simulated hour as before, bit for bit.
 
-mod golden;
-mod hours;
-
+use crate::golden::unchanged;
+use crate::hours::measure;
 use adis16130_twin::{Motion, Spec};
-use golden::unchanged;
-use hours::measure;
 use zerorate::calibration::{Calibration, Origin};
 use zerorate::{Method, Part};
 

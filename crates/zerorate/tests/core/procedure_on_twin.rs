@@ -1,11 +1,9 @@
 //! Runs the procedure with the driver on the twin. A good unit gives the right numbers, and a bad unit gives a refusal
 //! that names the cause.
 
-mod unit;
-
+use crate::unit::{SHORT, Unit};
 use adis16130::{Config, SamplerConfig};
 use adis16130_twin::{Fault, Motion, Spec, Truth};
-use unit::{SHORT, Unit};
 use zerorate::{
     Action, Axis, Deviation, Event, Finding, FixedProcedure, Method, Outcome, Plan, Procedure, Reading, Refusal,
     Remedy, State, Warning, WindowWarnings,

@@ -1,16 +1,14 @@
 //! A part with three axes: three twins on one clock and one temperature, through one procedure.
 
-mod unit;
-
+use crate::unit::Unit;
 use adis16130::MCLK_HZ;
 use adis16130_twin::{Motion, Spec, Truth};
 use std::borrow::Cow;
-use unit::Unit;
 use zerorate::{
     Action, Axis, AxisRefusal, Event, NamedAxis, Outcome, Part, PartProcedure, Plan, Procedure, Refusal, Scan, State,
 };
 
-const SHORT: Plan = Plan { settle_s: 40.0, ..unit::SHORT };
+const SHORT: Plan = Plan { settle_s: 40.0, ..crate::unit::SHORT };
 
 fn part() -> Part {
     let axis = |name| NamedAxis { name: Cow::Borrowed(name), ..Part::ADIS16130.axes[0].clone() };

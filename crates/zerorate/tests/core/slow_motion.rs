@@ -1,9 +1,7 @@
 //! The stated uncertainty covers slow motion of the platform or a step of the supply, or the recording is refused.
 
-mod hours;
-
+use crate::hours::measure;
 use adis16130_twin::{Motion, Spec, Truth};
-use hours::measure;
 use std::collections::BTreeMap;
 use zerorate::{Method, Outcome, Warning};
 

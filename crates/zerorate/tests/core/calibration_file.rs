@@ -1,8 +1,6 @@
 //! The calibration file: a written calibration reads back the same, and a changed file is refused.
 
-mod outcome;
-
-use outcome::outcome;
+use crate::outcome::outcome;
 use zerorate::calibration::{CalibratedAxis, Calibration, FileError, Notes, Origin};
 use zerorate::track::TrackerConfig;
 use zerorate::{Axis, Correction, Part};

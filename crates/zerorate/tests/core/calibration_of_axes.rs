@@ -1,7 +1,5 @@
 //! Calibration files of schema 2 and higher: several axes of any part.
 
-mod outcome;
-
 use zerorate::calibration::{Calibration, FileError, FileWarning, NoiseRecord, Origin};
 use zerorate::{Outcome, Part, Warning};
 
@@ -19,7 +17,7 @@ const PART: &str = r#"
 "#;
 
 fn outcome_of(pbc_dps: f64, own: Warning) -> Outcome {
-    let mut outcome = outcome::outcome();
+    let mut outcome = crate::outcome::outcome();
     outcome.correction.pbc_dps = pbc_dps;
     outcome.warnings = vec![Warning::EarthIncluded, own];
     outcome

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Asserts that `now` equals the golden file `name`. With ZERORATE_GOLDEN=write, first writes `now` to that file.
 #[track_caller]
 pub fn unchanged(name: &str, now: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}"));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/core/golden/{name}"));
     if std::env::var_os("ZERORATE_GOLDEN").is_some_and(|value| value == "write") {
         fs::write(&path, now).unwrap();
     }

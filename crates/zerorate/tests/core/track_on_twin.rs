@@ -1,11 +1,7 @@
 //! Compares the tracked bias with the true bias of the twin. `cargo xtask methods` does this for hundreds of units.
 
-mod golden;
-#[path = "track/world.rs"]
-mod world;
-
+use crate::track::world::{Day, HALF, OFTEN, Random, SELDOM, Unit, day};
 use adis16130_twin::Spec;
-use world::{Day, HALF, OFTEN, Random, SELDOM, Unit, day};
 use zerorate::track::{BLOCK_S, Filter, Phase, Prior, Saved, Tracker, TrackerConfig, Unsound};
 use zerorate::{Axis, Correction};
 
@@ -169,7 +165,7 @@ fn a_learned_bias_stays_as_it_is() {
         known += &format!("{:?}\n{:?}\n", tracker.tracked(33.0), tracker.save());
         tracker.wait(60.0);
     }
-    golden::unchanged("track.txt", &known);
+    crate::golden::unchanged("track.txt", &known);
 }
 
 /// A resumed tracker is less certain, by the random walk over the age of the state and by the change of the bias at a

@@ -1,5 +1,4 @@
 //! Logs as the page reads them: questions, results, and files.
-#![cfg(feature = "readers")]
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};

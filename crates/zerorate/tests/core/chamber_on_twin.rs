@@ -1,8 +1,6 @@
 //! Tests the measurement in a chamber. The unit is a twin that gives means of 0.1 s, and this file simulates the
 //! chamber.
 
-mod golden;
-
 use adis16130_twin::{Means, Motion, Spec};
 use zerorate::chamber::{
     ChamberAction, ChamberPlan, ChamberProcedure, ChamberRefusal, ChamberState, Disturbance, Record, Step, StepEnd,
@@ -256,7 +254,7 @@ fn curve_and_loop_of_a_unit_are_found_within_their_uncertainty() {
     let branches = outcome.branches.expect("both ways");
     let off_dps = branches.half_width_dps - 0.002;
     assert!(off_dps.abs() < 2.5 * branches.u_dps && branches.u_dps < 0.001, "{branches:?} {:?}", outcome.curve);
-    golden::unchanged("chamber.txt", &format!("{:?}\n{branches:?}\n{:?}\n", outcome.curve, record.soaks));
+    crate::golden::unchanged("chamber.txt", &format!("{:?}\n{branches:?}\n{:?}\n", outcome.curve, record.soaks));
     let truth = bench.unit.truth();
     for temp_c in [10.0, 25.0, 45.0, 65.0] {
         let off_dps = outcome.curve.correction.at(temp_c) + truth.bias_dps(temp_c);

@@ -1,6 +1,6 @@
 //! A page's session with its devices, without a browser. The tests control its clock.
 
-#[path = "../../../firmware/qemu/src/bridge.rs"]
+#[path = "../../../../firmware/qemu/src/bridge.rs"]
 #[allow(dead_code, reason = "a firmware that is built for its target uses all of it")]
 mod firmware;
 

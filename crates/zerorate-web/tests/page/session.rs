@@ -331,7 +331,7 @@ fn a_cycle_is_finished_by_hand() {
     curve_holds(&done, 4.0);
 }
 
-const ON_FILE: &str = include_str!("../../zerorate-cli/tests/golden/short.toml");
+const ON_FILE: &str = include_str!("../../../zerorate-cli/tests/golden/short.toml");
 
 /// The angle restarts when a calibration is applied, because the earlier integral is of the raw rate.
 #[test]

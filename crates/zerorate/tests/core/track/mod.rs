@@ -1,0 +1,3 @@
+//! The world in which a unit is tracked.
+
+pub mod world;
