@@ -354,3 +354,19 @@ impl RawColumn {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::tests::read_file;
+    use zerorate_input::Quantity;
+
+    #[test]
+    fn a_letter_behind_the_axis_is_a_sensor_beside_the_other_letter() {
+        let quantity = |head: &str, said: &str| read_file(format!("{head}\n1,2\n2,3\n"), said).unwrap().quantity;
+        assert_eq!(quantity("x_g,x_a", "--rate 1 --column x_g"), None);
+        assert_eq!(quantity("i.x_g,i.x_a", "--rate 1 --column i.x_g --unit dps"), Some(Quantity::AngularRate));
+        for (head, column) in [("x_g,y_g", "x_g"), ("acc_x_g,acc_x_a", "acc_x_g"), ("ax_g,ax_a", "ax_g")] {
+            assert_eq!(quantity(head, &format!("--rate 1 --column {column}")), Some(Quantity::Acceleration));
+        }
+    }
+}

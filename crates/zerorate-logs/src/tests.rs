@@ -278,22 +278,6 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert!(error.to_string().contains("`gz_rad_s` states rad/s, and --unit says dps, 0.0175 times"), "{error}");
 }
 
-#[test]
-fn a_letter_behind_the_axis_is_a_sensor_beside_the_other_letter() {
-    let unit = |head: &str, said: &str| {
-        let column = read_file(format!("{head}\n1,2\n2,3\n3,4\n"), &format!("--rate 1 {said}")).unwrap();
-        column.quantity
-    };
-    assert_eq!(unit("x_g,x_a", "--column x_g"), None);
-    assert_eq!(unit("imu.x_g,imu.x_a", "--column imu.x_g --unit dps"), Some(Quantity::AngularRate));
-    for head in ["x_g,y_g", "acc_x_g,acc_x_a", "ax_g,ax_a"] {
-        assert_eq!(
-            unit(head, &format!("--column {}", &head[..head.find(',').unwrap()])),
-            Some(Quantity::Acceleration)
-        );
-    }
-}
-
 /// Missing samples count in the number of skipped samples. If the cut is inside a gap, the whole gap is removed.
 #[test]
 fn the_beginning_is_left_out() {
