@@ -40,6 +40,11 @@ def record(seed: int = 1, low_c: float = 5.0, high_c: float = 45.0) -> Table:
     return {"t_s": t_s, **columns, "temp_c": temp_c}
 
 
+def gyroscopes(columns: Table) -> Table:
+    """The record without accelerometers, which halves the time of the fit."""
+    return {name: column for name, column in columns.items() if name not in ACCEL}
+
+
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path, columns = tmp_path_factory.mktemp("log") / "unit.csv", record()
@@ -85,7 +90,7 @@ def test_the_numbers_are_those_of_the_program(found: zerorate.Tempcal, log: Path
 @pytest.mark.filterwarnings("error")
 def test_tables_in_memory_are_read_as_logs(found: zerorate.Tempcal) -> None:
     pandas, polars, pyarrow = (pytest.importorskip(name) for name in ("pandas", "polars", "pyarrow"))
-    columns = record()
+    columns = gyroscopes(record())
     named = {name: column for name, column in columns.items() if name != "t_s"}
     gyro = np.column_stack([columns[name] for name in CUBICS])
     times = pandas.to_timedelta(np.arange(SAMPLES) * 100, unit="ms")
@@ -107,9 +112,8 @@ def test_tables_in_memory_are_read_as_logs(found: zerorate.Tempcal) -> None:
             np.testing.assert_allclose(axis.curve.bias, known.curve.bias, atol=0.2 * known.u_bias)
 
 
-def test_several_logs_are_fitted_together(log: Path) -> None:
-    several: list[Any] = [log, record(2, 15.0, 50.0)]
-    both = zerorate.tempcal(several)
+def test_several_logs_are_fitted_together() -> None:
+    both = zerorate.tempcal([gyroscopes(record()), gyroscopes(record(2, 15.0, 50.0))])
     axis = both["gx_dps"]
     assert axis.spread_of_starts is not None and axis.curve.temp_c[-1] == pytest.approx(50.0, abs=0.5)
     assert np.all(np.abs(axis.curve.bias - truth(CUBICS["gx_dps"], axis.curve.temp_c)) <= 4 * axis.curve.u)
