@@ -36,6 +36,7 @@ mod _zerorate {
         log::{read_columns, read_imu, read_temperature, temperatures},
         main,
         recording::capture,
+        settling::check_record,
         stream::Stream,
         tempcal::tempcal,
         twin::{twin_device, twin_keys},

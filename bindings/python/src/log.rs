@@ -301,7 +301,7 @@ impl Cells<'_> {
     }
 }
 
-fn texts(warnings: &[LogWarning]) -> Vec<String> {
+pub fn texts(warnings: &[LogWarning]) -> Vec<String> {
     warnings.iter().map(|warning| joined(&warning.coded())).collect()
 }
 

@@ -1,9 +1,9 @@
 //! The options for the temperature and the beginning of a record, as in `zerorate allan`.
 
 use crate::error::{exception, joined};
-use crate::log::argument;
+use crate::log::{argument, texts};
 use crate::record::Record;
-use numpy::PyReadonlyArray1;
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::Path;
@@ -62,6 +62,22 @@ pub fn input(column: &Column, phase: bool) -> Input<'_> {
         Input::Rate(numbers) if phase => Input::Phase(numbers),
         input => input,
     }
+}
+
+/// Checks the values of a record that no reader of logs has seen. Returns the record with the sign of its codes, if they
+/// were written without one, and the warnings.
+#[pyfunction]
+pub fn check_record<'py>(
+    py: Python<'py>,
+    name: &str,
+    record: Record<'py>,
+) -> PyResult<(Option<Bound<'py, PyAny>>, Vec<String>)> {
+    let (signed, warnings) = logs::check_record(&record.input(false, &[])?, Path::new(RECORD), name);
+    let signed = signed.map(|signed| match signed {
+        Series::Codes(codes) => PyArray1::from_vec(py, codes).into_any(),
+        Series::Numbers(numbers) => PyArray1::from_vec(py, numbers).into_any(),
+    });
+    Ok((signed, texts(&warnings)))
 }
 
 pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {

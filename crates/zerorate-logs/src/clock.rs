@@ -1,5 +1,6 @@
 //! The time column of a log: its sampling rate, and the places of missing samples.
 
+use super::alternating;
 use super::late_rows::{self, AROUND};
 use super::middle::mean;
 use super::series::{join, missing_in};
@@ -31,6 +32,9 @@ const MAX_LEAP: u64 = 100;
 
 /// Share of each deviation by which the even clock is corrected. Ten samples reduce an offset to a third.
 const FOLLOW: f64 = 0.1;
+
+/// Number of intervals that are searched for long and short ones in turn.
+const JUDGED: usize = 10_000;
 
 /// Longest regular interval, in steps, of a clock that counts in steps. Regular intervals are one step or two.
 const LONGEST_STEP: f64 = 2.5;
@@ -209,7 +213,10 @@ impl Times {
             true => steps as f64 * unit.per_s() / self.since_first[rows - 1],
             false => unit.per_s() / self.slope(&gaps),
         };
-        Ok(TimeBase { rate_hz, gaps, jitter, as_losses: is_coarse.then_some(unit.per_s() / interval) })
+        let as_losses = is_coarse.then_some(unit.per_s() / interval);
+        let intervals_s: Vec<f64> = self.intervals().take(JUDGED).map(|interval| interval / unit.per_s()).collect();
+        let in_turn_s = alternating::intervals(&intervals_s).filter(|_| !is_coarse);
+        Ok(TimeBase { rate_hz, gaps, jitter, as_losses, in_turn_s })
     }
 
     /// Jitter, gaps and number of intervals of a clock that counts in steps a little shorter than the sampling
@@ -299,6 +306,8 @@ pub struct TimeBase {
     pub jitter: f64,
     /// The other possible rate, Hz, of a clock that counts in steps: if double steps are losses. Otherwise `None`.
     pub as_losses: Option<f64>,
+    /// The short and the long interval, s, if they take turns.
+    pub in_turn_s: Option<(f64, f64)>,
 }
 
 /// Relative error of an Allan deviation that is negligible.
@@ -317,10 +326,13 @@ impl TimeBase {
         let Self { rate_hz, jitter, .. } = *self;
         let error = |m: f64| 1.5 * jitter / (m * m) + 0.89 * jitter * jitter / m;
         let enough = (0..30).map(|power| f64::from(1u32 << power)).find(|m| error(*m) < NO_ERROR);
-        (jitter > SAID_JITTER).then(|| {
-            let off = match self.as_losses {
-                Some(hz) => format!("count in steps (or even losses at {hz:.0} Hz)"),
-                None => format!("are off an even clock by {:.0} % of an interval", 100.0 * jitter),
+        (jitter > SAID_JITTER || self.in_turn_s.is_some()).then(|| {
+            let off = match (self.in_turn_s, self.as_losses) {
+                (Some((short_s, long_s)), _) => {
+                    format!("come after {short_s:.6} and {long_s:.6} s in turn (two sensors in one table?)")
+                }
+                (None, Some(hz)) => format!("count in steps (or even losses at {hz:.0} Hz)"),
+                (None, None) => format!("are off an even clock by {:.0} % of an interval", 100.0 * jitter),
             };
             format!("stamps {off}; judge from {:.4} s on", enough.unwrap_or_default() / rate_hz)
         })

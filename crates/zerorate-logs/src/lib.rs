@@ -8,6 +8,7 @@
 //! Text, raw numbers, Arrow, captures, and logs of PX4 and ArduPilot are always read. Cargo features add the others.
 //! The error for a format that is not built in names its feature ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).
 
+mod alternating;
 mod arrow_file;
 mod binary;
 #[cfg(all(test, feature = "full"))]
@@ -99,7 +100,7 @@ mod wide;
 
 pub use choice::{ColumnSelection, ColumnSpec, TEMPERATURE_COLUMN};
 pub use column::Column;
-pub use column_checks::stopped;
+pub use column_checks::{check_record, stopped};
 pub use cut::{Cut, CutTime};
 pub use error::{LogError, Result};
 pub use forms::kind;

@@ -224,7 +224,7 @@ def allan(
     temperature = options.settling.of_array(len(values)) if options.settling else None
 
     def analysed(values: NDArray[Any]) -> Allan:
-        return options.analysed(values, rate_hz, [], scale, name, unit, None, temperature)
+        return options.in_memory(values, rate_hz, scale, name, unit, temperature)
 
     if len(values) < LONG:
         return _guessed(analysed(values), stated)
@@ -253,7 +253,7 @@ def _of_arrays(
     def analysed(name: str) -> Allan:
         stated = unit or (_zerorate.column_unit(name) if log is None else log.units[name] or "unit")
         values = _records.record(chosen[name], "phase" if options.is_phase else "rate")
-        found = options.analysed(values, hz, [], scale, name, stated or ASSUMED_UNIT, None, temperature)
+        found = options.in_memory(values, hz, scale, name, stated or ASSUMED_UNIT, temperature, log is None)
         return _guessed(found, stated)
 
     return _answer(side_by_side(analysed, list(chosen)), column is None or _log.is_several(column))

@@ -143,6 +143,21 @@ class AnalysisOptions:
             _core=core,
         )
 
+    def in_memory(
+        self,
+        values: NDArray[Any],
+        rate_hz: float | None,
+        scale: float | None,
+        name: str,
+        unit: str,
+        temperature: Temperature | None,
+        is_unread: bool = True,
+    ) -> Allan:
+        """Analyses values. If they are unread, no reader of logs has checked them."""
+        signed, said = _zerorate.check_record(name, values) if is_unread and not self.is_phase else (None, [])
+        values = values if signed is None else signed
+        return self.analysed(values, rate_hz, [], scale, name, unit, said, temperature)
+
     def capture(self, capture: Capture, at: int, rate_hz: float | None, scale: float | None, unit: str) -> Allan:
         codes, gaps = capture._codes(at)
         step = capture._dps_per_code(at) if scale is None else scale

@@ -163,6 +163,9 @@ def analyse(
     asked: tuple[bool, bool, float | None] | None,
     settling: _Settling | None,
 ) -> dict[str, Any]: ...
+def check_record(
+    name: str, record: NDArray[np.float64] | NDArray[np.int32]
+) -> tuple[NDArray[np.float64] | NDArray[np.int32] | None, list[str]]: ...
 def deviations(
     numbers: NDArray[np.float64], phase: bool, rate_hz: float, stat: str, m: list[int]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...

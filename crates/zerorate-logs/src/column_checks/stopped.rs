@@ -1,13 +1,15 @@
 //! Detects a sensor that stopped while it was recorded.
 
-use super::block::{BLOCK, Block};
+use super::block::{Block, WINDOW};
 use crate::error::{LogError, Result};
 use crate::warning::LogWarning;
+use std::ops::RangeInclusive;
 use std::path::Path;
 use zerorate_allan::Gap;
 
-/// A column has stopped if it stays the same for this many samples, and changes more often than not in all others.
-const STOPPED_SAMPLES: usize = 1000;
+/// A column has stopped if it stays the same for a thousandth of its samples, within these limits, and changes more
+/// often than not in all others.
+const STOPPED_SAMPLES: RangeInclusive<usize> = 2 * WINDOW..=1000;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Run {
@@ -30,18 +32,16 @@ pub struct Changes {
     /// The last sample that is not missing.
     before: Option<f64>,
     run: Run,
-    /// The last of the longest runs without a change. Runs that begin and end inside a block with facts are left out.
+    /// The last of the longest runs without a change. Runs that are too short to hold a whole window are left out.
     longest: Run,
 }
-
-// a run inside a block is too short to count as a stop
-const _: () = assert!(BLOCK < STOPPED_SAMPLES);
 
 impl Changes {
     pub fn feed(&mut self, block: &Block<'_>) {
         match &block.facts {
-            Some(facts) => self.take(block, facts.changes),
-            None => block.samples.iter().for_each(|sample| self.push(*sample)),
+            // a stop lasts for a whole window at least
+            Some(facts) if facts.ranges.iter().all(|range| *range > 0.0) => self.take(block, facts.changes),
+            _ => block.samples.iter().for_each(|sample| self.push(*sample)),
         }
     }
 
@@ -50,19 +50,15 @@ impl Changes {
         self.total - self.len
     }
 
-    /// Adds a block with facts: no sample in it is missing, nor the sample before it.
+    /// Adds a block that changes in each window: no sample in it is missing, nor the sample before it.
     fn take(&mut self, block: &Block<'_>, changes: usize) {
         let len = block.len();
-        if changes > 0 {
-            let is_change = |(before, sample): (f64, f64)| before != sample;
-            let first = block.pairs().position(is_change).unwrap_or_default();
-            let last = block.pairs().rposition(is_change).unwrap_or_default();
-            self.grow(first);
-            self.run = Run { start: self.total + last, ..Run::default() };
-            self.grow(len - last);
-        } else {
-            self.grow(len);
-        }
+        let is_change = |(before, sample): (f64, f64)| before != sample;
+        let first = block.pairs().position(is_change).unwrap_or_default();
+        let last = block.pairs().rposition(is_change).unwrap_or_default();
+        self.grow(first);
+        self.run = Run { start: self.total + last, ..Run::default() };
+        self.grow(len - last);
         self.before = block.pairs().next_back().map(|(_, sample)| sample);
         (self.len, self.total, self.count) = (self.len + len, self.total + len, self.count + changes);
     }
@@ -102,7 +98,8 @@ impl Changes {
             let why = "a dead or frozen sensor, and no noise that could be analysed";
             return Err(LogError::Refused("frozen", format!("{what}: {why}")));
         }
-        let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
+        let (least, most) = STOPPED_SAMPLES.into_inner();
+        let is_frozen = same >= (len / 1000).clamp(least, most) && count * 2 > len - same;
         let is_last = start + samples == total;
         // missing samples among codes are listed in the gaps
         let lost: u64 = gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();

@@ -7,7 +7,7 @@ use super::block::{BLOCK, Block};
 const BLOCKS: usize = 256;
 
 /// Least number of zeros for a warning, and their least share of the samples.
-const ENOUGH: usize = 50;
+const ENOUGH: usize = 10;
 const LEAST_SHARE: f64 = 1e-3;
 /// More zeros than this share are rather of a dead band.
 const FEW: f64 = 0.3;
@@ -101,6 +101,8 @@ mod tests {
             let text = doubt(marked).unwrap_or_default();
             assert_eq!(text, "5.00 % of the samples are exactly 0; a mark of missing ones?", "{count}");
         }
+        let few = noise(3000).into_iter().enumerate().map(|(at, s)| if at % 100 == 7 { 0.0 } else { 1.0 + s });
+        assert!(doubt(few).is_some_and(|text| text.starts_with("1.00 %")));
     }
 
     #[test]

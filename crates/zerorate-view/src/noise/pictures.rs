@@ -127,7 +127,7 @@ impl<'a> Group<'a> {
             title: Some(format!("{heading}: {}", first.map(Record::title).unwrap_or_default())),
             subtitle: Some(format!(
                 "coloured band: {interval}; black: the model; dashed: its terms, B at 0.664 B{memory}\n\
-                 grey: where the model expects 95 % of other records; dotted: where it expects this one"
+                 grey: where 95 % of other records should lie; dotted: where this one should"
             )),
             quantity: "deviation".to_owned(),
             unit: first.and_then(Record::deviation_unit).unwrap_or_default().to_owned(),
@@ -229,7 +229,7 @@ fn subtitle(records: &[Record]) -> String {
     }
     if first.analysis.stat.is_allan() && models().next().is_some() {
         text += match records {
-            [_] => "\ngrey: where the model expects 95 % of other records; dotted: where it expects this one",
+            [_] => "\ngrey: where 95 % of other records should lie; dotted: where this one should",
             _ => "\ndashed: the models, with bands where they expect 95 % of other records",
         };
     }

@@ -61,7 +61,7 @@ pub fn predicts(report: &AllanReport) -> Option<String> {
     let widest = bands.iter().map(|(_, dev, lo, hi)| (hi / dev).max(dev / lo)).fold(1.0, f64::max);
     Some(format!(
         "The model expects 95 % of other records of this sensor within {:.0} % of its curve, for averages up to {}. \
-         It predicts no longer ones.",
+         The record shows nothing of longer ones.",
         (widest - 1.0) * 100.0,
         span(*longest_s)
     ))
@@ -152,7 +152,13 @@ fn of_term(fit: &FitReport, term: &Term) -> Option<TermRow> {
         }
         Term::Line(_) => return None,
         Term::WarmUp { size, tau_s } => {
-            ("warm-up", vec![in_rate(size)], format!("with a time constant of {}", span(*tau_s)))
+            let unit = fit.rate_units.last().map_or("", |unit| &*unit.unit).to_owned();
+            let change = Interval { value: -size.value, lo: -size.hi, hi: -size.lo };
+            (
+                "warm-up",
+                vec![(change, unit)],
+                format!("the change of the level, with a time constant of {}", span(*tau_s)),
+            )
         }
     };
     Some(TermRow { name: name.to_owned(), values, is_identified: true, remark })

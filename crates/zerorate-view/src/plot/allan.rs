@@ -1,7 +1,7 @@
 //! Plot of the Allan deviation over the averaging time, log-log.
 
 use super::axes::{self, Axis, number};
-use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, label, line, shortened, stroke};
+use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, label, line, shortened, stroke, with_unit};
 use super::curve::Scales;
 use super::label::{Labels, Position, densely};
 use svg::Document;
@@ -203,7 +203,7 @@ struct Picture<'a> {
 impl Picture<'_> {
     fn base(&self) -> Document {
         let Options { title, subtitle, quantity, unit, size, .. } = self.options;
-        let y_name = format!("{quantity}, {unit}");
+        let y_name = with_unit(quantity, unit);
         let frame = Frame {
             area: self.area,
             x: &self.scales.x,

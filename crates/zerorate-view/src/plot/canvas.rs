@@ -28,6 +28,11 @@ pub struct Area {
     pub bottom: f64,
 }
 
+/// The name of an axis of a picture, with its unit if it is known.
+pub fn with_unit(quantity: &str, unit: &str) -> String {
+    if unit.is_empty() { quantity.to_owned() } else { format!("{quantity}, {unit}") }
+}
+
 impl Area {
     /// The area of a line of text that is anchored at x on its baseline, with a small margin at both ends.
     pub fn of_text(text: &str, (x, baseline): (f64, f64), anchor: Anchor) -> Self {

@@ -2,7 +2,7 @@
 
 use super::allan::{COLOURS, Curve, Mark, Options, drawable, ranges};
 use super::axes::Axis;
-use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, clipped, line, path, stroke};
+use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, clipped, line, path, stroke, with_unit};
 use super::curve::Scales;
 use super::label::Labels;
 use svg::node::element::Group;
@@ -35,7 +35,7 @@ pub fn allan_multiples(curves: &[Curve], options: &Options) -> String {
     let bottom = area(rows * columns - 1).bottom;
     let all = Area { left: LEFT, right: WIDTH - RIGHT, top: HEAD, bottom };
     let (title, subtitle) = (options.title.as_deref(), options.subtitle.as_deref());
-    let y_name = format!("{}, {}", options.quantity, options.unit);
+    let y_name = with_unit(&options.quantity, &options.unit);
     let mut paper = canvas::paper((WIDTH as u32, (bottom + FOOT) as u32), title.unwrap_or(&y_name))
         .add(canvas::headings(LEFT, title, subtitle, WIDTH - LEFT - RIGHT))
         .add(canvas::upright(&y_name, LEFT - 66.0, 0.5 * (all.top + all.bottom)))

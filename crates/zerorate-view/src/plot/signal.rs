@@ -3,7 +3,7 @@
 
 use super::allan::COLOURS;
 use super::axes::{Axis, number, range_with_margins};
-use super::canvas::{clipped, line, path, px, stroke};
+use super::canvas::{clipped, line, path, px, stroke, with_unit};
 use super::stack::Stack;
 use svg::node::element::{Group, Path, path::Data};
 use zerorate_allan::Envelope;
@@ -36,7 +36,7 @@ pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
         title,
         subtitle: &format!("minus its mean: smallest and largest sample of each pixel{marks}"),
         x_name: time,
-        y_name: &format!("deviation from the mean, {unit}"),
+        y_name: &with_unit("deviation from the mean", unit),
         panels: signals.len(),
         height: HEIGHT,
     };

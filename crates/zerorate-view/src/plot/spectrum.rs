@@ -2,7 +2,7 @@
 
 use super::allan::{COLOURS, around};
 use super::axes::{Axis, range};
-use super::canvas::{Anchor, Area, INK, clipped, label, line, path, stroke};
+use super::canvas::{Anchor, Area, INK, clipped, label, line, path, stroke, with_unit};
 use super::label::Labels;
 use super::stack::Stack;
 use svg::node::element::{Circle, Group, Line};
@@ -50,7 +50,7 @@ pub fn spectra(title: &str, spectra: &[Spectrum], unit: &str) -> String {
         title,
         subtitle: "one-sided density (Welch, Hann's window), and the model in black, without the lines that are named",
         x_name: "frequency, Hz",
-        y_name: &format!("density, {unit}"),
+        y_name: &with_unit("density", unit),
         panels: spectra.len(),
         height: HEIGHT,
     };

@@ -26,7 +26,7 @@ mod reader {
     use std::path::{Path, PathBuf};
     use std::vec::IntoIter;
     use zerorate_allan::{FitOptions, Options, Taus};
-    use zerorate_imu::{AnalysisOptions, Record};
+    use zerorate_imu::{AnalysisOptions, Detrending, Record};
     use zerorate_imu::{Axes, ImuOptions, ImuWarning, NoNoiseFile, NoiseFileOptions, Rule};
     use zerorate_input::Input;
     use zerorate_logs::{Column, ColumnSelection, LogError, LogWarning, Setting};
@@ -78,6 +78,7 @@ mod reader {
                 deviations: Options { taus: Taus::Fine, ..Options::default() },
                 fit: Some(FitOptions::default()),
                 draws: true,
+                detrending: Detrending { order: None, names: LABELS },
                 ..AnalysisOptions::default()
             };
             let record = Record::of(column, &self.path, &options, self.temperature.as_ref());

@@ -176,6 +176,7 @@ fn label(setting: Setting) -> SettingName {
         Setting::Settle => "settling",
         Setting::Offset => "the offset average",
         Setting::Earth => "latitude",
+        Setting::AssumeLinear => "`zerorate recalibrate --assume-linear`",
         other => return other.name(),
     })
 }
