@@ -64,8 +64,8 @@ pub fn input(column: &Column, phase: bool) -> Input<'_> {
     }
 }
 
-/// Checks the values of a record that no reader of logs has seen. Returns the record with the sign of its codes, if they
-/// were written without one, and the warnings.
+/// Checks the values of a record that no reader of logs has seen. Returns the record with the sign of its codes, if it
+/// was lost, and the warnings.
 #[pyfunction]
 pub fn check_record<'py>(
     py: Python<'py>,

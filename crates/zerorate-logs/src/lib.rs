@@ -35,6 +35,7 @@ mod hdf5;
 mod hdf5_index;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod imu_messages;
+mod in_memory;
 #[cfg(all(test, feature = "full"))]
 mod joined;
 mod late_rows;
@@ -100,10 +101,11 @@ mod wide;
 
 pub use choice::{ColumnSelection, ColumnSpec, TEMPERATURE_COLUMN};
 pub use column::Column;
-pub use column_checks::{check_record, stopped};
+pub use column_checks::stopped;
 pub use cut::{Cut, CutTime};
 pub use error::{LogError, Result};
 pub use forms::kind;
+pub use in_memory::check_record;
 pub use number::Decimal;
 pub use only::{Condition, RowFilter};
 pub use options::{ColumnOptions, MAX_BAD};

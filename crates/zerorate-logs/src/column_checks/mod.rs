@@ -12,8 +12,6 @@ mod stopped;
 mod zeros;
 
 use crate::error::Result;
-use crate::series::Series;
-use crate::unsigned;
 use crate::warning::LogWarning;
 use block::{Block, for_each_block};
 use clipped::Clipped;
@@ -31,21 +29,6 @@ use zeros::Zeros;
 pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
     let gaps = if let Input::Codes { gaps, .. } = input { gaps } else { &[] };
     ColumnFacts::of(&input).changes.stopped(gaps, rate_hz, path, name)
-}
-
-/// Checks the samples of a record that no reader of logs has seen. Returns the record with the sign of its codes, if
-/// they were written without one, and the warnings. `path` and `name` name the record in messages.
-#[must_use]
-pub fn check_record(input: &Input<'_>, path: &Path, name: &str) -> (Option<Series>, Vec<LogWarning>) {
-    let unwrapped = unsigned::unwrapped(input);
-    let signed = unwrapped.as_ref().map_or(*input, |(series, _)| series.input(&[]));
-    let (mut warnings, _) = ColumnChecks::of(&signed).finish(path, name);
-    let unsigned = |(series, bits)| {
-        warnings
-            .insert(0, LogWarning::CodesUnsigned { path: path.display().to_string(), column: name.to_owned(), bits });
-        series
-    };
-    (unwrapped.map(unsigned), warnings)
 }
 
 #[derive(Default)]
