@@ -27,6 +27,13 @@ def test_another_name_says_which_was_meant(match: str, options: dict[str, Any]) 
         zerorate.allan(np.ones(100), **options)
 
 
+def test_a_serial_number_is_not_empty() -> None:
+    for function, data in (("calibrate", 1), ("capture", 2), ("stream", 2), ("tempcal", 1)):
+        for serial in ("", " \t"):
+            with pytest.raises(ValueError, match="it is empty; leave the argument out"):
+                getattr(zerorate, function)(*["none"] * data, serial=serial)
+
+
 def test_the_names_of_the_package() -> None:
     names = """
     Allan AllanAxes BandShape BiasAxis BiasCubic BiasCurve BiasMeans BiasNoise Calibrated CalibratedAxis

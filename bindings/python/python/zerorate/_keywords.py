@@ -1,4 +1,4 @@
-"""Suggests the right keyword for a wrong one."""
+"""Suggests the right keyword for a wrong one, and refuses an empty serial number."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MEANT = {
 
 
 def checked(function: _F) -> _F:
-    """Wraps a function: a wrong keyword raises an error that suggests the right one."""
+    """Wraps a function: a wrong keyword raises an error that suggests the right one, and so does ``serial=""``."""
     parameters = inspect.signature(function).parameters.values()
     has_named_alone = not any(one.kind is one.POSITIONAL_OR_KEYWORD for one in parameters)
     data = [one.name for one in parameters if one.kind is one.POSITIONAL_ONLY]
@@ -37,6 +37,9 @@ def checked(function: _F) -> _F:
         for name in kwargs:
             if name not in known:
                 raise TypeError(f"{function.__name__}() has no argument {name}={_hint(name, known)}")
+        serial = kwargs.get("serial")
+        if isinstance(serial, str) and not serial.strip():
+            raise ValueError(f"serial={serial!r}: it is empty; leave the argument out")
         return function(*args, **kwargs)
 
     return cast(_F, called)
