@@ -278,6 +278,9 @@ def test_each_error_is_named(tmp_path: Path) -> None:
     bad.write_text(BY_HAND.replace("t3_c = 31.5", "t3_c = 3150"))
     with pytest.raises(ValueError, match=r"bad\.toml: line 6: t3_c"):
         zerorate.Calibration.load(bad)
+    (tmp_path / "rest.arrows").write_bytes(b"\xff\xff\xff\xff")
+    with pytest.raises(ValueError, match=r"rest\.arrows is not a calibration file: give the TOML file"):
+        zerorate.Calibration.load(tmp_path / "rest.arrows")
     with pytest.raises(ValueError, match="not a capture"):
         zerorate.read_capture(bad)
     with pytest.raises(ValueError, match="bias_dsp"):

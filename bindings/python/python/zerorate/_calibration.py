@@ -287,6 +287,9 @@ class Calibration:
         """
         try:
             return cls.parse(Path(path).read_text(encoding="utf-8"))
+        except UnicodeDecodeError:
+            advice = "give the TOML file that `save` or calibrate(output=…) writes"
+            raise ValueError(f"{os.fspath(path)} is not a calibration file: {advice}") from None
         except ValueError as error:
             raise ValueError(f"{os.fspath(path)}: {error}") from None
 
