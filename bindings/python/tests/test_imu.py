@@ -58,6 +58,17 @@ def test_every_axis_is_found(found: zerorate.Imu, log: Path) -> None:
     assert not any("temp_c" in text for text in found.warnings) and str(log) in repr(found)
 
 
+def test_an_axis_is_found_by_its_place(found: zerorate.Imu) -> None:
+    places = [f"{kind}_{letter}" for kind in ("gyro", "accel") for letter in "xyz"]
+    assert [found[place].name for place in places] == GYRO + ACCEL
+    crossed = zerorate.imu(dict(zip(GYRO[::-1], rest().T)), rate_hz=RATE_HZ)
+    assert (crossed[0].name, crossed["gyro_x"].name) == (GYRO[2], GYRO[0])
+    bag = zerorate.imu(FIXTURES / "imu_lz4.bag")
+    assert bag["gyro_y"].name == "/imu.angular_velocity.y"
+    with pytest.raises(KeyError, match="no axis accel_x; there are"):
+        bag["accel_x"]  # it has the accelerometer's z alone
+
+
 def test_tables_in_memory_are_read_as_logs(found: zerorate.Imu) -> None:
     pandas, polars = (pytest.importorskip(name) for name in ("pandas", "polars"))
     named = table(rest())

@@ -29,6 +29,21 @@ OF_AXES = (
 """Names of the arguments for the axes in a log."""
 
 
+PLACES = (("x", "y", "z"), ("X", "Y", "Z"), ("roll", "pitch", "yaw"))
+"""Words by which the names of three axes state their places."""
+
+
+def in_order(names: list[str]) -> list[str]:
+    """Three names in the order x, y, z if they differ in a word of `PLACES` alone; otherwise in their own order."""
+    first = names[0]
+    for words in PLACES:
+        for own, at in ((own, at) for own in words for at in range(len(first)) if first.startswith(own, at)):
+            ordered = [first[:at] + word + first[at + len(own) :] for word in words]
+            if sorted(ordered) == sorted(names):
+                return ordered
+    return names
+
+
 @dataclass(frozen=True)
 class AskedAxes:
     """The axes in the form that the extension takes."""

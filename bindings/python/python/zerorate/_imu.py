@@ -42,8 +42,22 @@ class Imu:
         return _html.with_figure(self, self.plot)
 
     def __getitem__(self, name: str | int) -> Allan:
-        """An axis by the name of its column, or by its number counted from 0."""
+        """An axis by the name of its column, by its number counted from 0, or as ``gyro_x`` … ``accel_z``.
+
+        The last is for a log with three axes of the kind, whatever their columns are called. They are x, y and z as
+        their names say, otherwise in their order. A column of this name comes first.
+        """
+        if isinstance(name, str) and name not in self.axes:
+            name = self._column_of_place(name)
         return self.axes[name]
+
+    def _column_of_place(self, name: str) -> str:
+        """The column of a place such as ``gyro_x``; `name` itself if it is none, or the kind has not three axes."""
+        kind, _, letter = name.rpartition("_")
+        of_kind = list({"gyro": self.gyroscope, "accel": self.accelerometer}.get(kind, ()))
+        if len(of_kind) != 3 or letter not in ("x", "y", "z"):
+            return name
+        return _axes.in_order(of_kind)["xyz".index(letter)]
 
     @property
     def gyroscope(self) -> AllanAxes:
