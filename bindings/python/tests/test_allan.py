@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -225,6 +226,13 @@ except KeyboardInterrupt:
     os._exit(7)
 """
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 7
+
+
+@pytest.mark.parametrize("analyse", [zerorate.allan, zerorate.imu])
+def test_a_record_that_never_changes_is_warned_of(analyse: Callable[..., Any]) -> None:
+    with pytest.warns(UserWarning, match="frozen: .* all 10000 samples of column gz_dps are the same") as warned:
+        found = analyse({"gz_dps": np.ones(10_000)}, rate_hz=200.0)
+    assert not found[0].dev.any() and [one.filename for one in warned] == [__file__]
 
 
 def test_a_contiguous_record_is_not_copied() -> None:

@@ -12,7 +12,7 @@ from ._capture import Capture
 from ._keywords import checked
 from ._result import Allan, AllanAxes
 from ._settling import Seconds, Settling
-from ._analysis import LONG, AnalysisOptions, Stat, Taus, side_by_side
+from ._analysis import LONG, AnalysisOptions, Stat, Taus, side_by_side, warn_of_frozen
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -102,7 +102,7 @@ def allan(
 ) -> Allan | AllanAxes:
     """Allan deviation of a record at rest, with confidence limits and a noise model.
 
-    The GIL is released, so that other Python threads run meanwhile.
+    The GIL is released, so that other Python threads run meanwhile. A record that never changes gives a UserWarning.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def allan(
         found = side_by_side(lambda at: options.capture(rate, at, rate_hz, scale, unit or "°/s"), list(axes.values()))
         return _answer(found, len(rate.axes) > 1 if column is None else _log.is_several(column))
     if isinstance(rate, _log.Log) or (_records.is_wide(rate) and not is_timed):
-        return _of_arrays(options, rate, column, columns, rate_hz, scale, unit)
+        return _answer(*_of_arrays(options, rate, column, columns, rate_hz, scale, unit))
     if columns is not None and not _records.is_wide(rate):
         raise ValueError("columns= names the columns of a two-dimensional array; choose other columns with column=")
     given = _log.options(locals())
@@ -219,16 +219,16 @@ def allan(
     stated = unit or _zerorate.column_unit(name)
     unit = stated or ASSUMED_UNIT
     if _records.has_time_index(rate) and rate_hz is None:
-        return _guessed(options.read(_records.indexed(rate, name), name, {**given, "unit": unit})[0], stated)
+        found = options.read(_records.indexed(rate, name), name, {**given, "unit": unit})
+        return _answer([_guessed(found[0], stated)])
     values = _records.record(rate, data)
     temperature = options.settling.of_array(len(values)) if options.settling else None
 
     def analysed(values: NDArray[Any]) -> Allan:
         return options.in_memory(values, rate_hz, scale, name, unit, temperature)
 
-    if len(values) < LONG:
-        return _guessed(analysed(values), stated)
-    return _guessed(side_by_side(analysed, [values])[0], stated)
+    found = [analysed(values)] if len(values) < LONG else side_by_side(analysed, [values])
+    return _answer([_guessed(found[0], stated)])
 
 
 def _of_arrays(
@@ -239,8 +239,8 @@ def _of_arrays(
     rate_hz: float | None,
     scale: float | None,
     unit: str | None,
-) -> Allan | AllanAxes:
-    """Analyses the columns of an array, or of a log that was read."""
+) -> tuple[list[Allan], bool]:
+    """Analyses the columns of an array, or of a log that was read. True if the answer has an axis for each."""
     log = data if isinstance(data, _log.Log) else None
     each = _records.array_columns(data, columns) if log is None else log.columns
     chosen = _chosen(each, column)
@@ -256,14 +256,15 @@ def _of_arrays(
         found = options.in_memory(values, hz, scale, name, stated or ASSUMED_UNIT, temperature, log is None)
         return _guessed(found, stated)
 
-    return _answer(side_by_side(analysed, list(chosen)), column is None or _log.is_several(column))
+    return side_by_side(analysed, list(chosen)), column is None or _log.is_several(column)
 
 
 def _guessed(found: Allan, stated: str | None) -> Allan:
     return found if stated else replace(found, _is_unit_assumed=True)
 
 
-def _answer(found: Sequence[Allan], is_several: bool) -> Allan | AllanAxes:
+def _answer(found: Sequence[Allan], is_several: bool = False) -> Allan | AllanAxes:
+    warn_of_frozen(found, stacklevel=4)
     return AllanAxes(_log.by_name((axis.name, axis) for axis in found)) if is_several else found[0]
 
 

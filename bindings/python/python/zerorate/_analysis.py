@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
@@ -164,6 +164,12 @@ class AnalysisOptions:
         hz = capture.rate_hz if rate_hz is None else rate_hz
         temperature = None if self.settling is None or self.is_phase else self.settling.of_capture(capture, at)
         return self.analysed(codes, hz, gaps, step, capture.axes[at], unit, None, temperature)
+
+
+def warn_of_frozen(found: Iterable[Allan], stacklevel: int) -> None:
+    """Warns of records that never change, whose deviations of zero are no noise of a sensor."""
+    for text in (text for axis in found for text in axis.warnings if text.startswith("frozen: ")):
+        warnings.warn(text, stacklevel=stacklevel + 1)
 
 
 def _cleaning(glitches: str, steps: str) -> tuple[bool, bool]:

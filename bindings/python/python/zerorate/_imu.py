@@ -13,7 +13,7 @@ from ._capture import Capture
 from ._keywords import checked
 from ._result import Allan, AllanAxes
 from ._settling import Settling
-from ._analysis import AnalysisOptions, Stat, Taus, side_by_side
+from ._analysis import AnalysisOptions, Stat, Taus, side_by_side, warn_of_frozen
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -184,7 +184,7 @@ def imu(
     """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
     Gravity does not disturb the analysis, because the mean of a column does not matter. Other Python threads run
-    meanwhile.
+    meanwhile. An axis that never changes gives a UserWarning.
 
     Parameters
     ----------
@@ -273,6 +273,7 @@ def imu(
         kind = _zerorate.unit_kind(one["unit"] or "")
         one["unit"] = (given_units[kind] if kind else None) or one["unit"]
     analysed = side_by_side(lambda one: options.of_column(one, temperature), found)
+    warn_of_frozen(analysed, stacklevel=3)
     axes = _log.by_name((axis.name, axis) for axis in analysed)
     name = source if isinstance(source, str) else source[0]
     return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + _said(axes))
@@ -288,6 +289,7 @@ _ARRAY = (
 def _of_capture(capture: Capture, options: AnalysisOptions, rate_hz: float) -> Imu:
     """Analyses all axes of a capture, which are in °/s."""
     found = side_by_side(lambda at: options.capture(capture, at, rate_hz, None, "°/s"), range(len(capture.axes)))
+    warn_of_frozen(found, stacklevel=4)
     axes = {axis.name: axis for axis in found}
     return Imu(AllanAxes(axes), rate_hz, None, "the capture", _said(axes))
 
