@@ -66,6 +66,27 @@ def test_links_are_followed(captures: Path, tmp_path: Path) -> None:
     assert (ended.states, list(ended.undone)) == ({"ok": UNITS}, [str(links / "gone.arrows")])
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes")
+def test_each_name_of_a_folder_has_a_row_or_a_line(tmp_path: Path) -> None:
+    folder = tmp_path / "logs"
+    folder.mkdir()
+    (folder / "empty.csv").touch()
+    os.mkfifo(folder / "fifo.csv")
+    for name, target in (("zero.csv", "/dev/zero"), ("loop", "."), ("self.csv", "self.csv"), ("gone.csv", "nowhere")):
+        (folder / name).symlink_to(target)
+    done = run("run", str(folder), str(tmp_path / "out"))
+    assert done.returncode == 1 and "1 failed" in done.stdout, done.stderr
+    for name, why in (
+        ("fifo.csv", "it is a pipe, and not a file"),
+        ("zero.csv", "it is a device, and not a file"),
+        ("loop", "it is a link to a folder, and not a file"),
+        ("self.csv", ""),
+        ("gone.csv", ""),
+    ):
+        assert f"{folder / name} has no row: {why}" in done.stderr, done.stderr
+    assert rows_of(tmp_path / "out").keys() == {"empty.csv"}
+
+
 def test_another_recipe_or_content_is_another_row(captures: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     fleet.run(str(captures), str(out), RECIPE)
@@ -185,10 +206,10 @@ def test_a_folder_is_a_folder_whatever_letters_its_name_has(tmp_path: Path) -> N
     for name in ("d[1]", "d1"):
         (tmp_path / name / "below").mkdir(parents=True)
         (tmp_path / name / "below" / "log.csv").write_text(noise())
-    found = [file.url for file in _store.find(str(tmp_path / "d[1]"))]
+    found = [file.url for file in _store.find(str(tmp_path / "d[1]")).files]
     assert found == [str(tmp_path / "d[1]" / "below" / "log.csv")]
-    assert [file.url for file in _store.find(found[0])] == found
-    assert [file.url for file in _store.find(str(tmp_path / "d[0-9]" / "*" / "*.csv"))] == [
+    assert [file.url for file in _store.find(found[0]).files] == found
+    assert [file.url for file in _store.find(str(tmp_path / "d[0-9]" / "*" / "*.csv")).files] == [
         str(tmp_path / "d1" / "below" / "log.csv")
     ]
 
@@ -306,7 +327,10 @@ def test_code_in_the_current_folder_does_not_run(engine: list[str], captures: Pa
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [
-        (["run", "nowhere", "out"], 1, "the source has no file"),
+        (["run", "nowhere", "out"], 1, "nowhere: there is no such file or folder"),
+        (["run", "*.csv", "out"], 1, "no file fits *.csv"),
+        (["run", "empty", "out"], 1, "empty holds no file"),
+        (["run", ".", "out"], 1, ". holds no log; not logs by their names: 1"),
         (["run", "s4://bucket/x", "out"], 1, "s4"),
         (["one", "nowhere.arrows", "out"], 1, "there is no such file"),
         (["table", "nowhere"], 1, "has no rows; `zerorate fleet run SOURCE nowhere`"),
@@ -321,6 +345,7 @@ def test_each_error_is_named(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "recipe.toml").write_text("[alan]\n")
+    (tmp_path / "empty").mkdir()
     done = run(*arguments)
     assert (done.returncode, "Traceback" in done.stderr) == (code, False), done.stderr
     assert said in done.stderr

@@ -13,7 +13,7 @@ from ._dask import Dask, dask_cluster
 from ._plain import plain
 from ._recipe import DEFAULT, Recipe, load
 from ._run import Ended, EngineLost
-from ._store import Unreachable
+from ._store import Unreachable, is_pattern
 
 DONE, FAILED, REFUSED = 0, 1, 3
 EXIT_CODES = {"ok": DONE, "refused": REFUSED}
@@ -124,24 +124,32 @@ def _run_all(args: argparse.Namespace) -> int:
     finally:
         if engine:
             engine.close()
-    return _say_ended(ended, args.out)
+    return _say_ended(ended, args.source, args.out)
 
 
-def _say_ended(ended: Ended, out: str) -> int:
+def _say_ended(ended: Ended, source: str, out: str) -> int:
+    for url, what in ended.not_files.items():
+        print(f"warning: {plain(url)} has no row: it is {what}, and not a file", file=sys.stderr)
+    if not ended.states and not ended.undone:
+        _complain(_why_nothing(ended, source))
+        return FAILED
     there = ended.states.pop("there", 0)
     rows = ", ".join(f"{count} {state}" for state, count in sorted(ended.states.items())) or "nothing to do"
-    left_out = f"; {ended.left_out} are not logs by their names" if ended.left_out else ""
+    left_out = f"; not logs by their names: {ended.left_out}" if ended.left_out else ""
     print(f"{rows} in {ended.seconds:.1f} s; {there} had a row before{left_out}")
     for url, why in list(ended.undone.items())[:20]:
         _complain(f"{url} has no row: {why}")
     if ended.undone:
         _complain(f"{len(ended.undone)} files have no row; run the same command again")
         return FAILED
-    if not ended.states and not there:
-        _complain("the source has no file")
-        return FAILED
     print(f"`zerorate fleet table {plain(out)}` makes one table of all rows")
     return DONE
+
+
+def _why_nothing(ended: Ended, source: str) -> str:
+    if ended.left_out:
+        return f"{source} holds no log; not logs by their names: {ended.left_out}"
+    return f"no file fits {source}" if is_pattern(source) else f"{source} holds no file"
 
 
 def _one_file(args: argparse.Namespace) -> int:

@@ -46,6 +46,8 @@ class Ended:
     """Addresses of files without a row, each with the reason. Another run analyses these files."""
     left_out: int = 0
     """Number of files that are not logs by their names: calibrations, reports, pictures, hidden files."""
+    not_files: dict[str, str] = field(default_factory=dict)
+    """What has the name of a log and is no file, by address, in words: a pipe, a device, a link to a folder."""
     seconds: float = 0.0
 
     def count(self, state: str, more: int = 1) -> None:
@@ -95,9 +97,11 @@ def run(
 def _tasks(source: str, out: str, recipe: Recipe, again: set[str]) -> tuple[list[Task], Ended]:
     """Makes a task for each file without a row, and counts the other files. Removes the rows to be made anew."""
     digest, program, ended = recipe.digest(), _program.version(), Ended()
-    found = [file for file in _store.find(source) if not file.url.startswith(_store.inside(out))]
+    listed, own = _store.find(source), _store.inside(out)
+    found = [file for file in listed.files if not file.url.startswith(own)]
     files = [file for file in found if _may_be_log(file.url)]
     ended.left_out = len(found) - len(files)
+    ended.not_files = {url: what for url, what in listed.others.items() if _may_be_log(url)}
     tasks = [Task(file, out, recipe, digest, _one.needed_memory(file), program) for file in files]
     there = _table.keys(out)
     if again:

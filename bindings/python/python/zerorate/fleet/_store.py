@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import glob
 import hashlib
 import os
+import stat as stats
 import uuid
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -55,31 +57,59 @@ class File:
         return hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:24]
 
 
-def find(source: str) -> list[File]:
-    """The file with this address, or all files of a folder, a glob or a bucket, sorted by address."""
+@dataclass
+class Found:
+    """What a source holds."""
+
+    files: list[File] = field(default_factory=list)
+    """The files, sorted by address."""
+    others: dict[str, str] = field(default_factory=dict)
+    """What else has a name there, by address, in words: a pipe, a device, a link to a folder."""
+
+
+OTHERS = {stats.S_IFIFO: "a pipe", stats.S_IFSOCK: "a socket", stats.S_IFCHR: "a device", stats.S_IFBLK: "a device"}
+
+
+def find(source: str) -> Found:
+    """The file with this address, or all files of a folder, a glob or a bucket."""
     filesystem, path = opened(source)
+    is_folder = False
     try:
         # an existing path is not a pattern, even if its name has letters such as * or [
         if filesystem.isfile(path):
             found = {path: filesystem.info(path)}
-        elif filesystem.isdir(path):
+        elif is_folder := filesystem.isdir(path):
             found = filesystem.find(path, detail=True)
         else:
             found = filesystem.glob(path, detail=True)
     except Exception as error:
         raise Unreachable(f"{source} cannot be listed: {error}") from error
-    infos = (_followed(filesystem, info) for info in found.values())
+    if not found and not is_pattern(source) and not is_folder:
+        raise Unreachable(f"{source}: there is no such file or folder")
+    infos = [_followed(filesystem, info) for info in found.values()]
     files = (_file(filesystem, info) for info in infos if info["type"] == "file")
-    return sorted(files, key=lambda file: file.url)
+    others = ((info["name"], _other(info)) for info in infos if info["type"] != "file")
+    return Found(sorted(files, key=lambda file: file.url), {name: what for name, what in others if what})
+
+
+def is_pattern(source: str) -> bool:
+    return bool(glob.has_magic(source))
+
+
+def _other(info: dict[str, Any]) -> str:
+    """What is no file, in words; nothing for a folder that a pattern fits."""
+    if info["type"] == "directory":
+        return "a link to a folder" if info.get("islink") else ""
+    return OTHERS.get(stats.S_IFMT(info.get("mode", 0)), "not a file")
 
 
 def _followed(filesystem: Any, info: dict[str, Any]) -> dict[str, Any]:
-    """Follows a link to its target. A broken link counts as a file, so that it is reported and not left out."""
+    """Follows a link to its target. A link without one counts as a file, so that it is reported and not left out."""
     if not info.get("islink"):
         return info
     try:
         return dict(filesystem.info(info["name"]))
-    except FileNotFoundError:
+    except OSError:  # the target does not exist, or is the link itself
         return {**info, "type": "file"}
 
 
