@@ -94,10 +94,12 @@ def test_the_page_shows_outliers_repeats_and_states(tmp_path: Path) -> None:
     rows = [row(index) for index in range(1, 61)]
     rows[6]["pbc_dps"] = 9.0
     rows += [row(101, serial="SN20", pbc_dps=rows[19]["pbc_dps"] + 0.1), row(102, state="refused", code="noisy")]
+    rows.append(row(103, state="failed", code="exit-1", error="u103.arrows cannot be read: it is empty"))
     rows.append({**row(3, pbc_dps=7.0), "ended": -1})  # an older row of the same file
     write(tmp_path, rows)
     page = page_of(tmp_path, group="method")
-    for text in ("SN7", "9 °/s", "SN20", "noisy", "an1042 (", "data sheet", "62 captures of 61 sensors"):
+    words = ("noisy", "exit code 1", "it is empty", "63 captures of 62 sensors")
+    for text in ("SN7", "9 °/s", "SN20", "an1042 (", "data sheet", *words):
         assert text in page, text
     assert "SIMULATED" not in page and "<svg" in page
     assert 'src="' not in page and 'href="http' not in page  # the page needs no network
@@ -132,6 +134,12 @@ def test_a_copy_of_a_recording_counts_once(tmp_path: Path) -> None:
     page = page_of(tmp_path)
     assert "<td>u50.arrows</td><td>u9.arrows</td>" in page and "9 values" in page and "9 °/s" not in page
     assert "about 9 captures" in page
+
+
+def test_one_capture_is_one_on_the_page(tmp_path: Path) -> None:
+    write(tmp_path, [row(1, simulated=True, k=1.25e-5, k_lo=1e-5)])
+    page = page_of(tmp_path)
+    assert "1 capture of 1 sensor," in page and "1 value;" in page and "1 captures" not in page
 
 
 def test_a_simulated_population_says_so(tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ def distribution(values: Numbers, label: str, limits: Sequence[float]) -> str:
     if limits:
         ax.legend(loc="upper right")
     ax.set(xlabel=label, ylabel="captures")
+    ax.locator_params("y", integer=True)
     return _svg(figure)
 
 
@@ -41,6 +42,8 @@ def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbe
     ax.plot(x[is_far], values[order][is_far], "o", color=MARKED, label="outliers")
     if is_far.any():
         ax.legend(loc="upper right")
+    if days is None:
+        ax.locator_params("x", integer=True)
     ax.set_xlabel("days since the first capture" if days is not None else "place in the order of serial numbers")
     ax.set_ylabel(unit)
     return _svg(figure)
@@ -69,10 +72,13 @@ def _figure() -> tuple[Figure, Axes]:
     figure = Figure(figsize=(5.6, 3.2), layout="constrained")
     ax = figure.add_subplot()
     ax.spines[["top", "right"]].set_visible(False)
+    # a small number such as K has a power of ten at the end of the axis, and not in each label
+    ax.ticklabel_format(scilimits=(-3, 4), useMathText=True)
+    ax.locator_params("x", nbins=6)
     return figure, ax
 
 
 def _svg(figure: Figure) -> str:
     text = io.StringIO()
-    figure.savefig(text, format="svg", metadata={"Date": None})
+    figure.savefig(text, format="svg", metadata={"Date": None}, transparent=True)
     return text.getvalue()[text.getvalue().index("<svg") :]

@@ -91,7 +91,6 @@ def _rows(table: str) -> list[dict[str, Any]]:
 
 def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
     good, copies = _apart([row for row in rows if row["state"] == "ok"])
-    states = Counter((row["state"], row["code"] or "") for row in rows)
     axes = _axes(good)
     pairs = _population.disagreements(axes)
     text = files(__package__).joinpath("report.html.jinja").read_text(encoding="utf-8")
@@ -104,7 +103,7 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
         nameless=sum(1 for row in rows if not row["serial"]),
         simulated=sum(1 for row in rows if row["simulated"]),
         programs=sorted({row["program"] for row in rows}),
-        states=[(state, code, count) for (state, code), count in states.most_common()],
+        states=_states(rows),
         warnings=Counter(_codes(good)).most_common(MOST_LISTED),
         good=len(good),
         copies=copies[:MOST_LISTED],
@@ -116,6 +115,15 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
         pictures=[found for found in (_pictures(axes, quantity, group) for quantity in QUANTITIES) if found],
         group=group,
     )
+
+
+def _states(rows: list[dict[str, Any]]) -> list[tuple[str, str, int, str]]:
+    """The states with their reasons: state, reason, count, and the error of an example; the most frequent first."""
+    counts = Counter((row["state"], row["code"] or "") for row in rows)
+    errors = {(row["state"], row["code"] or ""): row["error"] or "" for row in reversed(rows)}
+    # the code of a command that gave no reason of its own is its exit code
+    words = {code: code.replace("exit-", "exit code ") for _, code in counts}
+    return [(state, words[code], count, errors[state, code]) for (state, code), count in counts.most_common()]
 
 
 def _shown(value: Any) -> Any:
@@ -229,7 +237,8 @@ def _pictures(rows: list[dict[str, Any]], quantity: Quantity, group: Optional[st
 
 def _summary(values: Numbers) -> str:
     low, middle, high = np.percentile(values, [2.5, 50, 97.5])
-    return f"{len(values)} values; median {middle:.4g}, 95 % between {low:.4g} and {high:.4g}"
+    count = "1 value" if len(values) == 1 else f"{len(values)} values"
+    return f"{count}; median {middle:.4g}, 95 % between {low:.4g} and {high:.4g}"
 
 
 def _days(rows: list[dict[str, Any]]) -> Optional[Numbers]:
