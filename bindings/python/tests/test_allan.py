@@ -267,3 +267,13 @@ def test_a_capture_knows_its_rate_scale_and_gaps() -> None:
     # 23 488 LSB per °/s
     assert result.dev[0] == pytest.approx(100 / 23488, rel=0.1)
     assert np.isnan(capture.temp_c).all() and np.isnan(capture.temp_held_c).all()
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.uint32])
+def test_codes_that_lost_their_sign_get_it_again(kind: type[np.unsignedinteger[Any]]) -> None:
+    codes = np.round(np.random.default_rng(1).normal(0.0, 5.0, 20_000)).astype(np.int64)
+    plain = zerorate.allan(codes, rate_hz=100.0)
+    for values in (codes.astype(kind), np.column_stack([codes.astype(kind)] * 2)):
+        with pytest.warns(UserWarning, match="codes-unsigned"):
+            found = zerorate.allan(values, rate_hz=100.0)
+        np.testing.assert_array_equal((found if isinstance(found, zerorate.Allan) else found["0"]).dev, plain.dev)

@@ -221,11 +221,11 @@ def allan(
     if _records.has_time_index(rate) and rate_hz is None:
         found = options.read(_records.indexed(rate, name), name, {**given, "unit": unit})
         return _answer([_guessed(found[0], stated)])
-    values = _records.record(rate, data)
+    values, said = options.checked(name, _records.record(rate, data), stacklevel=3)
     temperature = options.settling.of_array(len(values)) if options.settling else None
 
     def analysed(values: NDArray[Any]) -> Allan:
-        return options.in_memory(values, rate_hz, scale, name, unit, temperature)
+        return options.analysed(values, rate_hz, [], scale, name, unit, said, temperature)
 
     found = [analysed(values)] if len(values) < LONG else side_by_side(analysed, [values])
     return _answer([_guessed(found[0], stated)])
@@ -250,10 +250,16 @@ def _of_arrays(
         source = ("the array" if log is None else "the log", list(each.items()))
         temperature = options.settling.of_source(source, _log.options({"rate_hz": hz}))
 
+    def read(name: str) -> tuple[NDArray[Any], list[str]]:
+        values = _records.record(chosen[name], "phase" if options.is_phase else "rate")
+        return options.checked(name, values, stacklevel=5) if log is None else (values, [])
+
+    records = {name: read(name) for name in chosen}
+
     def analysed(name: str) -> Allan:
         stated = unit or (_zerorate.column_unit(name) if log is None else log.units[name] or "unit")
-        values = _records.record(chosen[name], "phase" if options.is_phase else "rate")
-        found = options.in_memory(values, hz, scale, name, stated or ASSUMED_UNIT, temperature, log is None)
+        values, said = records[name]
+        found = options.analysed(values, hz, [], scale, name, stated or ASSUMED_UNIT, said, temperature)
         return _guessed(found, stated)
 
     return side_by_side(analysed, list(chosen)), column is None or _log.is_several(column)

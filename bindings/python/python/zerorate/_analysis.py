@@ -143,20 +143,13 @@ class AnalysisOptions:
             _core=core,
         )
 
-    def in_memory(
-        self,
-        values: NDArray[Any],
-        rate_hz: float | None,
-        scale: float | None,
-        name: str,
-        unit: str,
-        temperature: Temperature | None,
-        is_unread: bool = True,
-    ) -> Allan:
-        """Analyses values. If they are unread, no reader of logs has checked them."""
-        signed, said = _zerorate.check_record(name, values) if is_unread and not self.is_phase else (None, [])
-        values = values if signed is None else signed
-        return self.analysed(values, rate_hz, [], scale, name, unit, said, temperature)
+    def checked(self, name: str, values: NDArray[Any], stacklevel: int) -> tuple[NDArray[Any], list[str]]:
+        """Checks values that no reader of logs has seen. Returns them, with their sign again if it was lost, and what
+        was said of them."""
+        signed, said = (None, []) if self.is_phase else _zerorate.check_record(name, values)
+        for text in said:
+            warnings.warn(text, stacklevel=stacklevel + 1)
+        return values if signed is None else signed, said
 
     def capture(self, capture: Capture, at: int, rate_hz: float | None, scale: float | None, unit: str) -> Allan:
         codes, gaps = capture._codes(at)
