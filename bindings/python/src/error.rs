@@ -8,7 +8,7 @@ use std::error::Error;
 use std::io::{self, ErrorKind};
 use zerorate_host::{Cause, DeviceError};
 use zerorate_input::InputError;
-use zerorate_jobs::output::{could_be_forced, is_refusal};
+use zerorate_jobs::output::{OutputError, could_be_forced, is_refusal};
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 
@@ -29,6 +29,9 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     if error.chain().any(is_folder) {
         return PyIsADirectoryError::new_err(text);
     }
+    if let Some(OutputError::NoFolder { .. }) = error.chain().find_map(|cause| cause.downcast_ref()) {
+        return PyFileNotFoundError::new_err(text);
+    }
     match error.chain().find_map(|cause| cause.downcast_ref()).map(DeviceError::cause) {
         Some(Cause::Refused(_)) => return Refused::new_err(text),
         // a recording that is read in place of a device fails like any other file
@@ -44,7 +47,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
     }
 }
 
-/// True if a folder was given where a file is wanted.
+/// True if a folder was given where a file is wanted, to read or to write.
 fn is_folder(cause: &(dyn Error + 'static)) -> bool {
     let log = cause
         .downcast_ref()
@@ -52,7 +55,7 @@ fn is_folder(cause: &(dyn Error + 'static)) -> bool {
     let capture = cause
         .downcast_ref()
         .is_some_and(|error| matches!(error, CaptureError::NotACapture { path, .. } if path.is_dir()));
-    log || capture
+    log || capture || matches!(cause.downcast_ref(), Some(OutputError::Folder { .. }))
 }
 
 /// Joins arguments and their values as Python writes them: `divider=4` for `divider= 4` and for `divider= is 4`.

@@ -119,6 +119,8 @@ def test_each_error_has_its_family(calibration: zerorate.Calibration, tmp_path: 
         (ValueError, "rate_hz=0: give", lambda: zerorate.stream("twin:", calibration, rate_hz=0)),
         (ValueError, "every part has its own bias", lambda: zerorate.stream("twin:", calibration, serial="B")),
         (TypeError, "or a Twin, not 7", lambda: zerorate.calibrate(7)),  # type: ignore[arg-type]
+        (FileNotFoundError, "make it, or", lambda: zerorate.capture("twin:", tmp_path / "no" / "x.arrows", samples=9)),
+        (IsADirectoryError, "it is a folder", lambda: zerorate.capture("twin:", tmp_path, samples=9)),
         (FileNotFoundError, "none.arrows", lambda: zerorate.calibrate(f"replay:{tmp_path}/none.arrows")),
     ]
     for family, match, work in wrong:
