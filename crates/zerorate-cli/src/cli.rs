@@ -96,8 +96,10 @@ impl Cli {
 
     /// Describes the work of a command that reads whole files without a progress bar. `None` for all other commands.
     pub fn activity(&self) -> Option<String> {
-        use Command::{Allan, Correct, Imu, Repair, Tempcal, Verify};
-        let (Allan(_) | Imu(_) | Tempcal(_) | Correct(_) | Verify(_) | Repair(_)) = self.command else { return None };
+        use Command::{Allan, Correct, Imu, Repair, Report, Tempcal, Verify};
+        let (Allan(_) | Imu(_) | Tempcal(_) | Correct(_) | Verify(_) | Repair(_) | Report(_)) = self.command else {
+            return None;
+        };
         let files = self.foreign_files();
         let (first, rest) = files.split_first()?;
         let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
@@ -205,7 +207,9 @@ mod tests {
     #[test]
     fn the_capture_of_a_report_is_a_foreign_file() {
         let report = Cli::try_parse_from(["zerorate", "report", "unit.toml", "--capture", "rest.csv"]);
-        assert_eq!(report.expect("a report").foreign_files(), [Path::new("rest.csv")]);
+        let report = report.expect("a report");
+        assert_eq!(report.foreign_files(), [Path::new("rest.csv")]);
+        assert_eq!(report.activity().as_deref(), Some("working on rest.csv"));
     }
 
     #[test]
