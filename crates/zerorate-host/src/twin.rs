@@ -45,7 +45,11 @@ impl TwinAddress {
             }
         }
         let units = (0..axes).map(|axis| unit_of(axis, axes, &unit)).collect::<Result<Vec<_>, _>>();
-        let units = units.map_err(|error| error.to_string())?;
+        let units = units.map_err(|error| match error {
+            // `axes` is a key of the address and not of a unit
+            SpecError::UnknownKey { nearest: None, .. } => format!("{error} axes"),
+            _ => error.to_string(),
+        })?;
         part.bandwidth_hz = (units[0].roa == Roa::TenNanofarad).then_some(Axis::ADIS16130_ROA_10NF_HZ);
         Ok(Self { units, part })
     }

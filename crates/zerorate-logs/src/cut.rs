@@ -36,6 +36,9 @@ impl FromStr for CutTime {
         // `12:30` would parse as a duration as well, but is a time of the day
         let duration = || Some(text.parse::<SignedDuration>().ok().filter(|_| !text.contains(':'))?.as_secs_f64());
         if let Some(s) = text.parse::<f64>().ok().or_else(duration) {
+            if s < 0.0 {
+                return Err("it cannot be negative".to_owned());
+            }
             let is_possible = (0.0..=MAX_S).contains(&s);
             let outside = || "it must lie between 0 s and 10 years".to_owned();
             return is_possible.then_some(Self::SinceStart(s)).ok_or_else(outside);

@@ -32,6 +32,9 @@ impl FromStr for Seconds {
                 .map_err(|_| "write it like 10s, 10m, 1h30m or 90 (seconds)".to_owned())?
                 .as_secs_f64(),
         };
+        if seconds < 0.0 {
+            return Err("it cannot be negative".to_owned());
+        }
         if !(0.0..=MAX_S).contains(&seconds) {
             return Err("it must lie between 0 s and 10 years".to_owned());
         }

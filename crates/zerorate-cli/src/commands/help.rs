@@ -16,7 +16,7 @@ pub struct HelpArgs {
 pub fn run(args: &HelpArgs, root: clap::Command) -> Result<()> {
     match args.about.as_deref() {
         Some("device") => print(DEVICE),
-        // clap prints the help and exits; for a mistyped command it suggests a similar one
+        // clap prints the help and exits
         about => {
             drop(root.get_matches_from(["zerorate"].into_iter().chain(about).chain(["--help"])));
             Ok(())

@@ -86,11 +86,12 @@ fn twin_lists_every_key_of_the_contract() {
 
 #[test]
 fn typos_are_usage_errors_with_a_suggestion() {
-    let cases: [(&[&str], &str); 17] = [
+    let cases: [(&[&str], &str); 18] = [
         (&["fleet", "run", "a", "b"], "`fleet` is in the Python package"),
         (&["calibrat"], "'calibrate'"),
         (&["calibrate", "--warmpup", "3"], "'--warmup'"),
         (&["calibrate", "--device", "twin:sed=7"], "`seed`"),
+        (&["calibrate", "--device", "twin:axs=3"], "fault_at_s axes"),
         (&["probe", "--device", "twin:fault=sdo"], "sdo_low"),
         (&["probe", "--device", "tiwn:"], "twin:"),
         (&["probe", "--device", "replay:"], "replay:unit.arrows"),
