@@ -6,5 +6,5 @@ mod stdio;
 mod tests;
 
 pub use print::{command_line, print, print_json, print_lines, warn};
-pub use stdio::{Stdout, clear, reader_left, say, show};
+pub use stdio::{CANNOT_WRITE, Stdout, clear, reader_left, say, show};
 pub use zerorate_jobs::output::{Outputs, StagedOutput, opens_stream, remove_all_for_good};

@@ -1,6 +1,6 @@
 //! Prints data and text for people to stdout, and warnings to stderr.
 
-use super::{Stdout, say};
+use super::{CANNOT_WRITE, Stdout, say};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::fmt::Display;
@@ -10,7 +10,7 @@ use zerorate_input::plain;
 /// A closed pipe is returned as an error and does not panic.
 pub fn print(text: &str) -> Result<()> {
     let mut stdout = Stdout::lock();
-    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context(CANNOT_WRITE)
 }
 
 /// Prints lines for people to stdout, without control characters.

@@ -65,6 +65,9 @@ fn painted(line: &str) -> String {
     }
 }
 
+/// The error where data cannot be written to stdout, without its cause.
+pub const CANNOT_WRITE: &str = "cannot write to stdout";
+
 /// Stdout for data. If the reader closes the pipe, the error is [`ReaderLeft`], unlike that of any other closed pipe.
 #[derive(Debug)]
 pub struct Stdout(StdoutLock<'static>);

@@ -115,6 +115,13 @@ fn a_full_device_costs_no_result() {
     fs::remove_dir_all(bench.path("tmp")).unwrap();
     let run = Run::of(command(&bench, CALIBRATE).stdout(full)).ended_with(1);
     run.saying(&[only(&bench.path("tmp"), "calibration.rescue-").to_str().unwrap()]);
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    for form in ["csv", "jsonl"] {
+        let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let line = format!("stream --cal unit.toml --duration 1s --rate 4 --format {form}");
+        let run = Run::of(command(&bench, &line).stdout(full)).ended_with(1);
+        run.saying(&["cannot write to stdout: "]);
+    }
 }
 
 /// Starts a run that has claimed its output and waits for a reader of its log, a named pipe.

@@ -6,9 +6,9 @@ use super::correct::load;
 use super::serial::{GIVE, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
-use crate::output::{Outputs, Stdout, say, warn};
+use crate::output::{CANNOT_WRITE, Outputs, Stdout, say, warn};
 use crate::wording::coded;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use serde::Serializer;
 use serde_json::json;
@@ -123,7 +123,7 @@ impl RowPrinter {
         let biases: Vec<String> = axes.iter().filter(|_| is_tracked).flat_map(bias).collect();
         if let RowFormat::Csv = format {
             let tracked = if is_tracked { format!(",{},phase", biases.join(",")) } else { String::new() };
-            writeln!(out, "t_s,{},temp_c,lost,calibration,flags{tracked}", rates.join(","))?;
+            writeln!(out, "t_s,{},temp_c,lost,calibration,flags{tracked}", rates.join(",")).context(CANNOT_WRITE)?;
         }
         Ok(Self { out, format, rates, biases, id, flush_each: acquisition.is_paced() })
     }
@@ -162,15 +162,16 @@ impl RowPrinter {
 
 impl Listener for RowPrinter {
     fn row(&mut self, row: &StreamRow) -> Result<()> {
-        match self.format {
-            RowFormat::Csv => self.csv(row)?,
-            RowFormat::Jsonl => self.jsonl(row)?,
-        }
+        let written = match self.format {
+            RowFormat::Csv => self.csv(row),
+            RowFormat::Jsonl => self.jsonl(row),
+        };
+        written.context(CANNOT_WRITE)?;
         if self.flush_each { self.end() } else { Ok(()) }
     }
 
     fn end(&mut self) -> Result<()> {
-        Ok(self.out.flush()?)
+        self.out.flush().context(CANNOT_WRITE)
     }
 
     fn warn(&mut self, warning: JobWarning) {
