@@ -80,6 +80,8 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let form = form.ok_or_else(|| no_place(&args.format))?;
     let mut outputs = Outputs::new(args.force);
     let export = Export::new(load(&args.cal, &mut outputs)?, args.options()).map_err(usage)?;
+    export.check_axes(form)?;
+    args.check_device_id(form)?;
     let coded = |warning: &ExportWarning| format!("{}: {warning}", warning.code());
     warn(&export.warnings().iter().map(coded).collect::<Vec<_>>());
     let text = export.text(form).map_err(usage)?;
@@ -105,22 +107,26 @@ impl ExportArgs {
         Options { step_c, span_c, prefix, sensor, device_id }
     }
 
-    /// Checks that the format supports the given options for flight controllers and for the table, and that
-    /// `--device-id` is given for PX4.
+    /// Checks that the format supports the given options for flight controllers and for the table.
     fn check_autopilot(&self, form: Option<ExportForm>) -> Result<()> {
         let autopilot = form.is_some_and(ExportForm::is_autopilot);
         let px4 = form == Some(ExportForm::Px4);
         ensure!(self.sensor.is_none() || autopilot, Usage("--sensor is for --format px4 and ardupilot".to_owned()));
         ensure!(self.device_id.is_none() || px4, Usage("--device-id is for --format px4".to_owned()));
-        let lacks_id = self.device_id.is_none() && px4;
-        let give = "--format px4: give --device-id ID, by which PX4 finds a gyroscope: the device_id in the topic \
-                    sensor_gyro (`listener sensor_gyro` in its console)";
-        ensure!(!lacks_id, Usage(give.to_owned()));
         let table = self.step_c.is_some() || self.span_c.is_some();
         ensure!(
             !(autopilot && table),
             Usage("--step-c and --span-c are for tables; parameters are a curve".to_owned())
         );
+        Ok(())
+    }
+
+    /// Checks that `--device-id` is given for PX4.
+    fn check_device_id(&self, form: ExportForm) -> Result<()> {
+        let lacks_id = self.device_id.is_none() && form == ExportForm::Px4;
+        let give = "--format px4: give --device-id ID, by which PX4 finds a gyroscope: the device_id in the topic \
+                    sensor_gyro (`listener sensor_gyro` in its console)";
+        ensure!(!lacks_id, Usage(give.to_owned()));
         Ok(())
     }
 }

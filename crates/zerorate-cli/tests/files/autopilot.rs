@@ -164,6 +164,7 @@ fn values_that_a_flight_controller_lacks_are_refused() {
         ("imu.toml --format json --sensor 1", 2, "--sensor is for"),
         ("imu.toml --format px4 --device-id 5 --span-c 4", 2, "are for tables"),
         ("imu.toml --format px4 --prefix a", 2, "--prefix is for names"),
+        ("one.toml --format px4", 1, "the calibration is of rate alone"),
         ("one.toml --format ardupilot", 1, "the calibration is of rate alone"),
         ("odd.toml --format ardupilot", 1, "one name must end in z"),
         ("imu.toml --format kalibr", 2, "no place for a bias"),

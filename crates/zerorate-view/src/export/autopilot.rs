@@ -114,7 +114,7 @@ pub(super) fn ardupilot(export: &Export, sensor: Option<u32>) -> Result<String> 
 }
 
 /// The corrections of the axes x, y and z.
-fn three(export: &Export) -> Result<[Correction; 3]> {
+pub(super) fn three(export: &Export) -> Result<[Correction; 3]> {
     let axes = &export.calibration.axes;
     let names = axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
     let named = |letter: char| {

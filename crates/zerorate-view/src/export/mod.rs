@@ -70,6 +70,14 @@ impl Export {
         self.layout.warnings(&self.calibration)
     }
 
+    /// Checks that the calibration has the axes that the format needs: x, y and z for a flight controller.
+    ///
+    /// # Errors
+    /// Returns an error that names the axes of the calibration.
+    pub fn check_axes(&self, form: ExportForm) -> Result<()> {
+        if form.is_autopilot() { autopilot::three(self).map(drop) } else { Ok(()) }
+    }
+
     /// The text of the exported file.
     ///
     /// # Errors
