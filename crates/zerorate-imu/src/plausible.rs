@@ -42,7 +42,7 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
     let warning = |what| LogWarning::Implausible { path: path.display().to_string(), what };
     let turn = |axis: &Column, has_sign| {
         let mean_dps = mean(axis, has_sign).filter(|mean_dps| mean_dps.abs() > NO_BIAS_DPS)?;
-        Some(format!("{} is {mean_dps:.0} °/s in the mean", axis.name))
+        Some(format!("{} is {} °/s in the mean", axis.name, shown(mean_dps, 0)))
     };
     let has_sign = of(Quantity::AngularRate).any(has_sign);
     let turns = of(Quantity::AngularRate).filter_map(|axis| turn(axis, has_sign));
@@ -50,7 +50,7 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         let is_off = m_s2 > SUBTRACTED_M_S2 && (m_s2 / GRAVITY_M_S2 - 1.0).abs() > WITHIN;
         let of_kind: Vec<&Column> = of(Quantity::Acceleration).collect();
         let remedy = || codes::of_gravity(&of_kind, log).map_or_else(String::new, |remedy| format!(" ({remedy})"));
-        is_off.then(|| format!("gravity is {m_s2:.3} m/s²{}", remedy()))
+        is_off.then(|| format!("gravity is {} m/s²{}", shown(m_s2, 3), remedy()))
     });
     let small = small_gravity(axes);
     let gyroscope = codes::of_gyroscope(log.names);
@@ -84,7 +84,8 @@ fn whole<'a>(axes: impl IntoIterator<Item = &'a Column>, of_gyroscope: &str) -> 
     let unit = axis.quantity.map_or("", Quantity::unit);
     let is_rate = axis.quantity == Some(Quantity::AngularRate);
     let remedy = if is_rate { format!(" ({of_gyroscope})") } else { String::new() };
-    Some(format!("{} has steps of {:.3} {unit}, as codes without their scale have{remedy}", axis.name, axis.scale))
+    let (name, step) = (&axis.name, shown(axis.scale, 3));
+    Some(format!("{name} has steps of {step} {unit}, as codes without their scale have{remedy}"))
 }
 
 fn slow<'a>(axes: impl IntoIterator<Item = &'a Column>) -> Option<String> {
@@ -107,7 +108,7 @@ fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
     let remedy = || codes::unit_to_give(log.names, Setting::GyroUnit, Unit::Dps, first);
     let remedy = if is_rad { format!(" (if the numbers are °/s: {})", remedy()) } else { String::new() };
     (least > NO_NOISE_DPS_PER_RT_HZ)
-        .then(|| format!("the noise of all gyroscopes is above {least:.2} °/s/√Hz{remedy}"))
+        .then(|| format!("the noise of all gyroscopes is above {} °/s/√Hz{remedy}", shown(least, 2)))
 }
 
 /// A warning about gravity below [`SUBTRACTED_M_S2`]. If gravity is 1 in the unit of the columns, the numbers are
@@ -140,6 +141,11 @@ fn mean(axis: &Column, has_sign: bool) -> Option<f64> {
     let is_plain = Unit::ALL.into_iter().any(|unit| unit.in_results() == axis.scale);
     let is_known = matches!(axis.series, Series::Numbers(_)) || has_sign || is_plain;
     Some(axis.scale * axis.facts().mean()).filter(|mean| is_known && mean.is_finite())
+}
+
+/// The value with this many decimals. From 10⁶ on it is in scientific form, because no sensor has such a value.
+fn shown(value: f64, decimals: usize) -> String {
+    if value.abs() < 1e6 { format!("{value:.decimals$}") } else { format!("{value:.2e}") }
 }
 
 fn has_sign(axis: &Column) -> bool {

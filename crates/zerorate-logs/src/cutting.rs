@@ -58,13 +58,15 @@ impl fmt::Display for Span {
 }
 
 impl Times {
-    /// The time of the last row of the first log, since the first row, in the unit of the file. Several logs in a file
-    /// show as large steps back in time. `None` if the file has no such step, or more than [`MOST_LOGS`].
-    pub fn end_of_first(&self) -> Option<f64> {
-        let least = LATE * self.interval()?;
-        let mut falls = self.since_first().windows(2).filter(|pair| pair[0] - pair[1] > least);
+    /// The time of the last row of the first log, since the first row, s, rounded down to the digits of an interval.
+    /// Several logs in a file show as large steps back in time. `None` if the file has no such step, or more than
+    /// [`MOST_LOGS`].
+    pub fn end_of_first_s(&self, unit: TimeUnit) -> Option<f64> {
+        let interval = self.interval()?;
+        let mut falls = self.since_first().windows(2).filter(|pair| pair[0] - pair[1] > LATE * interval);
         let first = falls.next()?[0];
-        (falls.count() < MOST_LOGS).then_some(first)
+        let first_s = rounded_down(first / unit.per_s(), interval / unit.per_s());
+        (falls.count() < MOST_LOGS).then_some(first_s)
     }
 
     /// The number of rows before the first one at this time or later. `None` if there is no such row or no row before
@@ -73,6 +75,14 @@ impl Times {
         let CutTime::SinceStart(until_s) = until else { return None };
         self.since_first().iter().position(|time| time / unit.per_s() >= until_s).filter(|rows| *rows > 0)
     }
+}
+
+/// The time, rounded down to as many decimals as tell the samples apart.
+fn rounded_down(time_s: f64, interval_s: f64) -> f64 {
+    let decimals = (0.9 / interval_s).log10().ceil().clamp(0.0, 9.0);
+    let per_s = 10_f64.powi(decimals as i32);
+    let nearest = (time_s * per_s).round();
+    if nearest / per_s <= time_s { nearest / per_s } else { (nearest - 1.0) / per_s }
 }
 
 impl RawColumns {
@@ -183,6 +193,21 @@ mod tests {
         assert_eq!(span(&rows(seconds, Some("4"), None).unwrap()), (41.0, 99.0, 59));
         assert_eq!(span(&rows(date, Some("12:30:03"), Some("2026-03-01T12:30:05Z")).unwrap()), (30.0, 49.0, 20));
         assert_eq!(span(&rows(clock, Some("23:59:58"), Some("00:00:02")).unwrap()), (30.0, 69.0, 40));
+    }
+
+    #[test]
+    fn advice_to_cut_has_the_digits_of_the_samples() {
+        for (time_s, interval_s, rounded_s) in [
+            (2.99, 0.01, 2.99),
+            (0.29, 0.01, 0.29),
+            (14.989999999999782, 0.01, 14.98),
+            (14.989999999999782, 0.005, 14.989),
+            (14.989999999999782, 1e-12, 14.989999999),
+            (60.0, 7.0, 60.0),
+            (59.9, 7.0, 59.0),
+        ] {
+            assert_eq!(rounded_down(time_s, interval_s), rounded_s);
+        }
     }
 
     #[test]

@@ -288,10 +288,8 @@ fn disordered(
         None if 10 * falls >= 9 * (rows.len() - 1) => format!("{why}: the newest row is first; reverse the rows"),
         None if why.ends_with(order::UNSORTED) => format!("{why}; sort them, or give {rate} and no time column"),
         None => {
-            let cut = times
-                .end_of_first()
-                .zip(unit)
-                .map(|(end, unit)| format!("{until} {} reads the first", end / unit.per_s()));
+            let end_s = unit.and_then(|unit| times.end_of_first_s(unit));
+            let cut = end_s.map(|end_s| format!("{until} {end_s} reads the first"));
             let cut = cut.unwrap_or_else(|| "cut the log there".to_owned());
             format!(
                 "{why} (two logs in one file, or a clock that was set? {cut}; {only}, if a column tells sensors \

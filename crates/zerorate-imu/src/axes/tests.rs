@@ -240,6 +240,10 @@ fn numbers_that_no_imu_has_are_doubted() {
     assert_eq!(doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", noise)), [""; 0]);
     let loud = doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", |at, column| 30.0 * noise(at, column)));
     assert!(loud[0].contains("the noise of all gyroscopes is above 1."), "{loud:?}");
+    let huge =
+        doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", |at, column| if at == 600 { 1e150 } else { noise(at, column) }));
+    assert!(huge[0].contains("gx_dps is 8.33e146 °/s in the mean"), "{huge:?}");
+    assert!(huge.iter().all(|said| said.len() < 150), "{huge:?}");
     let slow = doubts(noisy("t_s,gx_dps,gy_dps,gz_dps", |at, column| 0.01 * noise(at, column)));
     assert!(slow[0].contains("rows come at 0.100000 Hz"), "{slow:?}");
     let free = doubts(noisy("t_ms,ax_m_s2,ay_m_s2,az_m_s2", noise));
