@@ -133,6 +133,14 @@ fn a_slow_turn_is_motion() {
         "{said}"
     );
     assert!(said.contains("so none was replaced; motion, or bit errors?"), "{said}");
+    let of_motion = |line: &str| {
+        let report = bench.zerorate(&format!("{line} --json")).json();
+        let warnings = report["warnings"].as_array().unwrap().iter().filter_map(Value::as_str);
+        warnings.filter(|one| one.starts_with("motion: the sensor moves from 30 s to 50 s; ")).count()
+    };
+    for line in [LINE, "allan imu.csv --fit --column 1", "allan imu.csv --fit --column 1,2"] {
+        assert_eq!(of_motion(line), 1, "{line}");
+    }
 }
 
 /// Each kind of finding on several axes is one line, the most serious first. `--json` has all of them.

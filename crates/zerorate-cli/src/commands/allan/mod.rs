@@ -15,6 +15,7 @@ use clap::{Args, ValueEnum};
 use pool::PoolReport;
 use serde::Serialize;
 use std::path::PathBuf;
+use std::slice;
 use temperature::TemperatureArgs;
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
 use zerorate_imu::{AllanReport, AnalysisOptions, AxisReport, MotionReport, Record, Rejection};
@@ -237,7 +238,7 @@ fn check_model(record: &Record) -> Result<()> {
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
     warn(&pool.record.warnings());
-    let written = files.write(std::slice::from_ref(&pool.record), Vec::new());
+    let written = files.write(slice::from_ref(&pool.record), Vec::new());
     let printed = print_pool(args, records, &pool);
     written?;
     printed?;
@@ -315,14 +316,17 @@ fn page(records: &[Record], warnings: Vec<String>) -> AllanPage<'_> {
 struct AxesReport {
     axes: Vec<AxisReport>,
     motion: Vec<MotionReport>,
+    /// The warnings about the axes together. Each axis has its own.
+    warnings: Vec<String>,
 }
 
 impl AxesReport {
     fn new(records: &[Record]) -> Self {
-        let of_files = records.chunk_by(|a, b| a.file == b.file);
+        let of_files = || records.chunk_by(|a, b| a.file == b.file);
         Self {
             axes: records.iter().map(|record| AxisReport::new(record, None)).collect(),
-            motion: of_files.flat_map(MotionReport::all).collect(),
+            motion: of_files().flat_map(MotionReport::all).collect(),
+            warnings: of_files().flat_map(warnings::of_motion).collect(),
         }
     }
 }
@@ -335,8 +339,14 @@ struct Reports {
     pool: Option<PoolReport>,
 }
 
+/// The reports of logs with one column each, with the warnings about motion.
 fn reports(records: &[Record]) -> Vec<AllanReport> {
-    records.iter().map(AllanReport::new).collect()
+    let of_record = |record: &Record| {
+        let report = AllanReport::new(record);
+        let warnings = [warnings::of_motion(slice::from_ref(record)), report.warnings].concat();
+        AllanReport { warnings, ..report }
+    };
+    records.iter().map(of_record).collect()
 }
 
 fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {

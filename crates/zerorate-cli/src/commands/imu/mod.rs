@@ -172,9 +172,10 @@ fn run_one(args: &ImuArgs) -> Result<()> {
     let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options(codes))?;
     let absent = absent.iter().map(ImuWarning::coded);
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
-    let report = ImuReport::new(&axes, topic.as_deref(), &of_log, sheet.as_ref());
+    let motion = warnings::of_motion(&axes);
+    let report = ImuReport::new(&axes, topic.as_deref(), &[&of_log[..], &motion].concat(), sheet.as_ref());
     let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.iter().cloned().partition(|line| DOUBTS.contains(&code(line)));
-    let findings: Vec<String> = warnings::of_motion(&axes).into_iter().chain(warnings::condensed(&axes)).collect();
+    let findings: Vec<String> = motion.into_iter().chain(warnings::condensed(&axes)).collect();
     let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
     // files are written first, because the reader of stdout may close the pipe early
     let drawn = pictures.write(|| axes_svg(&axes));
