@@ -128,7 +128,7 @@ fn of_negative<'a>(argument: &str, args: &'a [OsString]) -> Option<(usize, &'a s
     Some((at, option, args[at].to_str()?))
 }
 
-/// The error for a value that begins with - and is refused even where it is joined to its option, as in `--settle -5m`.
+/// The error for a value that begins with - and is refused even where it is joined to its option: `--settle -5m`.
 fn of_joined_value(error: &Error, args: &[OsString]) -> Option<Error> {
     let Some(ContextValue::String(argument)) = error.get(ContextKind::InvalidArg) else { return None };
     let (at, option, value) = of_negative(argument, args).filter(|_| error.kind() == ErrorKind::UnknownArgument)?;
