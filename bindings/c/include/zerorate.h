@@ -805,6 +805,10 @@ typedef struct zerorate_tracker_state {
    * that a rotation began within a rest.
    */
   uint32_t counts[3];
+  /**
+   * CRC-32 of all fields above, in which zerorate_tracker_resume finds damage.
+   */
+  uint32_t check;
 } zerorate_tracker_state;
 
 /**
@@ -1335,8 +1339,8 @@ zerorate_status zerorate_tracker_begin(struct zerorate_tracker *tracker,
                                        double age_s);
 
 /**
- * Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is not
- * possible, or `off_s` is negative or not finite.
+ * Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is
+ * damaged or not possible, or `off_s` is negative or not finite.
  *
  * Required: Each pointer is null or points to memory of its type.
  */

@@ -13,7 +13,7 @@ use crate::status::*;
 use crate::table::*;
 use crate::tracker::*;
 use core::ffi::{CStr, c_void};
-use core::ptr::{null, null_mut};
+use core::ptr::{self, null, null_mut};
 use rig::*;
 use std::boxed::Box;
 
@@ -177,6 +177,13 @@ fn a_tracker_is_kept_and_resumed() {
     assert_eq!(call!(zerorate_tracker_bias(&mut *tracker, 25.0, &mut *tracked)), ZERORATE_OK);
     assert_eq!(call!(zerorate_tracker_save(&mut *tracker, &mut *saved)), ZERORATE_OK);
     assert_eq!(call!(zerorate_tracker_resume(&mut *tracker, &correction(), &prior, &*saved, 100.0)), ZERORATE_OK);
+    for bit in 0..8 * size_of::<TrackerState>() {
+        let mut damaged = saved.clone();
+        // SAFETY: the byte is in the state, of which any bits are valid.
+        unsafe { *ptr::from_mut(&mut *damaged).cast::<u8>().add(bit / 8) ^= 1 << (bit % 8) };
+        let resumed = call!(zerorate_tracker_resume(&mut *tracker, &correction(), &prior, &*damaged, 100.0));
+        assert_eq!(resumed, ZERORATE_E_ARGUMENT, "bit {bit}");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::status::{self, Status, ZERORATE_E_ARGUMENT};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use zerorate::Axis;
 use zerorate::track::{COVARIANCES, Counts, Filter, Phase, Prior, RestPrior, STATES, Saved, TrackerConfig};
 
@@ -48,7 +49,22 @@ pub struct TrackerState {
     /// Seconds of rest from which the tracker learned, quiet seconds that may be a slow rotation, and number of times
     /// that a rotation began within a rest.
     pub counts: [u32; 3],
+    /// CRC-32 of all fields above, in which zerorate_tracker_resume finds damage.
+    pub check: u32,
 }
+
+impl TrackerState {
+    fn crc(&self) -> u32 {
+        let Self { state, covariance, at_c, odds, counts, check: _ } = self;
+        let numbers = state.iter().chain(covariance).chain([at_c]).chain(odds);
+        let mut digest = CRC.digest();
+        numbers.map(|number| number.to_bits()).chain(*counts).for_each(|word| digest.update(&word.to_le_bytes()));
+        digest.finalize()
+    }
+}
+
+/// Without a table, which would take a kilobyte of a small controller's flash.
+const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 const _: () = assert!(STATES == 6 && COVARIANCES == 21);
 
@@ -99,8 +115,8 @@ pub unsafe extern "C" fn zerorate_tracker_begin(
     }))
 }
 
-/// Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is not
-/// possible, or `off_s` is negative or not finite.
+/// Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is
+/// damaged or not possible, or `off_s` is negative or not finite.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -117,8 +133,11 @@ pub unsafe extern "C" fn zerorate_tracker_resume(
         // SAFETY: by the contract.
         let config = config(correction, unsafe { boundary::input(prior) }?);
         // SAFETY: by the contract.
-        let &TrackerState { state, covariance, at_c, odds: [rests, rotations], counts } =
-            unsafe { boundary::input(state) }?;
+        let kept = unsafe { boundary::input(state) }?;
+        let &TrackerState { state, covariance, at_c, odds: [rests, rotations], counts, check } = kept;
+        if check != kept.crc() {
+            return Err(ZERORATE_E_ARGUMENT);
+        }
         let [learned_s, doubtful_s, rolled_back] = counts;
         let filter = Filter { state, covariance, at_c };
         let counts = Counts { learned_s, doubtful_s, rolled_back };
@@ -173,7 +192,9 @@ pub unsafe extern "C" fn zerorate_tracker_save(tracker: *mut Tracker, state: *mu
         let Saved { filter: Filter { state: numbers, covariance, at_c }, rest_prior, counts } = tracker.save();
         let odds = [rest_prior.rests, rest_prior.rotations];
         let counts = [counts.learned_s, counts.doubtful_s, counts.rolled_back];
+        let mut kept = TrackerState { state: numbers, covariance, at_c, odds, counts, check: 0 };
+        kept.check = kept.crc();
         // SAFETY: by the contract.
-        unsafe { boundary::output(state, TrackerState { state: numbers, covariance, at_c, odds, counts }) }
+        unsafe { boundary::output(state, kept) }
     }))
 }
