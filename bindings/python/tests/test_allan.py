@@ -269,6 +269,14 @@ def test_a_capture_knows_its_rate_scale_and_gaps() -> None:
     assert np.isnan(capture.temp_c).all() and np.isnan(capture.temp_held_c).all()
 
 
+@pytest.mark.parametrize("offset", [2**53, 2**62, 2**63])
+def test_integers_that_would_be_rounded_are_refused(offset: int) -> None:
+    values = [offset + at % 7 for at in range(1000)]
+    for record in (values, np.array(values), np.array(values, dtype=object)):
+        with pytest.raises(ValueError, match="beyond 2\\^53"):
+            zerorate.allan(record, rate_hz=100.0)
+
+
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.uint32])
 def test_codes_that_lost_their_sign_get_it_again(kind: type[np.unsignedinteger[Any]]) -> None:
     codes = np.round(np.random.default_rng(1).normal(0.0, 5.0, 20_000)).astype(np.int64)

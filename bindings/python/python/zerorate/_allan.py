@@ -191,6 +191,8 @@ def allan(
     is_read = isinstance(rate, (Capture, _log.Log)) or not (_records.is_path(rate) or _records.is_table(rate))
     if increments and is_read:
         raise ValueError("increments= is for the path of a log and for tables: give these values times their rate")
+    if not isinstance(rate, (Capture, _log.Log)) and _records.is_array(rate):
+        _records.check_exact(rate)
     is_timed = time_column is not None or (columns is not None and rate_hz is None)
     is_file_or_table = _records.is_path(rate) or _records.is_table(rate) or (_records.is_wide(rate) and is_timed)
     is_indexed = _records.has_time_index(rate) and rate_hz is None

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 TIME_INDEX = "index"
 """The column name for an index without a name."""
 
+LARGEST_EXACT = 2**53
+"""Up to here, float64 holds every integer."""
+
 LETTERS = "xyz"
 """The names of the axes in a block of three columns."""
 
@@ -73,6 +76,15 @@ def record(values: Any, data: str = "rate", what: str = "the record") -> NDArray
         at = int(np.argmax(infinite))
         raise ValueError(f"{what} is infinite at sample {at}, which cannot be averaged: use NaN for a missing sample")
     return numbers
+
+
+def check_exact(values: Any) -> None:
+    """Refuses integers that float64 would round."""
+    array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+    is_whole = array.dtype.kind in "iu" or (array.dtype.kind == "O" and all(isinstance(v, int) for v in array.flat))
+    is_large = is_whole and array.size and max(-int(array.min()), int(array.max())) > LARGEST_EXACT
+    if is_large and any(int(float(value)) != int(value) for value in array.flat):
+        raise ValueError("the record has integers beyond 2^53, whose last digits are lost: subtract one of them first")
 
 
 def table(data: Any, columns: Any = None) -> Source:
