@@ -18,6 +18,7 @@ __all__ = [
     "analyse",
     "calibrate",
     "capture",
+    "check_record",
     "column_unit",
     "correct",
     "deviations",
