@@ -1,5 +1,7 @@
 //! Intervals that are long and short in turn, as where two sensors or the halves of a packet share one time column.
 
+use crate::middle::mean;
+
 /// Least share of the intervals behind which the next one lies on the other side of the mean. By chance, two of three
 /// do so where single stamps are late.
 const IN_TURN: f64 = 0.95;
@@ -13,17 +15,14 @@ const EXACT: f64 = 1e-3;
 /// The means of the short and of the long intervals, if they take turns. `None` if an even clock that is rounded to
 /// decimal places of a second explains them: stamps of 400 Hz in whole milliseconds, for example.
 pub fn intervals(intervals_s: &[f64]) -> Option<(f64, f64)> {
-    let mean = |of: &dyn Fn(&f64) -> bool| {
-        let (sum, count) =
-            intervals_s.iter().filter(|interval| of(interval)).fold((0.0, 0), |(s, n), i| (s + i, n + 1));
-        sum / f64::from(count)
-    };
-    let middle = mean(&|_| true);
+    let all = || intervals_s.iter().copied();
+    let middle = mean(all());
     let turns = intervals_s.windows(2).filter(|pair| (pair[0] < middle) != (pair[1] < middle)).count();
     if intervals_s.len() < ENOUGH || (turns as f64) < IN_TURN * (intervals_s.len() - 1) as f64 {
         return None;
     }
-    let (short, long) = (mean(&|interval| *interval < middle), mean(&|interval| *interval >= middle));
+    let short = mean(all().filter(|interval| *interval < middle));
+    let long = mean(all().filter(|interval| *interval >= middle));
     let step = 10f64.powf((long - short).log10().round());
     let is_whole = |steps: f64| (steps - steps.round()).abs() < EXACT * steps.max(1.0);
     let is_rounded = ((long - short) / step - 1.0).abs() < EXACT && is_whole(short / step);
