@@ -118,7 +118,7 @@ rows!(match AllanWarning {
     Self::MemoryOrFlicker { markovs, others, worse } => Row {
         code: "memory-or-flicker",
         text: format_args!(
-            "{markovs} or {others} Gauss–Markov terms fit; do not extrapolate beyond a quarter of the record"
+            "a model with {others} Gauss–Markov terms, not {markovs}, fits as well; trust neither beyond a quarter of the record"
         ),
     },
     Self::MemoryOrFilter { tau_s, n } => Row {

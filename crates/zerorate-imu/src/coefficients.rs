@@ -38,11 +38,8 @@ const N: Units = Units {
     other: "·√s",
 };
 /// Units of the bias instability B, and of every other value in the unit of the rate.
-pub const B: Units = Units {
-    rate: &[("°/h", 3600.0), ("°/s", 1.0)],
-    acceleration: &[("µg", MICRO_G), ("mg", MICRO_G / 1e3), ("m/s²", 1.0)],
-    other: "",
-};
+pub const B: Units =
+    Units { rate: &[("°/h", 3600.0), ("°/s", 1.0)], acceleration: &[("µg", MICRO_G), ("m/s²", 1.0)], other: "" };
 const K: Units = Units {
     rate: &[("°/h/√h", 216_000.0), ("°/s/√s", 1.0)],
     acceleration: &[("µg/√h", 60.0 * MICRO_G), ("m/s²/√s", 1.0)],

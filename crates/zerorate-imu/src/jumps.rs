@@ -63,7 +63,8 @@ pub fn said(input: &Input<'_>, column: &Column, path: &Path) -> Option<LogWarnin
     let (size, times) = ((largest * column.scale * per_second).abs(), largest / usual);
     let size = format!("{size:.1e} {}", column.quantity.map_or("", Quantity::unit));
     let size = size.trim_end();
-    Some(note(path, column, &format!("jumps of up to {size}, {times:.0} times the usual, are in the deviations")))
+    let times = if times < 1e6 { format!("{times:.0}") } else { format!("{times:.0e}") };
+    Some(note(path, column, &format!("jumps of up to {size}, {times} times the usual, are in the deviations")))
 }
 
 fn note(path: &Path, column: &Column, what: &str) -> LogWarning {
