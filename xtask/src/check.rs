@@ -38,13 +38,14 @@ pub const STEPS: [Step; 13] = [
          adis16130/async,zerorate/file --target thumbv7em-none-eabihf -- -D warnings",
     )
     .about("Driver, core and twin on a Cortex-M4F"),
-    Step::new(
+    // the last two have target folders of their own, and run side by side
+    Step::beside(
         "clippy-c",
         "clippy --release --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D \
          warnings",
     )
     .about("The C interface"),
-    Step::new(
+    Step::beside(
         "clippy-firmware-m4",
         "clippy --release --manifest-path firmware/Cargo.toml --workspace --locked --target-dir target/firmware \
          --target thumbv7em-none-eabihf --features firmware-bridge/stm32f4,firmware-examples/stm32f4 -- -D warnings",

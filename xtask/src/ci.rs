@@ -11,7 +11,8 @@ use xtask::arguments::Arguments;
 
 /// The steps that are not in `check`.
 const REST: [Step; 13] = [
-    Step::new("page", "xtask web")
+    // beside the last steps of `check`
+    Step::beside("page", "xtask web")
         .about("The page builds; the program of `test` has it inside")
         .installing("nodejs npm clang, what web/package-lock.json names in web/node_modules"),
     test::WHOLE_STEP,

@@ -33,7 +33,7 @@ impl Step {
         Self { name, env: None, args, is_beside: false, about: "", installs: "", seed: 0 }
     }
 
-    /// A step that waits, or uses one core.
+    /// A step that waits, uses one core, or has a target folder of its own.
     pub const fn beside(name: &'static str, args: &'static str) -> Self {
         Self { is_beside: true, ..Self::new(name, args) }
     }

@@ -26,8 +26,8 @@ const HARMONICS: usize = 4;
 /// The price of a sine with its phase, in −2 ln L, and the least gain of more sines.
 const PRICE: f64 = 8.0;
 const LEAST_MORE: f64 = 1.0;
-/// Least gain of a period in −2 ln L, beyond the price of its sines. Of 620 simulated records without a period, 2 gain
-/// more. Of 8 records with a ten-minute sawtooth, 7 do.
+/// Least gain of a period in −2 ln L, beyond the price of its sines. Of 740 simulated records without a period, 5 gain
+/// more. Of 40 records with a ten-minute sawtooth, 32 do.
 const LEAST_GAIN: f64 = 10.0;
 /// Largest share of white noise in the density at the period. Above it, white noise explains the power at the period.
 const MOST_WHITE: f64 = 0.5;
