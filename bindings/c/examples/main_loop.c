@@ -41,7 +41,11 @@ int main(void)
             /* there was no edge in time, the rate is out of range, or the supply or a line has failed */
             board_report(zerorate_text(status));
             board_delay_us(NULL, 100000);
-            status = zerorate_gyro_initialise(&gyro);
+            if (status == ZERORATE_E_NO_READING || status == ZERORATE_E_OUT_OF_RANGE) {
+                status = ZERORATE_OK; /* the part is well: try again */
+            } else {
+                status = zerorate_gyro_initialise(&gyro);
+            }
         }
     }
 }

@@ -22,6 +22,13 @@ pub struct Correction {
 }
 
 impl Correction {
+    /// Returns ZERORATE_E_COEFFICIENT if a coefficient is not finite.
+    pub fn checked(self) -> Result<zerorate::Correction, Status> {
+        let terms = [self.pbc_dps, self.btc_dps_per_c, self.t3_c, self.btc2_dps_per_c2, self.btc3_dps_per_c3];
+        let is_finite = terms.iter().all(|term| term.is_finite());
+        if is_finite { Ok(self.to_core()) } else { Err(ZERORATE_E_COEFFICIENT) }
+    }
+
     pub fn to_core(self) -> zerorate::Correction {
         let Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = self;
         zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
@@ -87,7 +94,7 @@ pub extern "C" fn zerorate_temp_c(temp_code: u32) -> f32 {
     TempCode::new(temp_code, Width::Bits24).to_celsius()
 }
 
-/// Converts a correction to single precision.
+/// Converts a correction to single precision. Returns ZERORATE_E_COEFFICIENT if a coefficient is not finite.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -96,7 +103,7 @@ pub unsafe extern "C" fn zerorate_correction_to_f32(from: *const Correction, to:
     // SAFETY: by the contract.
     status::of(unsafe { boundary::input(from) }.and_then(|from| {
         let zerorate::CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } =
-            from.to_core().to_f32();
+            from.checked()?.to_f32();
         // SAFETY: by the contract.
         unsafe {
             boundary::output(to, CorrectionF32 { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 })

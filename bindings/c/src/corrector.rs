@@ -2,7 +2,7 @@
 
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
-use crate::status::{self, Status, ZERORATE_NOTHING, ZERORATE_OK};
+use crate::status::{self, Status, ZERORATE_E_ARGUMENT, ZERORATE_NOTHING, ZERORATE_OK};
 use zerorate::CorrectorConfig;
 
 /// A correction with the temperature that was read last. The caller owns the memory, and the contents are private.
@@ -30,6 +30,14 @@ pub struct Validity {
     pub margin_c: f64,
 }
 
+impl Validity {
+    fn to_core(self) -> Result<zerorate::Validity, Status> {
+        let Self { temp_min_c, temp_max_c, margin_c } = self;
+        let is_valid = temp_min_c <= temp_max_c && margin_c >= 0.0;
+        is_valid.then_some(zerorate::Validity { temp_min_c, temp_max_c, margin_c }).ok_or(ZERORATE_E_ARGUMENT)
+    }
+}
+
 /// A corrected rate.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -42,7 +50,8 @@ pub struct Corrected {
     pub extrapolated: u8,
 }
 
-/// Begins a stream, before its first temperature. If `valid` is null, no temperature counts as extrapolated.
+/// Begins a stream, before its first temperature. If `valid` is null, no temperature counts as extrapolated. Returns
+/// ZERORATE_E_COEFFICIENT if a coefficient is not finite, ZERORATE_E_ARGUMENT if `valid` is no span.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -53,11 +62,10 @@ pub unsafe extern "C" fn zerorate_corrector_begin(
     valid: *const Validity,
 ) -> Status {
     // SAFETY: by the contract.
-    let validity = unsafe { valid.as_ref() }
-        .map(|&Validity { temp_min_c, temp_max_c, margin_c }| zerorate::Validity { temp_min_c, temp_max_c, margin_c });
-    // SAFETY: by the contract.
     status::of(unsafe { boundary::input(correction) }.and_then(|correction| {
-        let config = CorrectorConfig { corrections: [correction.to_core()], validity };
+        // SAFETY: by the contract.
+        let validity = unsafe { valid.as_ref() }.map(|valid| valid.to_core()).transpose()?;
+        let config = CorrectorConfig { corrections: [correction.checked()?], validity };
         // SAFETY: by the contract.
         unsafe { boundary::set_up(corrector, zerorate::Corrector::new(config)) }
     }))
@@ -65,7 +73,8 @@ pub unsafe extern "C" fn zerorate_corrector_begin(
 
 /// Corrects the next rate, deg/s, with the temperature that was read with it, deg C. If no temperature was read, pass
 /// NaN, and the last temperature is used. A rate of NaN stands for a reading that must not be used. Returns
-/// ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet.
+/// ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet. Refuses infinite numbers with
+/// ZERORATE_E_ARGUMENT.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -76,6 +85,9 @@ pub unsafe extern "C" fn zerorate_corrector_take(
     temp_c: f64,
     corrected: *mut Corrected,
 ) -> Status {
+    if rate_dps.is_infinite() || temp_c.is_infinite() {
+        return ZERORATE_E_ARGUMENT;
+    }
     let known = |value: f64| Some(value).filter(|value| !value.is_nan());
     // SAFETY: by the contract.
     let taken = unsafe { boundary::state(corrector) }.and_then(|corrector| {

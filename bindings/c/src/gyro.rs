@@ -3,9 +3,11 @@
 use crate::boundary::{self, Object};
 use crate::bus::{Bus, Delay, Line, Port};
 use crate::status::{
-    self, Status, StatusNumber, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_TIMEOUT,
-    ZERORATE_NOTHING, ZERORATE_OK,
+    self, Status, StatusNumber, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_STATE,
+    ZERORATE_E_TIMEOUT, ZERORATE_NOTHING, ZERORATE_OK,
 };
+use core::ops::RangeInclusive;
+
 use adis16130::blocking::Adis16130;
 use adis16130::{
     ChannelStatus, Config, Edge, Framing, MCLK_HZ, RateCode, RdyEdge, ReadError, Sample as DriverSample, Sampler,
@@ -24,6 +26,8 @@ pub struct State {
     pub driver: Adis16130<Port, Line>,
     sampler: Sampler,
     pub bus: Bus,
+    /// True from the first initialisation on, even if that failed.
+    is_begun: bool,
 }
 
 impl Object for Gyro {
@@ -35,7 +39,7 @@ impl Object for Gyro {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Settings {
-    /// Nominal master clock of the part, Hz. Default: 6000000.
+    /// Nominal master clock of the part, Hz: 1000 to 10000000. Default: 6000000. A wrong clock makes `lost` wrong.
     pub mclk_hz: u32,
     /// Read the temperature with every n-th sample (F-55): 1 = with each sample, 0 = never.
     pub every_temp: u16,
@@ -126,8 +130,15 @@ fn width(bits: u8) -> Result<Width, Status> {
     }
 }
 
+/// Smallest and largest master clock, Hz.
+const MCLK_RANGE_HZ: RangeInclusive<u32> = 1_000..=10_000_000;
+
 impl Settings {
     fn config(&self) -> Result<Config, Status> {
+        let switches = [self.per_byte_framing, self.rdy_rises, self.read_status];
+        if switches.iter().any(|switch| *switch > 1) || !MCLK_RANGE_HZ.contains(&self.mclk_hz) {
+            return Err(ZERORATE_E_ARGUMENT);
+        }
         let framing = if self.per_byte_framing == 0 { Framing::Command } else { Framing::PerByte };
         let edge = if self.rdy_rises == 0 { RdyEdge::Falling } else { RdyEdge::Rising };
         Ok(Config::new().with_width(width(self.bits)?).with_framing(framing).with_rdy_edge(edge))
@@ -159,7 +170,8 @@ pub unsafe extern "C" fn zerorate_settings_default(settings: *mut Settings) -> S
     status::of(unsafe { boundary::output(settings, default) })
 }
 
-/// Sets up a gyroscope. Copies `bus` and `settings`, and sends nothing. Call zerorate_gyro_initialise next.
+/// Sets up a gyroscope. Copies `bus` and `settings`, and sends nothing. Call zerorate_gyro_initialise next. Returns
+/// ZERORATE_E_ARGUMENT if a setting is out of its range.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type. The functions and the context of `bus` may be used as its
@@ -180,7 +192,7 @@ unsafe fn set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) ->
     let sampler = Sampler::new(settings.sampling(), &config, settings.mclk_hz);
     let driver = Adis16130::new(Port(bus), Line(bus), config);
     // SAFETY: by the contract.
-    unsafe { boundary::set_up(gyro, State { driver, sampler, bus }) }
+    unsafe { boundary::set_up(gyro, State { driver, sampler, bus, is_begun: false }) }
 }
 
 /// Resets the part, writes its configuration (F-30) and reads it back, with 13 commands and no wait. Call it again
@@ -190,7 +202,8 @@ unsafe fn set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) ->
 /// `gyro` is null or points to a gyroscope that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_initialise(gyro: *mut Gyro) -> Status {
-    let initialise = |State { driver, sampler, .. }: &mut State| {
+    let initialise = |State { driver, sampler, is_begun, .. }: &mut State| {
+        *is_begun = true;
         driver.restart().map_err(|error| error.status())?;
         sampler.restarted();
         Ok(())
@@ -281,15 +294,16 @@ pub unsafe extern "C" fn zerorate_gyro_silent(gyro: *mut Gyro, now_ns: u64) -> S
 }
 
 /// Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, and otherwise the fault,
-/// or the reason why nothing was sent.
+/// or the reason why nothing was sent: ZERORATE_E_STATE before the first initialisation.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_diagnose(gyro: *mut Gyro) -> Status {
     // SAFETY: by the contract.
-    let seen = unsafe { boundary::state(gyro) }
-        .and_then(|State { driver, .. }| driver.diagnose().map_err(|error| error.status()));
+    let seen = unsafe { boundary::state(gyro) }.and_then(|State { driver, is_begun, .. }| {
+        if *is_begun { driver.diagnose().map_err(|error| error.status()) } else { Err(ZERORATE_E_STATE) }
+    });
     match seen {
         Ok(None) => ZERORATE_OK,
         Ok(Some(fault)) => fault.status(),

@@ -1,5 +1,6 @@
 //! The status numbers that the functions return, and their texts.
 
+use crate::procedure::{ZERORATE_DONE, ZERORATE_INITIALISE, ZERORATE_SAMPLE};
 use adis16130::{BusError, Fault, InitError, ReadError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
 use zerorate::{Refusal, TableError};
@@ -32,21 +33,21 @@ pub const ZERORATE_E_SELF_TEST_PIN: Status = -14;
 /// `transfer` has failed in an earlier call, so the part may be in the middle of a command, and its bytes would be
 /// misread. Nothing was sent: initialise the part.
 pub const ZERORATE_E_INTERRUPTED: Status = -15;
-/// SDO is stuck at ones: check its wire, CS and the supply.
+/// SDO is stuck at ones: check its wire, CS, the supply and SPI mode 3.
 pub const ZERORATE_E_STUCK_HIGH: Status = -20;
-/// SDO is stuck at zeros: check its wire, CS and the supply.
+/// SDO is stuck at zeros: check its wire, CS, the supply and SPI mode 3.
 pub const ZERORATE_E_STUCK_LOW: Status = -21;
 /// The part has been reset, for example by a dip of the supply: initialise it.
 pub const ZERORATE_E_CONFIGURATION_LOST: Status = -22;
 /// A register does not read the value that was written, or a status names the wrong channel: the line has bit errors,
-/// or the part is another one, or this object did not initialise it.
+/// or a wrong SPI mode, or the part is another one, or this object did not initialise it.
 pub const ZERORATE_E_UNEXPECTED: Status = -23;
 /// The input is out of range (F-35). The link is healthy.
 pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;
 /// The link is healthy, but no reading exists yet. The part has not been initialised, or its first conversion has not
 /// ended. Initialise it, wait for RDY and read again.
 pub const ZERORATE_E_NO_READING: Status = -25;
-/// A coefficient does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s per deg C, and PBC
+/// A coefficient is not finite, or does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s per deg C, and PBC
 /// and T3 are within the range of the codes.
 pub const ZERORATE_E_COEFFICIENT: Status = -30;
 /// Step or span is not positive, the span is not a whole number of steps, or the table has more than 100001 rows.
@@ -90,22 +91,27 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
     let text: &'static CStr = match status {
         ZERORATE_OK => c"done",
         ZERORATE_NOTHING => c"nothing was due, the edge was stale, or no temperature was read yet",
+        ZERORATE_INITIALISE => c"initialise the part",
+        ZERORATE_SAMPLE => c"pass the next sample",
+        ZERORATE_DONE => c"the calibration is complete",
         ZERORATE_E_NULL => c"a pointer is null",
         ZERORATE_E_STATE => c"the object has not been set up, or the call came too early",
         ZERORATE_E_ARGUMENT => c"an argument is out of range",
         ZERORATE_E_BUS => c"the SPI transfer failed; reset and initialise the part",
         ZERORATE_E_PIN => c"the RDY line cannot be read, or rdy or delay_us of the bus is null",
-        ZERORATE_E_TIMEOUT => c"RDY gave no sign of new data in time",
+        ZERORATE_E_TIMEOUT => c"RDY gave no sign of new data in time; check its wire and edge, and the supply",
         ZERORATE_E_MISSING => c"the self-test needs rdy, delay_us and its pin",
         ZERORATE_E_SELF_TEST_PIN => c"the self-test pin cannot be set; if it is still high, it offsets the rate",
         ZERORATE_E_INTERRUPTED => c"a command before was cut short; initialise the part",
-        ZERORATE_E_STUCK_HIGH => c"SDO is stuck at ones; check its wire, CS and the supply",
-        ZERORATE_E_STUCK_LOW => c"SDO is stuck at zeros; check its wire, CS and the supply",
+        ZERORATE_E_STUCK_HIGH => c"SDO is stuck at ones; check its wire, CS, the supply and SPI mode 3",
+        ZERORATE_E_STUCK_LOW => c"SDO is stuck at zeros; check its wire, CS, the supply and SPI mode 3",
         ZERORATE_E_CONFIGURATION_LOST => c"the part has lost its configuration; check the supply, initialise it",
-        ZERORATE_E_UNEXPECTED => c"a register reads back wrong; initialise the part, or the line carries errors",
+        ZERORATE_E_UNEXPECTED => {
+            c"a register reads back wrong; initialise the part, or check SPI mode 3, clock and cable"
+        }
         ZERORATE_E_OUT_OF_RANGE => c"the input is out of range",
-        ZERORATE_E_NO_READING => c"no reading yet; initialise the part and wait for RDY",
-        ZERORATE_E_COEFFICIENT => c"a coefficient does not fit the integer correction",
+        ZERORATE_E_NO_READING => c"no reading yet; initialise the part and wait for RDY, or check the edge of RDY",
+        ZERORATE_E_COEFFICIENT => c"a coefficient is not finite, or does not fit the integer correction",
         ZERORATE_E_TABLE_LAYOUT => c"step and span lay out no table",
         ZERORATE_E_TABLE_ROOM => c"the table does not fit into the memory given",
         ZERORATE_E_TABLE_STEEP => c"a row of the table does not fit 32 bits",

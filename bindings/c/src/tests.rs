@@ -187,6 +187,67 @@ fn a_tracker_is_kept_and_resumed() {
 }
 
 #[test]
+fn numbers_that_cannot_be_are_refused() {
+    let mut corrected = memory::<Corrected>();
+    let mut corrector = memory::<Corrector>();
+    for validity in [(30.0, 20.0, 0.5), (f64::NAN, 20.0, 0.5), (20.0, 30.0, -0.5), (20.0, 30.0, f64::NAN)] {
+        let validity = Validity { temp_min_c: validity.0, temp_max_c: validity.1, margin_c: validity.2 };
+        let begun = call!(zerorate_corrector_begin(&mut *corrector, &correction(), &validity));
+        assert_eq!(begun, ZERORATE_E_ARGUMENT);
+    }
+    let broken = Correction { t3_c: f64::NAN, ..correction() };
+    assert_eq!(call!(zerorate_corrector_begin(&mut *corrector, &broken, null())), ZERORATE_E_COEFFICIENT);
+    assert_eq!(call!(zerorate_correction_to_f32(&broken, &mut *memory::<CorrectionF32>())), ZERORATE_E_COEFFICIENT);
+    assert_eq!(call!(zerorate_corrector_begin(&mut *corrector, &correction(), null())), ZERORATE_OK);
+    for (rate_dps, temp_c) in [(f64::INFINITY, 25.0), (1.0, f64::NEG_INFINITY)] {
+        let taken = call!(zerorate_corrector_take(&mut *corrector, rate_dps, temp_c, &mut *corrected));
+        assert_eq!(taken, ZERORATE_E_ARGUMENT);
+    }
+    assert_eq!(call!(zerorate_corrector_take(&mut *corrector, 1.0, f64::NAN, &mut *corrected)), ZERORATE_NOTHING);
+
+    let possible =
+        TrackerPrior { u_pbc_dps: 0.003, u_btc_dps_per_c: 0.006, cov_pbc_btc: 9.6e-9, white_dps_per_rt_hz: 0.0125 };
+    let priors = [
+        TrackerPrior { u_pbc_dps: f64::NAN, ..possible },
+        TrackerPrior { u_btc_dps_per_c: -0.001, ..possible },
+        TrackerPrior { cov_pbc_btc: 1.0, ..possible },
+        TrackerPrior { cov_pbc_btc: f64::NAN, ..possible },
+        TrackerPrior { white_dps_per_rt_hz: 0.0, ..possible },
+    ];
+    let mut tracker = memory::<Tracker>();
+    let mut begin =
+        |correction: &Correction, prior, age_s| call!(zerorate_tracker_begin(&mut *tracker, correction, prior, age_s));
+    assert!(priors.iter().all(|prior| begin(&correction(), prior, 100.0) == ZERORATE_E_ARGUMENT));
+    assert!([f64::NAN, -1.0].iter().all(|age_s| begin(&correction(), &possible, *age_s) == ZERORATE_E_ARGUMENT));
+    assert_eq!(begin(&broken, &possible, 100.0), ZERORATE_E_COEFFICIENT);
+    assert_eq!(begin(&correction(), &possible, 100.0), ZERORATE_OK);
+    assert_eq!(call!(zerorate_tracker_push(&mut *tracker, f64::INFINITY, 25.0)), ZERORATE_E_ARGUMENT);
+    let biased = call!(zerorate_tracker_bias(&mut *tracker, f64::NAN, &mut *memory::<Tracked>()));
+    assert_eq!(biased, ZERORATE_E_ARGUMENT);
+}
+
+#[test]
+fn settings_that_cannot_be_are_refused() {
+    assert!(call!(zerorate_twin_new(null())).is_null());
+    let context = call!(zerorate_twin_new(c"seed=3".as_ptr()));
+    let bus = Bus { context, transfer: Some(zerorate_twin_transfer), rdy: None, delay_us: None };
+    let (mut gyro, mut settings) = (memory::<Gyro>(), memory::<Settings>());
+    call!(zerorate_settings_default(&mut *settings));
+    let plain = *settings;
+    for wrong in [
+        Settings { mclk_hz: 6, ..plain },
+        Settings { mclk_hz: 4_000_000_000, ..plain },
+        Settings { rdy_rises: 2, ..plain },
+        Settings { read_status: 3, ..plain },
+    ] {
+        assert_eq!(call!(zerorate_gyro_set_up(&mut *gyro, &bus, &wrong)), ZERORATE_E_ARGUMENT);
+    }
+    assert_eq!(call!(zerorate_gyro_set_up(&mut *gyro, &bus, &plain)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_diagnose(&mut *gyro)), ZERORATE_E_STATE);
+    call!(zerorate_twin_free(context));
+}
+
+#[test]
 fn every_status_has_words() {
     for status in -100..20 {
         // SAFETY: the string lives for ever.

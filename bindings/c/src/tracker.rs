@@ -80,7 +80,21 @@ pub struct Tracked {
     pub phase: u8,
 }
 
-fn config(correction: &Correction, prior: &TrackerPrior) -> TrackerConfig {
+impl TrackerPrior {
+    /// Whether the uncertainties can belong to one calibration: of NaN none is.
+    fn is_possible(&self) -> bool {
+        let &Self { u_pbc_dps, u_btc_dps_per_c, cov_pbc_btc, white_dps_per_rt_hz } = self;
+        // of the rounded numbers of a calibration file, the correlation may exceed 1 by a little
+        let most = 1.001 * u_pbc_dps * u_btc_dps_per_c;
+        let is_positive = u_pbc_dps >= 0.0 && u_btc_dps_per_c >= 0.0 && white_dps_per_rt_hz > 0.0;
+        is_positive && most.is_finite() && white_dps_per_rt_hz.is_finite() && cov_pbc_btc.abs() <= most
+    }
+}
+
+fn config(correction: &Correction, prior: &TrackerPrior) -> Result<TrackerConfig, Status> {
+    if !prior.is_possible() {
+        return Err(ZERORATE_E_ARGUMENT);
+    }
     const ADIS16130: Axis = Axis::ADIS16130;
     let u_curvature_dps_per_c2 = ADIS16130.bias.curvature_dps_per_c2.unwrap_or(0.0);
     let known = Prior {
@@ -89,12 +103,13 @@ fn config(correction: &Correction, prior: &TrackerPrior) -> TrackerConfig {
         cov_pbc_btc_dps2_per_c: prior.cov_pbc_btc,
         u_curvature_dps_per_c2,
     };
-    let mut config = TrackerConfig::of(&ADIS16130, correction.to_core(), known);
+    let mut config = TrackerConfig::of(&ADIS16130, correction.checked()?, known);
     config.noise.white_dps_per_rt_hz = prior.white_dps_per_rt_hz;
-    config
+    Ok(config)
 }
 
-/// Begins from the calibration, which was made `age_s` seconds ago.
+/// Begins from the calibration, which was made `age_s` seconds ago. Returns ZERORATE_E_ARGUMENT if `prior` is not
+/// possible, or `age_s` is negative or not finite, and ZERORATE_E_COEFFICIENT if a coefficient is not finite.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -108,7 +123,10 @@ pub unsafe extern "C" fn zerorate_tracker_begin(
     // SAFETY: by the contract.
     status::of(unsafe { boundary::input(correction) }.and_then(|correction| {
         // SAFETY: by the contract.
-        let config = config(correction, unsafe { boundary::input(prior) }?);
+        let config = config(correction, unsafe { boundary::input(prior) }?)?;
+        if !(age_s >= 0.0 && age_s.is_finite()) {
+            return Err(ZERORATE_E_ARGUMENT);
+        }
         let begun = zerorate::track::Tracker::new(config).aged(age_s);
         // SAFETY: by the contract.
         unsafe { boundary::set_up(tracker, begun) }
@@ -116,7 +134,7 @@ pub unsafe extern "C" fn zerorate_tracker_begin(
 }
 
 /// Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is
-/// damaged or not possible, or `off_s` is negative or not finite.
+/// damaged, it or `prior` is not possible, or `off_s` is negative or not finite.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -131,7 +149,7 @@ pub unsafe extern "C" fn zerorate_tracker_resume(
     // SAFETY: by the contract.
     status::of(unsafe { boundary::input(correction) }.and_then(|correction| {
         // SAFETY: by the contract.
-        let config = config(correction, unsafe { boundary::input(prior) }?);
+        let config = config(correction, unsafe { boundary::input(prior) }?)?;
         // SAFETY: by the contract.
         let kept = unsafe { boundary::input(state) }?;
         let &TrackerState { state, covariance, at_c, odds: [rests, rotations], counts, check } = kept;
@@ -148,12 +166,16 @@ pub unsafe extern "C" fn zerorate_tracker_resume(
     }))
 }
 
-/// Passes the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s. Pass NaN for a missing mean.
+/// Passes the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s. The rate is the one that was read,
+/// not a corrected one. Pass NaN for a missing mean. Refuses infinite numbers with ZERORATE_E_ARGUMENT.
 ///
 /// # Safety
 /// `tracker` is null or points to a tracker.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_tracker_push(tracker: *mut Tracker, rate_dps: f64, temp_c: f64) -> Status {
+    if rate_dps.is_infinite() || temp_c.is_infinite() {
+        return ZERORATE_E_ARGUMENT;
+    }
     let known = |value: f64| Some(value).filter(|value| !value.is_nan());
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(tracker) }.map(|tracker| {
@@ -161,7 +183,7 @@ pub unsafe extern "C" fn zerorate_tracker_push(tracker: *mut Tracker, rate_dps: 
     }))
 }
 
-/// Writes the bias at the temperature `temp_c`, deg C.
+/// Writes the bias at the temperature `temp_c`, deg C. Returns ZERORATE_E_ARGUMENT if that is not finite.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.
@@ -169,6 +191,9 @@ pub unsafe extern "C" fn zerorate_tracker_push(tracker: *mut Tracker, rate_dps: 
 pub unsafe extern "C" fn zerorate_tracker_bias(tracker: *mut Tracker, temp_c: f64, tracked: *mut Tracked) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(tracker) }.and_then(|tracker| {
+        if !temp_c.is_finite() {
+            return Err(ZERORATE_E_ARGUMENT);
+        }
         let zerorate::track::Tracked { change_dps, u_dps, phase } = tracker.tracked(temp_c);
         let phase = match phase {
             Phase::Moving => 0,

@@ -246,7 +246,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     }
 
     /// Reads TEMP STATUS and MODE, and returns the fault of the line or the part. `None` if the part is connected, and
-    /// configured as written.
+    /// configured as written: before the first initialisation, as after a reset.
     pub async fn diagnose(&mut self) -> Result<Option<Fault>, BusError<SPI::Error>> {
         let temp_status = self.read_register::<TempStatus>().await?;
         let mode = self.read_register::<Mode>().await?;

@@ -28,7 +28,7 @@ const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\ns
     steep -30\ncurved -30\nsteep curve -30\n\
     ragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
     correction 77\n\
-    RDY gave no sign of new data in time. unknown status.\n";
+    RDY gave no sign of new data in time; check its wire and edge, and the supply. unknown status.\n";
 /// The expected results of failing reads, with the status numbers typed again. RDY counts as silent after 64 periods
 /// of 175.7 µs (F-31).
 const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion \

@@ -25,13 +25,16 @@ impl Rig {
     }
 }
 
-/// Makes a twin from keys such as `seed=7,warmup_s=30`. Returns null if the keys are invalid.
+/// Makes a twin from keys such as `seed=7,warmup_s=30`. Returns null if the keys are null or invalid.
 ///
 /// # Safety
-/// `keys` is a C string.
+/// `keys` is null or a C string.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_twin_new(keys: *const c_char) -> *mut c_void {
-    // SAFETY: by the contract.
+    if keys.is_null() {
+        return core::ptr::null_mut();
+    }
+    // SAFETY: not null, and a C string by the contract.
     let keys = unsafe { CStr::from_ptr(keys) };
     let Some(spec) = keys.to_str().ok().and_then(|keys| Spec::parse_keys(keys).ok()) else {
         return core::ptr::null_mut();
