@@ -244,9 +244,9 @@ impl RawColumns {
         let start_s = start_s.filter(|_| args.rate.is_none());
         let first_rows = first_rows(&sample, &columns);
         let stated = stated_rate.as_ref().map(|stated| stated.rate_hz);
-        let stamps = || given_rate::of_stamps(path, measured.or(stated), &first_rows);
+        let stamps = |given_hz| given_rate::of_stamps(path, measured.or(stated), &first_rows, given_hz);
         let given = args.rate.or(stated.filter(|_| measured.is_some()));
-        warnings.extend(given.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
+        warnings.extend(given.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps(rate_hz)?)));
         let told = args.rate.or(measured).or(stated);
         let taken = stated_rate.filter(|_| args.rate.or(measured).is_none());
         warnings.extend(taken.map(|StatedRate { name, rate_hz }| {

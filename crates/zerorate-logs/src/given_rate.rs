@@ -33,12 +33,15 @@ pub fn doubt(path: &Path, given_hz: f64, (stamps_hz, within): (f64, f64)) -> Opt
 }
 
 /// The rate of the stamps in Hz, and its relative tolerance. `all_hz` is the rate of all rows, if it is known. If not,
-/// the first rows tell the rate, by the column that would be the time if no rate were given.
-pub fn of_stamps(path: &Path, all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> {
+/// the first rows tell the rate, by the column that would be the time if no rate were given. A column that is called a
+/// time and states no unit counts if no decimal unit gives `given_hz`.
+pub fn of_stamps(path: &Path, all_hz: Option<f64>, sample: &[Sampled], given_hz: f64) -> Option<(f64, f64)> {
     if let Some(rate_hz) = all_hz {
         return Some((rate_hz, RATE_OFF));
     }
-    let (times, unit) = first_times(path, sample)?;
+    let Some((times, unit)) = first_times(path, sample) else {
+        return rival(sample, given_hz).map(|(_, _, rate_hz)| (rate_hz, RATE_OFF));
+    };
     let rows = times.since_first();
     if rows.is_sorted_by(|one, next| one < next) {
         let mean_hz = rows.len().checked_sub(1)? as f64 * unit.per_s() / rows.last()?;

@@ -111,6 +111,7 @@ pub use only::{Condition, RowFilter};
 pub use options::{ColumnOptions, MAX_BAD};
 pub use parameters::{changed_parameter, parameters};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
+pub use rate_question::quoted;
 pub use raw_type::{RawNumber, RawType};
 pub use read::{read, read_all, read_table};
 pub use series::Series;

@@ -58,7 +58,7 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
 /// Quotes a name for a shell, if it needs quotes.
 pub fn quoted(name: &str) -> String {
     let is_plain = name.chars().all(|c| c.is_alphanumeric() || "_-./:#,=".contains(c));
-    if is_plain { name.to_owned() } else { format!("'{name}'") }
+    if is_plain { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
 }
 
 /// The first column of dates or times that cannot be read, with a cell and the reason.

@@ -367,11 +367,13 @@ fn dates_tell_the_unit_of_a_time() {
 #[test]
 fn a_given_rate_is_compared_with_each_kind_of_stamps() {
     type Stamp = fn(u64) -> String;
-    let kinds: [(&str, Stamp, bool); 7] = [
+    let kinds: [(&str, Stamp, bool); 9] = [
         ("Timestamp", |at| format!("12:00:{:02}.{:02}0", at / 100, at % 100), true),
         ("", |at| format!("2026-03-01 12:00:{:02}.{:02}", at / 100, at % 100), true),
         ("time", |at| (1_700_000_000_000_000_000 + at * 10_000_000).to_string(), true),
         ("time,ms", |at| format!("12:00:{:02},{}", at / 100, at % 100 * 10), true),
+        ("time", |at| format!("{:.5}", at as f64 / 100.0 + 3e-5 * (at % 3) as f64), true),
+        ("count", |at| (at * 3).to_string(), false),
         ("ticks_100us", |at| (at * 100).to_string(), true),
         ("sec,nanosec", |at| format!("{},{}", 17 + at / 100, at % 100 * 10_000_000), true),
         ("sec,nanosec", |at| format!("{},{}", 17 + at / 100, at * 10_000_000), false),

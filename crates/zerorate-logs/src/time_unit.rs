@@ -2,6 +2,7 @@
 
 use crate::clock::Times;
 use crate::error::LogError;
+use crate::rate_question::quoted;
 use crate::setting::{Names, Setting};
 use crate::time_names::SAMPLE_TIME_FINE;
 use std::path::Path;
@@ -102,10 +103,11 @@ pub fn check(
     let or = if is_open { Some(unit) } else { other(per_unit, better) };
     let or = or.map_or_else(String::new, |or| format!(" or {}", or.name()));
     Err(LogError::Ask(format!(
-        "{}, column {column}: {}, and {}; give {column_option} {column} with {unit_option} {}{or}, or {rate} alone",
+        "{}, column {column}: {}, and {}; give {column_option} {} with {unit_option} {}{or}, or {rate} alone",
         path.display(),
         seen(unit, rate_hz),
         seen(better, better_hz),
+        quoted(column),
         better.name(),
     )))
 }

@@ -214,11 +214,14 @@ impl Windows<'_> {
 /// beyond it. Even Student's t with 2 degrees of freedom has more there, and glitches of any sizes have fewer.
 fn is_heavy(peaks: &[(usize, f64)], windows: f64, limit: f64) -> bool {
     let below = peaks.iter().filter(|(_, size)| *size <= 1.0).count();
+    if 2 * below <= peaks.len() {
+        return false;
+    }
     // Normal noise has this many windows beyond `TAIL` on average. The probability of `below` or more is the tail of
     // a Poisson distribution, which is that of χ².
     let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
     let by_chance = 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
-    2 * below > peaks.len() && by_chance < HEAVY_BY_CHANCE
+    by_chance < HEAVY_BY_CHANCE
 }
 
 /// The mean of ln(size) above the least size, which is 1 divided by the power of the tail (Hill's estimator), with two

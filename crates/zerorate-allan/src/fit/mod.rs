@@ -185,7 +185,8 @@ pub struct Fit {
     /// explains the scatter. The largest error of the curve up to 1/[`PREDICTS`] of the record counts instead if it is
     /// beyond chance and larger.
     pub model_error: f64,
-    /// The standard deviation of loud windows of ten seconds over that of quiet ones, if the sensor moves.
+    /// The standard deviation of loud windows of ten seconds over that of quiet ones, if the sensor moves. Or the
+    /// deviation of one half of the record over that of the other, at an averaging time up to ten seconds.
     pub motion_ratio: Option<f64>,
     /// Probability of a larger scatter than the measured one, if the model with ε is right.
     pub p_value: f64,
@@ -468,7 +469,7 @@ fn described(
     let short: Vec<Deviation> = curve.iter().filter(is_short).copied().collect();
     let off_short = OffCurve::of(&short, &curves, &model);
     let off_curve = OffCurve::of(&curve, &curves, &model).or(off_short);
-    let moves = steadiness::motion(rate, rate_hz);
+    let moves = steadiness::motion(rate, rate_hz).or_else(|| steadiness::loud_half(&curves, &model));
     let is_rejected = chosen.problem.error > MOST_ERROR || off_short.is_some() || moves.is_some();
     let misfit = is_rejected.then(|| match moves {
         Some(spread) => Misfit::of_motion(&chosen.problem, spread),

@@ -16,6 +16,8 @@ const FEWEST_IN_WINDOW: usize = 20;
 const FEWEST_WINDOWS: usize = 10;
 /// The share of the windows that is left out at either end.
 const OUTSIDE: f64 = 0.1;
+/// Codes resolve noise of more than this many steps: half a step, as for rounding.
+const RESOLVED: f64 = 0.5;
 /// A sensor moves if the largest standard deviation of the remaining windows exceeds the smallest by this factor.
 const MOVES: f64 = 10.0;
 
@@ -121,6 +123,17 @@ pub(super) struct Difference {
     pub(super) tau_s: f64,
     /// Deviation of the first half divided by the deviation of the second half.
     pub(super) ratio: f64,
+}
+
+/// The ratio of the halves at the averaging time at which they differ most, if one half moves: a few loud windows that
+/// [`motion`] leaves out. Codes that do not resolve the noise of the quiet half tell nothing.
+pub(super) fn loud_half(curves: &Curves<'_>, model: &Model) -> Option<f64> {
+    let Difference { tau_s, ratio } = halves(curves, model)?;
+    let parts = [0..BLOCKS / 2, BLOCKS / 2..BLOCKS];
+    let of_samples = parts.into_iter().filter_map(|part| Some(curves.of_parts(part).first()?.dev));
+    let is_resolved = of_samples.fold(f64::INFINITY, f64::min) > RESOLVED * step(curves.rate);
+    let loud = ratio.max(1.0 / ratio);
+    (tau_s <= WINDOW_S && is_resolved && loud > MOVES && loud.is_finite()).then_some(loud)
 }
 
 /// The averaging time at which the halves of a record differ most, if they do.

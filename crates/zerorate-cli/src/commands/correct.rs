@@ -8,7 +8,7 @@ use crate::interrupt;
 use crate::output::{Outputs, say, warn};
 use crate::part::PartArgs;
 use crate::wording::{coded, flag, form};
-use anyhow::{Error, Result, anyhow, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
 use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -156,7 +156,8 @@ fn log(args: &CorrectArgs, calibration: &Calibration, outputs: Outputs) -> Resul
     let mut outputs = outputs.reading([args.capture.as_path()])?;
     let output = outputs.derived(&args.output)?;
     let corrected = CorrectedLog::new(&UnitLog::File(args.capture.clone()), &options, calibration)?;
-    corrected.write_csv(&mut BufWriter::new(output.file()?))?;
+    let written = corrected.write_csv(&mut BufWriter::new(output.file()?));
+    written.with_context(|| format!("cannot write {}", args.output.display()))?;
     output.publish()?;
     warn(&corrected.notes);
     let (file, rows) = (args.output.display(), corrected.rows());
@@ -182,9 +183,11 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
         ErrorKind::FileTooLarge => anyhow!("{}; {error}", other_file(path)),
         _ => Error::from(error).context(format!("cannot read {name}")),
     })?;
-    let (calibration, warnings) = Calibration::parse(&text).map_err(|error| match text.contains("correction]") {
-        true => Error::from(error).context(name.to_string()),
-        false => other_file(path),
+    let (calibration, warnings) = Calibration::parse(&text).map_err(|error| {
+        match text.contains("correction]") || Calibration::is_begun_by(&text) {
+            true => Error::from(error).context(name.to_string()),
+            false => other_file(path),
+        }
     })?;
     let of_file = |warning| coded(SessionWarning::OfCalibration { cal: name.to_string(), warning });
     warn(&warnings.into_iter().map(of_file).collect::<Vec<_>>());

@@ -198,7 +198,7 @@ fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
     let mut text = String::new();
     let read = file.take(CALIBRATION_BYTES).read_to_string(&mut text);
     let (one, several) = (text.contains("[correction]"), text.contains("axis") && text.contains("correction"));
-    if read.is_err() || !(one || several) {
+    if read.is_err() || !(one || several || Calibration::is_begun_by(&text)) {
         let why = match is_table(&text) && !text.contains("zerorate.") {
             true => "it is a CSV of other software, which has no check lines, so it cannot be verified",
             false => "it is not a calibration file either",

@@ -6,7 +6,7 @@ use anyhow::Result;
 use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::chamber::{ChamberPlan, SHIPPED};
-use zerorate::{Setting, SettingNames};
+use zerorate::{Calibration, Setting, SettingNames};
 use zerorate_input::limits::Bytes;
 
 /// The largest file that is read: a plan of 1000 steps, or a week of a chamber's log.
@@ -44,7 +44,7 @@ impl PlanFile {
             .into());
         }
         let plan = if is_csv { course(&text) } else { ChamberPlan::parse(&text).map_err(|error| error.to_string()) };
-        let is_calibration = text.starts_with("# A zerorate calibration");
+        let is_calibration = Calibration::is_begun_by(&text);
         let plan = plan.map_err(|why| match is_calibration {
             true => InvalidOptions(format!("{shown} is not a plan: it is a calibration")),
             false => InvalidOptions(format!("{shown}: {why}")),

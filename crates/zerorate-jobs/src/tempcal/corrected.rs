@@ -46,6 +46,10 @@ impl CorrectedLog {
     pub fn new(log: &UnitLog, options: &TempcalOptions, calibration: &Calibration) -> Result<Self> {
         let mut notes = Vec::new();
         let (imu, columns) = gyroscope(log, options, calibration, &mut notes)?;
+        if let Some(column) = columns.iter().find(|column| column.name.contains("_corrected")) {
+            let (path, name) = (log.path().display(), &column.name);
+            return Err(InvalidOptions(format!("{path}: {name} is corrected already; take the rate before it")).into());
+        }
         let (rate_hz, start_s) = (columns[0].rate_hz, columns[0].start_s);
         let mut axes = Vec::new();
         for column in columns {

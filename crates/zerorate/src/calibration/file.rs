@@ -89,6 +89,12 @@ rows!(match FileWarning as Display {
 });
 
 impl Calibration {
+    /// Whether a text begins as the calibrations that zerorate writes. The rest may be missing.
+    #[must_use]
+    pub fn is_begun_by(text: &str) -> bool {
+        text.starts_with("# A zerorate calibration")
+    }
+
     /// Reads a calibration file.
     ///
     /// # Errors

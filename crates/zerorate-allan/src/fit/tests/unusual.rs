@@ -95,6 +95,21 @@ fn a_record_whose_power_comes_and_goes_is_motion() {
     assert_eq!(misfit.cause, Cause::Motion, "{misfit:?}");
 }
 
+/// Twenty seconds of swaying once lifted K a thousandfold, in a result with exit 0. The windows that sway are too few
+/// for the ratio of windows, and the sway is too regular for the model's error.
+#[test]
+fn a_short_sway_at_the_beginning_is_motion() {
+    for (seed, seconds) in [(4210, 20), (4211, 10), (4212, 40)] {
+        let quiet = Truth { n: 0.005, ..Truth::default() }.noise(60_000, seed);
+        let at = |i: usize| 10.0 * (PI * i as f64 / RATE_HZ).sin();
+        let sways: Vec<f64> =
+            quiet.iter().enumerate().map(|(i, x)| if i < seconds * 100 { x + at(i) } else { *x }).collect();
+        let fit = of(&sways);
+        assert_eq!(fit.misfit.map(|misfit| misfit.cause), Some(Cause::Motion), "{seed}: {:?}", fit.motion_ratio);
+        assert!(of(&quiet).motion_ratio.is_none());
+    }
+}
+
 #[test]
 fn the_advice_is_never_a_record_as_short_as_this_one() {
     for seed in 4300..4312 {

@@ -359,7 +359,10 @@ fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
         _ if args.json => print_json(&Reports { files, pool: None }),
         _ if args.csv => print(&table::csv(&files)?),
         _ => files.iter().try_for_each(|report| {
-            say(table::heading(report));
+            match files.len() {
+                1 => say(table::heading(report)),
+                _ => print_lines(&format!("{}\n", table::heading(report)))?,
+            }
             removed(report).iter().for_each(say);
             print_lines(&table::text(report)?)?;
             if args.fit { print_lines(&table::coefficients_text(report)?) } else { Ok(()) }

@@ -4,6 +4,7 @@ use std::path::Path;
 use zerorate::temperature::TERMS;
 use zerorate_jobs::CodedWarning;
 use zerorate_jobs::calibrate::{AxisNumbers, CalibrationReport, CurvePoint, CurveTerms, POINTS};
+use zerorate_logs::quoted;
 use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::{PlusMinus, remark};
@@ -23,7 +24,7 @@ pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str
         text += &truth.map_or_else(String::new, |truth| format!("axis {}: {truth}", axis.name));
     }
     text += &report.only.as_ref().and_then(against_truth).unwrap_or_default();
-    text + "\n" + &what_next(file, serial)
+    text + "\n" + &what_next(file, serial, report.device.as_deref())
 }
 
 /// The warnings about the measurement, then the warnings about single axes, which start with the name of the axis.
@@ -69,14 +70,20 @@ fn meaning(report: &CalibrationReport) -> String {
     )
 }
 
-fn what_next(file: Option<&Path>, serial: Option<&str>) -> String {
-    let plain = |serial: &&str| serial.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
-    let serial = serial.map_or_else(String::new, |sn| format!(" --serial {}", Some(sn).filter(plain).unwrap_or("SN")));
-    match file.map(Path::display) {
-        Some(file) => {
+/// The next commands. `$PART` stands for the address of a real part, as in the documentation.
+fn what_next(file: Option<&Path>, serial: Option<&str>, device: Option<&str>) -> String {
+    let serial = serial.map_or_else(String::new, |serial| format!(" --serial {}", quoted(serial)));
+    let device = match device.unwrap_or("twin:") {
+        "twin:" => String::new(),
+        twin if twin.starts_with("twin:") => format!(" --device {}", quoted(twin)),
+        _ => " --device \"$PART\"".to_owned(),
+    };
+    match file.map(|file| file.display().to_string()) {
+        Some(name) => {
+            let file = quoted(&name);
             format!(
-                "Written to {file}. Next: zerorate stream --cal {file}{serial}, zerorate export {file} --format \
-                 c\n"
+                "Written to {name}. Next: zerorate stream{device} --cal {file}{serial}, zerorate export {file} \
+                 --format c\n"
             )
         }
         None => "Nothing was saved: give -o unit.toml to keep the calibration.\n".to_owned(),

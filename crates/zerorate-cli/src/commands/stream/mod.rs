@@ -87,6 +87,9 @@ pub fn run(args: &StreamArgs) -> Result<()> {
         say(format_args!("{READABLE_HZ} rows a second, at the speed of the clock; --rate HZ gives others"));
     }
     let acquisition = args.device.open_at(setup, on_terminal)?;
+    if args.device.device.is_simulated() {
+        say(format_args!("SIMULATED: these are rates of {}", args.device.device));
+    }
     let (cal, device) = (args.cal.display().to_string(), args.device.device.to_string());
     let part = (device.as_str(), args.serial.as_deref());
     warn(check_serial(&acquisition, (&cal, &calibration), part, GIVE)?.map(coded).as_slice());
