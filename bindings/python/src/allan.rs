@@ -9,8 +9,8 @@ use pyo3::types::{PyDict, PyNone, PyTuple, PyType};
 use pythonize::pythonize;
 use std::fmt::Display;
 use zerorate_allan::{
-    Analysis, AnalysisError, Fit, FitOptions, FittedRecord, Gap, Input, Options, Prediction, Preparation, Stat, Taus,
-    deviations as of_input,
+    AllanWarning, Analysis, AnalysisError, Fit, FitOptions, FittedRecord, Gap, Input, Options, Prediction,
+    Preparation, Stat, Taus, deviations as of_input,
 };
 use zerorate_imu::{CleanedReport, DetrendReport, FitReport};
 
@@ -62,6 +62,7 @@ impl Times {
 /// Computes the deviation with its limits at each averaging time, and fits a noise model.
 ///
 /// ``asked`` is (remove glitches, remove steps, highest frequency of the model in Hz or None); None fits no model.
+/// ``scaled`` is (scale, unit): the record times the scale has the unit, which warnings name.
 /// ``settling`` has the temperature and the options ``detrend`` and ``skip``. Messages call the record ``name``.
 /// Other threads run meanwhile.
 ///
@@ -78,10 +79,11 @@ pub fn analyse<'py>(
     stat: &str,
     taus: Times,
     confidence: f64,
-    scale: f64,
+    scaled: (f64, String),
     asked: Option<(bool, bool, Option<f64>)>,
     settling: Option<Settling<'py>>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let (scale, unit) = scaled;
     let gaps: Vec<Gap> = gaps.into_iter().map(|(at, missing)| Gap { at, missing }).collect();
     let settled = settling.map(|of| of.apply(py, &record, &gaps, rate_hz, scale)).transpose()?;
     let (rest, settled, skipped_s) = settled.map_or_else(
@@ -103,18 +105,19 @@ pub fn analyse<'py>(
     });
     let (analysis, fit, frozen) = found.map_err(|error: AnalysisError| refused(error))?;
     let Preparation { detrended, follows } = settled;
+    let text = |warning: &AllanWarning| settling::text(warning, &unit);
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     result.set_item("skipped_s", skipped_s)?;
     let detrended = detrended.map(|detrended| pythonize(py, &DetrendReport::new(&detrended, None))).transpose()?;
     result.set_item("detrended", detrended)?;
     let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
-    result.set_item("warnings", frozen.into_iter().chain(follows.iter().map(settling::text)).collect::<Vec<_>>())?;
+    result.set_item("warnings", frozen.into_iter().chain(follows.iter().map(text)).collect::<Vec<_>>())?;
     match fit {
         Some(Ok(fit)) => {
             expected(&result, &analysis, &fit)?;
             result.set_item("fit", pythonize(py, &FitReport::new(Some(&fit), None))?)?;
-            result.set_item("fit_warnings", fit.warnings.iter().map(settling::text).collect::<Vec<_>>())?;
+            result.set_item("fit_warnings", fit.warnings.iter().map(text).collect::<Vec<_>>())?;
             result.set_item("cleaned", pythonize(py, &CleanedReport::new(&fit.cleaned))?)?;
             result.set_item("core", Model { fit, rate_hz })?;
         }

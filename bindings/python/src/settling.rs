@@ -89,6 +89,6 @@ pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {
 }
 
 /// Formats a warning as `code: text`. The text names the arguments of Python that remedy the problem.
-pub fn text(warning: &AllanWarning) -> String {
-    joined(&zerorate_imu::coded(warning, None, Names(argument)))
+pub fn text(warning: &AllanWarning, unit: &str) -> String {
+    joined(&zerorate_imu::coded(warning, Some(unit), Names(argument)))
 }

@@ -173,6 +173,9 @@ def test_correct_is_the_formula_of_the_note() -> None:
         calibration.correct(rate, 60.0)
     with pytest.raises(ValueError, match="shape"):
         calibration.correct([1.0, 2.0], [1.0, 2.0, 3.0])
+    with pytest.raises(ValueError, match="one temperature"):
+        calibration.correct(rate[:1].T, temp)
+    assert calibration.correct(1.0, temp).shape == (3,)
 
 
 AXES = """schema = 2
@@ -245,6 +248,10 @@ def test_several_axes_are_corrected_at_once(two: zerorate.Calibration) -> None:
     np.testing.assert_allclose(corrected[:, 0], rates[:, 0] - 0.25 - 0.04 * (temps - 31.5), rtol=0, atol=1e-15)
     np.testing.assert_allclose(corrected[:, 1], rates[:, 1] + 0.75 + 0.02 * (temps - 31.25), rtol=0, atol=1e-15)
     np.testing.assert_array_equal(two.correct(rates[0], 31.5), two.correct(rates[:1], 31.5)[0])
+    np.testing.assert_array_equal(two.correct(rates, temps[:, np.newaxis]), corrected)
+    assert two.correct(rates[0], temps).shape == (4, 2)
+    with pytest.raises(ValueError, match="one temperature"):
+        two.correct(temps[:2], rates)
     with pytest.raises(ValueError, match="2 axes x, y"):
         two.correct(rates[:, :1], temps)
     with pytest.raises(ValueError, match="2 axes x, y"):

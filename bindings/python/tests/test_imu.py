@@ -286,3 +286,11 @@ def test_a_log_that_does_not_say_enough_asks_for_arguments(log: Path, tmp_path: 
     np.savetxt(backwards, np.column_stack([t, rest(1000)[:, 0]]), delimiter=",", header="t_s,gx_dps", comments="")
     with pytest.raises(zerorate.Refused, match="rate_hz="):
         zerorate.imu(backwards)
+
+
+def test_a_warning_names_the_unit_of_its_axis() -> None:
+    t_s = np.arange(12_000) / 200.0
+    gyro = np.random.default_rng(20).normal(0.0, 0.05, (12_000, 3)) + np.sin(40.0 * np.pi * t_s)[:, np.newaxis]
+    found = zerorate.imu({"gyro": gyro}, rate_hz=200.0, gyro_unit="dps")
+    (said,) = [text for text in found.warnings if text.startswith("gyro_x: lines")]
+    assert "°/s rms" in said

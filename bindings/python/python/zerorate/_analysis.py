@@ -121,7 +121,7 @@ class AnalysisOptions:
             self.stat,
             taus if isinstance(taus, str) else np.asarray(taus, dtype=np.float64).reshape(-1).tolist(),
             float(self.confidence),
-            1.0 if scale is None else float(scale),
+            (1.0 if scale is None else float(scale), unit),
             self.asked_fit,
             None if self.settling is None else self.settling.asked(name, temperature),
         )

@@ -411,13 +411,14 @@ class Calibration:
             Uncorrected rate, °/s: a number or an array of any shape. With several axes, the last dimension of the
             array is the axes, in the order of ``axes``.
         temp_c
-            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against the rate.
-            With several axes, it broadcasts against the other dimensions.
+            Temperature of the part, °C, read with the rate: a number, or an array that broadcasts to the shape of the
+            rate. With several axes, to that of its other dimensions, or of these and a last one of length 1. If the
+            rate is a number, or one of each axis, the temperatures may be several.
 
         Returns
         -------
         float or array
-            The corrected rate, °/s, in the broadcast shape; NaN where an input is NaN.
+            The corrected rate, °/s, in the shape of the rate, or of several temperatures; NaN where an input is NaN.
 
         Warns
         -----
@@ -427,11 +428,12 @@ class Calibration:
         Raises
         ------
         ValueError
-            If the shapes do not broadcast, or the last dimension is not the axes.
+            If a rate would have several temperatures, or the last dimension is not the axes.
         """
         rates = np.asarray(rate_dps, dtype=np.float64)
         temps = np.asarray(temp_c, dtype=np.float64)
         if len(self.axes) == 1:
+            _check_shapes(rates.shape, rates, temps)
             corrected = _correct(self.axes[0].correction, rates, temps)
             self._warn_outside(temps)
             return corrected if corrected.shape else float(corrected)
@@ -439,6 +441,10 @@ class Calibration:
             raise ValueError(
                 f"rates of shape {rates.shape}: the last dimension must be the {len(self.axes)} axes {self._names()}"
             )
+        samples = rates.shape[:-1]
+        if samples and temps.shape == (*samples, 1):
+            temps = temps[..., 0]
+        _check_shapes(samples, rates, temps)
         columns = [_correct(axis.correction, rates[..., k], temps) for k, axis in enumerate(self.axes)]
         self._warn_outside(temps)
         return np.stack(columns, axis=-1)
@@ -449,6 +455,19 @@ class Calibration:
             outside = self._core.extrapolation(float(seen.min()), float(seen.max()))
             if outside is not None:
                 warnings.warn(outside, stacklevel=3)
+
+
+def _check_shapes(samples: tuple[int, ...], rates: NDArray[np.float64], temps: NDArray[np.float64]) -> None:
+    """Checks that samples of this shape have one temperature each, or that there is one sample."""
+    try:
+        together = np.broadcast_shapes(samples, temps.shape)
+    except ValueError:
+        together = None
+    if together != samples and (samples or temps.ndim > 1):
+        raise ValueError(
+            f"rate_dps of shape {rates.shape} and temp_c of shape {temps.shape}: each rate needs one temperature; give "
+            f"a number or an array of shape {samples}"
+        )
 
 
 @dataclass(frozen=True)

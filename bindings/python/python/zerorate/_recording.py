@@ -49,7 +49,7 @@ def capture(
     output: str | os.PathLike[str],
     /,
     *,
-    duration: Seconds = "10m",
+    duration: Seconds | None = None,
     samples: int | None = None,
     part: str | os.PathLike[str] | None = None,
     every_temp: int | None = None,
@@ -73,7 +73,7 @@ def capture(
     output
         The file: ``.arrows``, ``.parquet`` or ``.csv``.
     duration
-        Duration of the recording in the sensor's time: seconds, or a text such as ``"1h30m"``.
+        Duration of the recording in the sensor's time: seconds, or a text such as ``"1h30m"``; None for ten minutes.
     samples
         Number of samples to record instead of a duration.
     part, every_temp, divider, realtime, serial, supply_note, ambient_note, operator, progress
@@ -103,6 +103,8 @@ def capture(
     >>> capture("twin:seed=7", file, samples=1000).samples
     1000
     """
-    arguments = {**locals(), "output": os.fspath(output)}
+    if duration is not None and samples is not None:
+        raise ValueError("give duration= or samples=, not both")
+    arguments = {**locals(), "output": os.fspath(output), "duration": "10m" if duration is None else duration}
     read = _device.options(device, part, every_temp, divider, realtime)
     return Captured(**_zerorate.capture(read, arguments, _device.showing(progress)))

@@ -160,7 +160,7 @@ def analyse(
     stat: str,
     taus: str | list[float],
     confidence: float,
-    scale: float,
+    scaled: tuple[float, str],
     asked: tuple[bool, bool, float | None] | None,
     settling: _Settling | None,
 ) -> dict[str, Any]: ...
