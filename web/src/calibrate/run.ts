@@ -96,7 +96,7 @@ export class Run implements Stage {
     this.#finish.disabled = !run.can_finish;
     mark(this.#finish, "class", run.is_enough ? "primary" : null);
     this.#plan(run);
-    this.#warn(run.pending_refusals);
+    this.#warn(run.pending_refusals, this.#finish.hidden || run.can_finish);
     facts(this.#facts, temperatures(run));
   }
 
@@ -126,12 +126,13 @@ export class Run implements Stage {
     });
   }
 
-  #warn(refusals: string[]): void {
-    const text = JSON.stringify(refusals);
+  #warn(refusals: string[], isKnown: boolean): void {
+    const text = JSON.stringify([refusals, isKnown]);
     if (text === this.#shown) return;
     this.#shown = text;
     const rows = refusals.map((refusal) => h("li", { class: "pending-refusal" }, ...coded(refusal)));
-    this.#refusals.replaceChildren(...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing.")]));
+    const none = h("li", { class: "none" }, isKnown ? "Nothing." : "Not known in the first minute.");
+    this.#refusals.replaceChildren(...(rows.length > 0 ? rows : [none]));
   }
 
   #draw(run: Running): void {
