@@ -109,7 +109,7 @@ rows!(match AllanWarning {
     Self::WarmUp { size, tau_s } => Row {
         code: "warm-up",
         text: format_args!(
-            "the level {} by {:.3e} {{unit}} (time constant {}) and hides B and K; let the sensor settle",
+            "the level {} by {:.3e} {{unit}} (time constant {}) and hides B and K; let it settle",
             if size < 0.0 { "rises" } else { "falls" },
             size.abs(),
             span(tau_s)
@@ -118,7 +118,7 @@ rows!(match AllanWarning {
     Self::MemoryOrFlicker { markovs, others, worse } => Row {
         code: "memory-or-flicker",
         text: format_args!(
-            "a model with {others} Gauss–Markov terms, not {markovs}, fits as well; trust neither beyond a quarter of the record"
+            "{others} Gauss–Markov terms fit as well as {markovs}; trust neither beyond 1/4 of the record"
         ),
     },
     Self::MemoryOrFilter { tau_s, n } => Row {

@@ -78,7 +78,7 @@ impl Remedy {
     const fn text(self) -> &'static str {
         match self {
             Self::GiveEarth => "give its component",
-            Self::AssumeLinear => "assume linearity if it is known",
+            Self::AssumeLinear => "if linear, state it",
             Self::SettleLonger => "settle longer",
             Self::ShieldFromDraughts => "shield the part from draughts",
             Self::LinearSupply => "use a linear supply",
