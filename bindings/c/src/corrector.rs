@@ -73,8 +73,8 @@ pub unsafe extern "C" fn zerorate_corrector_begin(
 
 /// Corrects the next rate, deg/s, with the temperature that was read with it, deg C. If no temperature was read, pass
 /// NaN, and the last temperature is used. A rate of NaN stands for a reading that must not be used. Returns
-/// ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet. Refuses infinite numbers with
-/// ZERORATE_E_ARGUMENT.
+/// ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet. Returns
+/// ZERORATE_E_ARGUMENT if a number is infinite.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.

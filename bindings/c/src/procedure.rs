@@ -3,7 +3,10 @@
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::gyro::Sample;
-use crate::status::{self, Status, StatusNumber, ZERORATE_E_NULL, ZERORATE_E_PLAN, ZERORATE_E_STATE};
+use crate::status::{
+    self, Status, StatusNumber, ZERORATE_DONE, ZERORATE_E_NULL, ZERORATE_E_PLAN, ZERORATE_E_STATE,
+    ZERORATE_INITIALISE, ZERORATE_SAMPLE,
+};
 use zerorate::{
     Action, Axis, Event, FixedProcedure, Measured, Outcome as CoreOutcome, Plan as CorePlan, Reading, Refusal, Remedy,
     State as CoreState, Warning, WindowWarnings,
@@ -113,13 +116,6 @@ pub const ZERORATE_WARNING_FLAT: u32 = 512;
 /// a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
 /// recorded samples.
 pub const ZERORATE_WARNING_HOUR_UNCHECKED: u32 = 1024;
-
-/// Initialise the part, then call zerorate_procedure_initialised.
-pub const ZERORATE_INITIALISE: Status = 10;
-/// Pass each sample to zerorate_procedure_sample. While no samples come, pass the time to zerorate_procedure_time.
-pub const ZERORATE_SAMPLE: Status = 11;
-/// The calibration is complete: call zerorate_procedure_outcome.
-pub const ZERORATE_DONE: Status = 12;
 
 impl Plan {
     fn new(plan: &CorePlan) -> Self {

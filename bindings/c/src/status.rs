@@ -1,6 +1,5 @@
 //! The status numbers that the functions return, and their texts.
 
-use crate::procedure::{ZERORATE_DONE, ZERORATE_INITIALISE, ZERORATE_SAMPLE};
 use adis16130::{BusError, Fault, InitError, ReadError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
 use zerorate::{Refusal, TableError};
@@ -14,6 +13,12 @@ pub const ZERORATE_OK: Status = 0;
 /// No result, and no failure: nothing was due at this edge, the data of the edge had been read before, no temperature
 /// has come yet, or the rate is NaN.
 pub const ZERORATE_NOTHING: Status = 1;
+/// Initialise the part, then call zerorate_procedure_initialised.
+pub const ZERORATE_INITIALISE: Status = 10;
+/// Pass each sample to zerorate_procedure_sample. While no samples come, pass the time to zerorate_procedure_time.
+pub const ZERORATE_SAMPLE: Status = 11;
+/// The calibration is complete: call zerorate_procedure_outcome.
+pub const ZERORATE_DONE: Status = 12;
 /// A pointer that must not be null is null.
 pub const ZERORATE_E_NULL: Status = -1;
 /// The object has not been set up, or the call came too early, such as zerorate_procedure_outcome before the end.
@@ -47,8 +52,8 @@ pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;
 /// The link is healthy, but no reading exists yet. The part has not been initialised, or its first conversion has not
 /// ended. Initialise it, wait for RDY and read again.
 pub const ZERORATE_E_NO_READING: Status = -25;
-/// A coefficient is not finite, or does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s per deg C, and PBC
-/// and T3 are within the range of the codes.
+/// A coefficient is not finite, or does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s
+/// per deg C, and PBC and T3 are within the range of the codes.
 pub const ZERORATE_E_COEFFICIENT: Status = -30;
 /// Step or span is not positive, the span is not a whole number of steps, or the table has more than 100001 rows.
 pub const ZERORATE_E_TABLE_LAYOUT: Status = -31;

@@ -4,7 +4,7 @@ use crate::clock_digits::times_of_day;
 use crate::error::LogError;
 use crate::middle::{median, usual_step};
 use crate::sample::{Cell, Sampled};
-use crate::setting::{Names, Setting};
+use crate::setting::{Names, Setting, quoted};
 use crate::text::dates::{self, DateColumn};
 use crate::time_names::{is_like_time, is_step, states_time};
 use crate::time_unit;
@@ -53,12 +53,6 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
     let remedy = remedy.or_else(|| steps(sample, rate)).or_else(|| ticks(sample, rate));
     let remedy = remedy.unwrap_or_else(named);
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
-}
-
-/// Quotes a name for a shell, if it needs quotes.
-pub fn quoted(name: &str) -> String {
-    let is_plain = name.chars().all(|c| c.is_alphanumeric() || "_-./:#,=".contains(c));
-    if is_plain { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
 }
 
 /// The first column of dates or times that cannot be read, with a cell and the reason.

@@ -80,3 +80,9 @@ impl Default for Names {
         Self(Setting::name)
     }
 }
+
+/// Quotes a name for a shell, if it needs quotes.
+pub fn quoted(name: &str) -> String {
+    let is_plain = name.chars().all(|c| c.is_alphanumeric() || "_-./:#,=".contains(c));
+    if is_plain { name.to_owned() } else { format!("'{}'", name.replace('\'', "'\\''")) }
+}

@@ -2,8 +2,7 @@
 
 use crate::clock::Times;
 use crate::error::LogError;
-use crate::rate_question::quoted;
-use crate::setting::{Names, Setting};
+use crate::setting::{Names, Setting, quoted};
 use crate::time_names::SAMPLE_TIME_FINE;
 use std::path::Path;
 use zerorate_input::TimeUnit;

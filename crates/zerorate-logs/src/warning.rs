@@ -144,7 +144,7 @@ rows!(match LogWarning as Display {
         text: format_args!("{path}: the unit of column {column} is not stated; give {unit} (dps, rad/s …) or {scale}"),
     },
     Self::ColumnsLeftOut { ref path, ref names } =>
-        Row { code: "columns-left-out", text: format_args!("{path}: not read as gyroscope or accelerometer: {names}") },
+        Row { code: "columns-left-out", text: format_args!("{path}: not read as an axis of an IMU: {names}") },
     Self::NoNumbers { ref path, ref names } =>
         Row { code: "columns-left-out", text: format_args!("{path}: left out, holding no numbers: {names}") },
     Self::BlanksLeftOut { ref path, ref names } =>

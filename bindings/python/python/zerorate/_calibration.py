@@ -465,8 +465,8 @@ def _check_shapes(samples: tuple[int, ...], rates: NDArray[np.float64], temps: N
         together = None
     if together != samples and (samples or temps.ndim > 1):
         raise ValueError(
-            f"rate_dps of shape {rates.shape} and temp_c of shape {temps.shape}: each rate needs one temperature; give "
-            f"a number or an array of shape {samples}"
+            f"rate_dps of shape {rates.shape} and temp_c of shape {temps.shape}: each rate needs one temperature; "
+            f"give a number or an array of shape {samples}"
         )
 
 

@@ -79,7 +79,7 @@ fn the_contract_of_json() {
 #[test]
 fn columns_that_are_not_axes_are_left_out_and_named() {
     let bench = bench();
-    let text = bench.zerorate(LINE).saying(&["not read as gyroscope or accelerometer: mag_x\n"]).ok();
+    let text = bench.zerorate(LINE).saying(&["not read as an axis of an IMU: mag_x\n"]).ok();
     assert!(["°/√h", "m/s/√h", "µg"].iter().all(|unit| text.contains(unit)), "{text}");
     bench.write("none.csv", "t_s,height,weight\n0,1,2\n1,2,3\n");
     bench.zerorate("imu none.csv").ended_with(2).saying(&["it has: height, weight"]);
