@@ -416,7 +416,7 @@ typedef struct zerorate_corrected {
  */
 typedef struct zerorate_settings {
   /**
-   * Nominal master clock of the part, Hz. Default: 6000000.
+   * Nominal master clock of the part, Hz: 1000 to 10000000. Default: 6000000. A wrong clock makes `lost` wrong.
    */
   uint32_t mclk_hz;
   /**
@@ -830,6 +830,17 @@ typedef struct zerorate_tracked {
 } zerorate_tracked;
 
 /**
+ * Success.
+ */
+#define ZERORATE_OK 0
+
+/**
+ * No result, and no failure: nothing was due at this edge, the data of the edge had been read before, no temperature
+ * has come yet, or the rate is NaN.
+ */
+#define ZERORATE_NOTHING 1
+
+/**
  * Initialise the part, then call zerorate_procedure_initialised.
  */
 #define ZERORATE_INITIALISE 10
@@ -843,17 +854,6 @@ typedef struct zerorate_tracked {
  * The calibration is complete: call zerorate_procedure_outcome.
  */
 #define ZERORATE_DONE 12
-
-/**
- * Success.
- */
-#define ZERORATE_OK 0
-
-/**
- * No result, and no failure: nothing was due at this edge, the data of the edge had been read before, no temperature
- * has come yet, or the rate is NaN.
- */
-#define ZERORATE_NOTHING 1
 
 /**
  * A pointer that must not be null is null.
@@ -902,12 +902,12 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_INTERRUPTED -15
 
 /**
- * SDO is stuck at ones: check its wire, CS and the supply.
+ * SDO is stuck at ones: check its wire, CS, the supply and SPI mode 3.
  */
 #define ZERORATE_E_STUCK_HIGH -20
 
 /**
- * SDO is stuck at zeros: check its wire, CS and the supply.
+ * SDO is stuck at zeros: check its wire, CS, the supply and SPI mode 3.
  */
 #define ZERORATE_E_STUCK_LOW -21
 
@@ -918,7 +918,7 @@ typedef struct zerorate_tracked {
 
 /**
  * A register does not read the value that was written, or a status names the wrong channel: the line has bit errors,
- * or the part is another one, or this object did not initialise it.
+ * or a wrong SPI mode, or the part is another one, or this object did not initialise it.
  */
 #define ZERORATE_E_UNEXPECTED -23
 
@@ -934,8 +934,8 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_NO_READING -25
 
 /**
- * A coefficient does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s per deg C, and PBC
- * and T3 are within the range of the codes.
+ * A coefficient is not finite, or does not fit the integer correction. A line fits if |BTC| is at most 1.19 deg/s
+ * per deg C, and PBC and T3 are within the range of the codes.
  */
 #define ZERORATE_E_COEFFICIENT -30
 
@@ -1039,7 +1039,7 @@ float zerorate_rate_dps(uint32_t rate_code);
 float zerorate_temp_c(uint32_t temp_code);
 
 /**
- * Converts a correction to single precision.
+ * Converts a correction to single precision. Returns ZERORATE_E_COEFFICIENT if a coefficient is not finite.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1096,7 +1096,8 @@ uint32_t zerorate_correct_integer(const struct zerorate_correction_integer *corr
 uint32_t zerorate_correct_curve(const struct zerorate_correction_curve *curve, uint32_t rate_code, uint32_t temp_code);
 
 /**
- * Begins a stream, before its first temperature. If `valid` is null, no temperature counts as extrapolated.
+ * Begins a stream, before its first temperature. If `valid` is null, no temperature counts as extrapolated. Returns
+ * ZERORATE_E_COEFFICIENT if a coefficient is not finite, ZERORATE_E_ARGUMENT if `valid` is no span.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1107,7 +1108,8 @@ zerorate_status zerorate_corrector_begin(struct zerorate_corrector *corrector,
 /**
  * Corrects the next rate, deg/s, with the temperature that was read with it, deg C. If no temperature was read, pass
  * NaN, and the last temperature is used. A rate of NaN stands for a reading that must not be used. Returns
- * ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet.
+ * ZERORATE_NOTHING and writes nothing if the rate is NaN or no temperature has come yet. Returns
+ * ZERORATE_E_ARGUMENT if a number is infinite.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1124,7 +1126,8 @@ zerorate_status zerorate_corrector_take(struct zerorate_corrector *corrector,
 zerorate_status zerorate_settings_default(struct zerorate_settings *settings);
 
 /**
- * Sets up a gyroscope. Copies `bus` and `settings`, and sends nothing. Call zerorate_gyro_initialise next.
+ * Sets up a gyroscope. Copies `bus` and `settings`, and sends nothing. Call zerorate_gyro_initialise next. Returns
+ * ZERORATE_E_ARGUMENT if a setting is out of its range.
  *
  * Required: Each pointer is null or points to memory of its type. The functions and the context of `bus` may be used as its
  * documentation says.
@@ -1192,7 +1195,7 @@ zerorate_status zerorate_gyro_silent(struct zerorate_gyro *gyro, uint64_t now_ns
 
 /**
  * Checks the link with 2 commands. Returns ZERORATE_OK if the part is configured as written, and otherwise the fault,
- * or the reason why nothing was sent.
+ * or the reason why nothing was sent: ZERORATE_E_STATE before the first initialisation.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */
@@ -1329,7 +1332,8 @@ zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
 zerorate_status zerorate_table_look_up(const struct zerorate_table *table, uint32_t temp_code, int32_t *row_udps);
 
 /**
- * Begins from the calibration, which was made `age_s` seconds ago.
+ * Begins from the calibration, which was made `age_s` seconds ago. Returns ZERORATE_E_ARGUMENT if `prior` is not
+ * possible, or `age_s` is negative or not finite, and ZERORATE_E_COEFFICIENT if a coefficient is not finite.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1340,7 +1344,7 @@ zerorate_status zerorate_tracker_begin(struct zerorate_tracker *tracker,
 
 /**
  * Begins from the saved state, after `off_s` seconds without power. Returns ZERORATE_E_ARGUMENT if the state is
- * damaged or not possible, or `off_s` is negative or not finite.
+ * damaged, it or `prior` is not possible, or `off_s` is negative or not finite.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1351,14 +1355,15 @@ zerorate_status zerorate_tracker_resume(struct zerorate_tracker *tracker,
                                         double off_s);
 
 /**
- * Passes the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s. Pass NaN for a missing mean.
+ * Passes the mean rate, deg/s, and the mean temperature, deg C, of the next 0.1 s. The rate is the one that was read,
+ * not a corrected one. Pass NaN for a missing mean. Refuses infinite numbers with ZERORATE_E_ARGUMENT.
  *
  * Required: `tracker` is null or points to a tracker.
  */
 zerorate_status zerorate_tracker_push(struct zerorate_tracker *tracker, double rate_dps, double temp_c);
 
 /**
- * Writes the bias at the temperature `temp_c`, deg C.
+ * Writes the bias at the temperature `temp_c`, deg C. Returns ZERORATE_E_ARGUMENT if that is not finite.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
