@@ -293,4 +293,4 @@ def test_a_warning_names_the_unit_of_its_axis() -> None:
     gyro = np.random.default_rng(20).normal(0.0, 0.05, (12_000, 3)) + np.sin(40.0 * np.pi * t_s)[:, np.newaxis]
     found = zerorate.imu({"gyro": gyro}, rate_hz=200.0, gyro_unit="dps")
     (said,) = [text for text in found.warnings if text.startswith("gyro_x: lines")]
-    assert "°/s rms" in said
+    assert "dps rms" in said
