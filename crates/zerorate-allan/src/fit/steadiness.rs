@@ -128,12 +128,17 @@ pub(super) struct Difference {
 /// The ratio of the halves at the averaging time at which they differ most, if one half moves: a few loud windows that
 /// [`motion`] leaves out. Codes that do not resolve the noise of the quiet half tell nothing.
 pub(super) fn loud_half(curves: &Curves<'_>, model: &Model) -> Option<f64> {
+    let of_blocks = |m: u64| curves.blocks.iter().flatten().filter(move |found| found.m == m).map(|found| found.dev);
+    let spread = |m: &u64| of_blocks(*m).fold(0.0, f64::max) / of_blocks(*m).fold(f64::INFINITY, f64::min);
+    // the eighths of most records are alike, and then the halves, whose curves take passes over the record
+    if curves.lengths.iter().all(|m| spread(m) <= MOVES) {
+        return None;
+    }
     let Difference { tau_s, ratio } = halves(curves, model)?;
-    let parts = [0..BLOCKS / 2, BLOCKS / 2..BLOCKS];
-    let of_samples = parts.into_iter().filter_map(|part| Some(curves.of_parts(part).first()?.dev));
-    let is_resolved = of_samples.fold(f64::INFINITY, f64::min) > RESOLVED * step(curves.rate);
-    let loud = ratio.max(1.0 / ratio);
-    (tau_s <= WINDOW_S && is_resolved && loud > MOVES && loud.is_finite()).then_some(loud)
+    let quiet = curves.blocks.iter().filter_map(|block| Some(block.first()?.dev)).fold(f64::INFINITY, f64::min);
+    let is_resolved = quiet > RESOLVED * step(curves.rate);
+    let ratio = ratio.max(1.0 / ratio);
+    (tau_s <= WINDOW_S && is_resolved && ratio > MOVES && ratio.is_finite()).then_some(ratio)
 }
 
 /// The averaging time at which the halves of a record differ most, if they do.
