@@ -42,6 +42,8 @@ def test_a_recording_is_that_of_the_program(tmp_path: Path) -> None:
     command += ["--duration=2s", "--serial=A3", "--every-temp=10"]
     report = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
     assert vars(found) == {**report, "file": str(mine)}
+    with pytest.raises(ValueError, match="not both"):
+        zerorate.capture("twin:seed=3", tmp_path / "both.arrows", duration="2s", samples=10)
     one, other = zerorate.read_capture(mine), zerorate.read_capture(theirs)
     np.testing.assert_array_equal(one.rate_code, other.rate_code)
     assert one.metadata["zerorate.serial"] == "A3" and len(one) == found.samples

@@ -181,6 +181,8 @@ fn a_calibration_of_logs_corrects_another_log_with_its_lag() {
     let worst = |column: usize| rows.chunks(600).map(|rows| mean(rows, column).abs()).fold(0.0, f64::max);
     assert!(worst(2) > 0.5 && worst(3) < 0.01, "{} before, {} after", worst(2), worst(3));
 
+    let again = "correct out.csv --cal unit.toml -o again.csv --gyro gx_corrected_dps";
+    bench.zerorate(again).fails(2, &["gx_corrected_dps is corrected already"]);
     bench.zerorate(&format!("{line} -o out.arrows")).fails(2, &["ends in .csv"]);
     bench.zerorate(&format!("{line} --serial 7 -o x.csv")).fails(1, &["--force corrects nevertheless"]);
     bench.write("renamed.csv", bench.text("swing.csv").replace("gx [rad/s]", "wx [rad/s]"));

@@ -181,6 +181,9 @@ fn corrected_captures_and_calibrations_are_verified() {
     assert_eq!(verdict(&bench, "edited.csv").0, Some(1), "a derived cell was changed");
     let (code, by_hand) = verdict(&bench, "unit.toml");
     assert_eq!((code, &by_hand["checked"], &by_hand["form"]), (Some(0), &false.into(), &"calibration".into()));
+    bench.write("cut.toml", "# A zerorate calibration (docs/formats/calibration.md).\nschema = 4\n");
+    let (code, cut) = verdict(&bench, "cut.toml");
+    assert_eq!((code, &cut["form"]), (Some(1), &"calibration".into()), "its head says what it is: {cut}");
     bench.write("log.csv", "t_s,gz_dps\n0,1\n1,2\n");
     bench.write("noise.bin", [0x5a; 100]);
     let text = bench.zerorate("verify log.csv noise.bin").ended_with(1).stdout;
