@@ -133,6 +133,8 @@ fn an_interrupted_capture_is_whole_and_a_stream_ends_well() {
 #[test]
 fn a_measured_calibration_streams() {
     let bench = Bench::new();
+    let told = bench.zerorate(&format!("calibrate {SHORT} --device twin:seed=2 -o two.toml")).ok();
+    assert!(told.contains("Next: zerorate stream --device twin:seed=2 --cal two.toml, "), "{told}");
     bench.zerorate(&format!("calibrate {SHORT} -o unit.toml --serial A1")).ended_with(0);
     let run = bench.zerorate("stream --cal unit.toml --serial A1 --duration 10ms").ended_with(0);
     assert_eq!(run.stderr, "SIMULATED: these are rates of twin:\n", "a whole calibration needs no warning");
