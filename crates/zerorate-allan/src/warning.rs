@@ -109,7 +109,7 @@ rows!(match AllanWarning {
     Self::WarmUp { size, tau_s } => Row {
         code: "warm-up",
         text: format_args!(
-            "the level {} by {:.3e} {{unit}} (time constant {}) and hides B and K; let it settle",
+            "the level {} by {:.3e} {{unit}} (time constant {}), which blurs B and K; let it settle",
             if size < 0.0 { "rises" } else { "falls" },
             size.abs(),
             span(tau_s)

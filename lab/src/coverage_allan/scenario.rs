@@ -174,6 +174,7 @@ fn disturbed() -> Vec<Scenario> {
         widened("lost at once", Disturbance::Gap(100.0)),
         with("coarse codes", Disturbance::Coarse(1.2)),
         Scenario { bounds: NOT_SILENT, k: 0.0, ..with("warm-up", Disturbance::WarmUp(0.05, 600.0)) },
+        with("warm-up beside a walk", Disturbance::WarmUp(1.0, 120.0)),
     ]
 }
 

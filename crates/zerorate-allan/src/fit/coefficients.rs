@@ -1,6 +1,6 @@
 //! Converts the parameters of a fit to coefficients and terms with their intervals.
 
-use super::density::Drift;
+use super::drift::{Drift, Template};
 use super::lines::Line;
 use super::profile::Profile;
 use super::readings::white_share;
@@ -65,11 +65,10 @@ impl Coefficients<'_> {
     }
 
     fn drift(&self) -> Estimate {
-        let (table, found) = (&self.chosen.problem.table, &self.chosen.found);
-        let template = found.form.drift.map(|drift| drift.coefficients(table.span_s, table.low.len()));
-        let rows = (0..table.singles()).map(|row| (table.rows[row].bin.first - 1, found.density[row]));
-        let information: f64 =
-            template.iter().flat_map(|template| rows.clone().map(|(k, s)| template[k] * template[k] / s)).sum();
+        let (problem, found) = (&self.chosen.problem, &self.chosen.found);
+        let information = found.form.drift.map_or(0.0, |drift| {
+            Template::new(drift, &problem.table).fitted(&problem.table, &problem.nu, &found.density).information
+        });
         let half = 1.96 / libm::sqrt(information);
         Estimate { value: found.drift, lo: found.drift - half, hi: found.drift + half }
     }

@@ -1,4 +1,4 @@
-//! The densities of the noise terms, and the coefficients of a drift.
+//! The densities of the noise terms.
 
 use super::bins::Bin;
 use super::{Corner, Fit, Term};
@@ -7,7 +7,7 @@ use core::f64::consts::PI;
 
 pub(super) const MOST_COSINES: usize = 6;
 /// Largest number of coefficients to which a drift is fitted, with their signs.
-pub(super) const LOW: usize = 64;
+pub(super) const LOW: usize = 1000;
 /// Expected square of the k-th coefficient c_k of the DCT-II for 1/f noise, divided by the density at f_k =
 /// k/(2·record length), for k = 1, 2 … (1 for larger k). It is f_k·∫|Φ_k(f)|²/|f| df over all f, where Φ_k is the
 /// Fourier transform of the k-th orthonormal cosine.
@@ -83,18 +83,18 @@ impl Table {
         Self { rate_hz, top_hz, span_s, rows, low: Vec::new() }
     }
 
-    /// Removes a drift of this size from the powers of the bins with one coefficient each.
-    pub(super) fn remove(&mut self, drift: Drift, size: f64) {
-        let template = drift.coefficients(self.span_s, self.low.len());
-        for row in 0..self.singles() {
-            let k = self.rows[row].bin.first - 1;
-            let rest = self.low[k] - size * template[k];
-            // the logarithm of the power must be finite
-            self.rows[row].bin.power = (rest * rest).max(f64::MIN_POSITIVE);
-        }
+    /// The number of leading rows whose coefficients are known with their signs: a drift is fitted in them.
+    pub(super) fn signed(&self) -> usize {
+        let mut next = 1;
+        let is_known = |row: &&BinRow| {
+            let follows = row.bin.first == next && row.span_s == self.span_s;
+            next = row.bin.end;
+            follows && row.bin.end <= self.low.len() + 1
+        };
+        self.rows.iter().take_while(is_known).count()
     }
 
-    /// The number of leading rows with one coefficient each, in which a drift is fitted.
+    /// The number of leading rows with one coefficient each.
     pub(super) fn singles(&self) -> usize {
         self.rows.iter().take_while(|row| row.bin.is_single() && row.bin.first <= self.low.len()).count()
     }
@@ -173,56 +173,6 @@ impl BinRow {
     }
 }
 
-/// A drift: a slow deterministic change of the rate, fitted in the first coefficients.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Drift {
-    /// The rate drifts evenly: R·t.
-    Ramp,
-    /// The rate decays as e^(−t/τ) from the start.
-    WarmUp { tau_s: f64 },
-}
-
-impl Drift {
-    /// The value of a drift of size 1 at the time `t_s`.
-    pub(super) fn at(self, t_s: f64) -> f64 {
-        match self {
-            Self::Ramp => t_s,
-            Self::WarmUp { tau_s } => libm::exp(-t_s / tau_s),
-        }
-    }
-
-    /// The coefficients c_k·√dt of a drift of size 1, k = 1, 2 …
-    pub(super) fn coefficients(self, span_s: f64, count: usize) -> Vec<f64> {
-        let one = |k: usize| {
-            let (odd, angle) = (k % 2 == 1, k as f64 * PI);
-            match self {
-                Self::Ramp if odd => -4.0 * span_s / (angle * angle) * libm::sqrt(span_s / 2.0),
-                Self::Ramp => 0.0,
-                Self::WarmUp { tau_s } => {
-                    let (decay, end) = (span_s / tau_s, libm::exp(-span_s / tau_s));
-                    let rest = if odd { 1.0 + end } else { 1.0 - end };
-                    libm::sqrt(2.0 * span_s) * decay * rest / (decay * decay + angle * angle)
-                }
-            }
-        };
-        (1..=count).map(one).collect()
-    }
-
-    /// The Allan variance of a drift of size 1: half the mean square of the difference of two averages.
-    pub(super) fn allan_variance(self, tau_s: f64, record_s: f64) -> f64 {
-        match self {
-            Self::Ramp => tau_s * tau_s / 2.0,
-            Self::WarmUp { tau_s: decay_s } => {
-                let fall = -libm::expm1(-tau_s / decay_s);
-                let difference = decay_s / tau_s * fall * fall;
-                let starts_s = (record_s - 2.0 * tau_s).max(1e-3 * record_s);
-                let mean = decay_s / 2.0 * -libm::expm1(-2.0 * starts_s / decay_s) / starts_s;
-                difference * difference * mean / 2.0
-            }
-        }
-    }
-}
-
 impl Fit {
     /// The two-sided density of the model at a frequency, unit²/Hz, for a record sampled `rate_hz` times per second.
     /// Lines, ramp and warm-up are not included. The density is valid up to `max_freq_hz`.
@@ -266,25 +216,10 @@ impl Fit {
 #[cfg(test)]
 mod tests {
     use super::super::bins::{Bin, Response};
-    use super::super::transform::cosine_transform;
     use super::*;
 
     fn bin(first: usize, end: usize) -> Bin {
         Bin { first, end, freedom: (end - first) as f64, power: 1.0, response: Response::WHOLE }
-    }
-
-    #[test]
-    fn the_coefficients_of_a_drift_are_the_transform_of_its_samples() {
-        let (n, rate_hz) = (20_000, 10.0);
-        let span_s = n as f64 / rate_hz;
-        for drift in [Drift::Ramp, Drift::WarmUp { tau_s: 300.0 }] {
-            let samples: Vec<f64> = (0..n).map(|i| drift.at((i as f64 + 0.5) / rate_hz)).collect();
-            let found = cosine_transform(&samples).unwrap();
-            let largest = found.iter().fold(0.0f64, |most, c| most.max(c.abs()));
-            for (expected, found) in drift.coefficients(span_s, 20).into_iter().zip(&found) {
-                assert!((expected * rate_hz.sqrt() - found).abs() < 1e-5 * largest, "{drift:?}: {expected} {found}");
-            }
-        }
     }
 
     /// The exact variance of a coefficient is a sum over the covariance matrix e^(−|i−j|·dt/`tau_s`).

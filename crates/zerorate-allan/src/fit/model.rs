@@ -1,7 +1,8 @@
 //! The Allan variance of a fitted model, and the variance of its overlapping estimate.
 
 use super::bins::interpolated;
-use super::density::{Drift, shape_angle};
+use super::density::shape_angle;
+use super::drift::Drift;
 use super::prediction::{PredictionError, Variances};
 use super::scoring::{B2, Explanation, K2, N2, Optimum, Q2, low_pass_memory, shape};
 use super::thinning::Thinning;

@@ -1,7 +1,6 @@
 //! Detects a period in the slow noise, from heating, air conditioning or equipment that is switched. A period shows
 //! in a few coefficients of the spectrum, which look like a random walk.
 
-use super::density::LOW;
 use super::scoring::{K2, N2, Optimum, Problem};
 use super::select::{DESCENT, Selection};
 use crate::linear::Square;
@@ -19,6 +18,8 @@ pub(super) struct Period {
     gain: f64,
 }
 
+/// Harmonics with more half periods over the record than this are not fitted.
+const FASTEST: f64 = 64.0;
 /// The frequencies to try, in half periods over the record, and the steps per half period.
 const TRIED: Range<u32> = 4..48;
 const STEPS: u32 = 4;
@@ -81,7 +82,7 @@ fn left(problem: &Problem, under: &Optimum, turns: f64, harmonics: usize) -> Opt
     let rows = 0..table.singles();
     let places: Vec<f64> = rows.clone().map(|row| table.rows[row].bin.first as f64).collect();
     let low = |row: usize| table.low[table.rows[row].bin.first - 1];
-    let turns = (1..=harmonics).map(|j| turns * j as f64).filter(|turns| *turns < LOW as f64);
+    let turns = (1..=harmonics).map(|j| turns * j as f64).filter(|turns| *turns < FASTEST);
     let templates: Vec<Vec<f64>> = turns.flat_map(|turns| waves(turns, &places)).collect();
     let over = |row: usize| 1.0 / under.density[row];
     let product =

@@ -7,6 +7,7 @@
 use super::coefficients::Coefficients;
 use super::curve::Curves;
 use super::density::Table;
+use super::drift::Template;
 use super::model::{MeasuredSpectrum, Model};
 use super::prediction::PredictionError;
 use super::remarks::{Raw, remarks};
@@ -213,7 +214,8 @@ struct Parts {
 fn parts(record: &PoolRecord<'_>, top_hz: f64) -> Result<Parts, FitError> {
     let (spectrum, mut table) = fitted(record.cleaned(), record.rate_hz)?;
     if let Some((drift, size)) = record.fit.model.drift {
-        table.remove(drift, size);
+        let powers = Template::new(drift, &table).powers(&table, size);
+        table.rows.iter_mut().zip(powers).for_each(|(row, power)| row.bin.power = power);
     }
     Ok(Parts { table: table.below(top_hz), above: spectrum.above(top_hz, record.rate_hz) })
 }

@@ -4,7 +4,8 @@
 //! χ²_ν·S/ν. Its gradient is −Σ ν (P − S)/S² ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². S is linear in the squared
 //! coefficients, so a noise can be exactly zero and leave zero again.
 
-use super::density::{Drift, Table};
+use super::density::Table;
+use super::drift::{Drift, Restriction, Template};
 use crate::linear::Square;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -113,6 +114,8 @@ pub(super) struct Problem {
     pub(super) error: f64,
     /// The price of a cosine: the least decrease of −2 ln L for which a cosine is kept.
     pub(super) shape_price: f64,
+    /// Whether the likelihood counts what the fit of a drift takes.
+    pub(super) restricted: bool,
     least_white: f64,
 }
 
@@ -123,7 +126,7 @@ impl Problem {
         let mut powers: Vec<f64> = table.rows.iter().map(|row| row.bin.power).collect();
         powers.sort_unstable_by(f64::total_cmp);
         let least_white = LEAST_WHITE * powers.get(powers.len() / 2).copied().unwrap_or(1.0);
-        Self { table, nu, error, shape_price: SHAPE_PRICE, least_white }
+        Self { table, nu, error, shape_price: SHAPE_PRICE, restricted: false, least_white }
     }
 
     pub(super) fn priced_at(self, shape_price: f64) -> Self {
@@ -168,6 +171,7 @@ struct State {
     slopes: Vec<Vec<f64>>,
     /// Powers of the first rows without the drift.
     low: Vec<f64>,
+    restriction: Restriction,
     drift: f64,
     deviance: f64,
 }
@@ -195,11 +199,11 @@ impl Problem {
             }
         };
         let mut at: Vec<f64> = start.iter().enumerate().map(bound).collect();
-        let template = form.drift.map(|drift| drift.coefficients(self.table.span_s, self.table.low.len()));
-        let mut state = self.state(&form, &at, template.as_deref());
+        let template = form.drift.map(|drift| Template::new(drift, &self.table));
+        let mut state = self.state(&form, &at, template.as_ref());
         for _ in 0..steps {
             let step = self.step(&form, &at, &state, held);
-            let Some((next, reached)) = self.downhill(&form, &at, &step, template.as_deref(), state.deviance) else {
+            let Some((next, reached)) = self.downhill(&form, &at, &step, template.as_ref(), state.deviance) else {
                 break;
             };
             let gain = state.deviance - reached.deviance;
@@ -216,7 +220,7 @@ impl Problem {
         form: &ModelForm,
         at: &[f64],
         step: &[f64],
-        template: Option<&[f64]>,
+        template: Option<&Template>,
         deviance: f64,
     ) -> Option<(Vec<f64>, State)> {
         let mut part = 1.0;
@@ -231,7 +235,7 @@ impl Problem {
         None
     }
 
-    fn state(&self, form: &ModelForm, at: &[f64], template: Option<&[f64]>) -> State {
+    fn state(&self, form: &ModelForm, at: &[f64], template: Option<&Template>) -> State {
         let rows = &self.table.rows;
         let mut slopes = vec![vec![0.0; rows.len()]; form.len()];
         let mut density = vec![0.0; rows.len()];
@@ -257,31 +261,21 @@ impl Problem {
             (0..form.poles).for_each(|j| slopes[SHAPE + form.cosines + j][i] = shaped * low_pass_slopes[j]);
             density[i] = response.offset + sum + at[Q2] * q;
         }
-        let (low, drift) = template.map_or((Vec::new(), 0.0), |template| self.without_drift(&density, template));
-        let mut state = State { density, slopes, low, drift, deviance: 0.0 };
+        let fitted = template.map(|template| template.fitted(&self.table, &self.nu, &density));
+        let (low, drift) = fitted.map_or((Vec::new(), 0.0), |fitted| (fitted.powers, fitted.size));
+        let restriction =
+            template.filter(|_| self.restricted).map(|template| template.restriction(&self.nu, &density));
+        let restriction = restriction.unwrap_or_default();
+        let mut state = State { density, slopes, low, restriction, drift, deviance: 0.0 };
         let term = |i: usize| {
             let (p, s) = (rows[i].bin.power, state.density[i]);
             // measured against the original powers, so that models with and without a drift can be compared
             self.nu[i] * (libm::log(s / p) + state.power(self, i) / s - 1.0)
         };
         let positive = state.density.iter().all(|s| *s > 0.0);
-        state.deviance = if positive { (0..rows.len()).map(term).sum() } else { f64::INFINITY };
+        let sum = || (0..rows.len()).map(term).sum::<f64>() + state.restriction.log_det;
+        state.deviance = if positive { sum() } else { f64::INFINITY };
         state
-    }
-
-    /// The powers of the first coefficients of the cosine spectrum without the drift, and the size of the drift by
-    /// least squares weighted with 1/density.
-    fn without_drift(&self, density: &[f64], template: &[f64]) -> (Vec<f64>, f64) {
-        let table = &self.table;
-        let singles = || (0..table.singles()).map(|row| (table.rows[row].bin.first - 1, density[row]));
-        let over: f64 = singles().map(|(k, s)| table.low[k] * template[k] / s).sum();
-        let under: f64 = singles().map(|(k, s)| template[k] * template[k] / s).sum();
-        let drift = over / under;
-        let rest = |(k, _)| {
-            let rest: f64 = table.low[k] - drift * template[k];
-            rest * rest
-        };
-        (singles().map(rest).collect(), drift)
     }
 
     /// The step to the bounded minimum of the quadratic that has the gradient and the expected curvature of D.
@@ -311,7 +305,8 @@ impl Problem {
         for i in 0..rows {
             let s = state.density[i];
             weight[i] = self.nu[i] / (s * s);
-            pull[i] = weight[i] * (state.power(self, i) - s);
+            let taken = state.restriction.taken.get(i).map_or(0.0, |taken| taken / s);
+            pull[i] = weight[i] * (state.power(self, i) - s) + taken;
         }
         let mut curvature = Square { n, cells: vec![0.0; n * n] };
         let mut gradient = vec![0.0; n];
@@ -347,8 +342,8 @@ impl Problem {
     }
 
     fn state_of(&self, found: &Optimum) -> State {
-        let template = found.form.drift.map(|drift| drift.coefficients(self.table.span_s, self.table.low.len()));
-        self.state(&found.form, &found.at, template.as_deref())
+        let template = found.form.drift.map(|drift| Template::new(drift, &self.table));
+        self.state(&found.form, &found.at, template.as_ref())
     }
 
     /// Whether a parameter is inside its bounds.

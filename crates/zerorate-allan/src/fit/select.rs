@@ -1,6 +1,7 @@
 //! Selects the terms: N, B and K always, the others if they lower −2 ln L by more than their price.
 
-use super::density::{Drift, MOST_COSINES, Table};
+use super::density::{MOST_COSINES, Table};
+use super::drift::Drift;
 use super::scoring::{
     B2, Explanation, K2, LONGEST, Local, ModelForm, N2, Optimum, POLES, Problem, Q2, SHAPE, SHORTEST, low_pass_memory,
 };
@@ -35,7 +36,9 @@ const SURVIVORS: usize = 3;
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 /// Steps in which the time constant of a warm-up is refined, to a factor of 2^(1/2^`WARM_UP_STEPS`). A time constant
 /// that is a few percent off would leave a part of the warm-up that looks like random walk.
-const WARM_UP_STEPS: u32 = 8;
+const WARM_UP_STEPS: u32 = 14;
+/// A drift is tried in a record with more coefficients than this in bins of their own.
+const FEWEST_OF_A_DRIFT: usize = 4;
 /// Steps of a short trial and of a full descent, with the gain below which they end.
 const LOOK: (usize, f64) = (8, 1e-2);
 pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
@@ -141,7 +144,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let others: Vec<Optimum> = others.chain(other_readings(&ideal, &families)).collect();
     let all = families.iter().map(|best| &best.found).chain(&others);
     let error = all.map(|found| model_error(&ideal, found)).fold(f64::INFINITY, f64::min);
-    let (problem, families) = match error > 0.0 && error.is_finite() {
+    let (mut problem, families) = match error > 0.0 && error.is_finite() {
         true => {
             let problem = Problem::new(ideal.table, error).priced_at(shape_price);
             let families = self::families(&problem);
@@ -158,15 +161,20 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let slow = |form: &ModelForm| (form.markovs, form.drift.is_some());
     let other = all.iter().find(|other| slow(&other.found.form) != slow(&best.found.form));
     let runner_up = other.map(|other| (other.found.form, other.price - best.price));
-    if let Some(Drift::WarmUp { tau_s }) = best.found.form.drift {
-        best.found = with_refined_warm_up(&problem, best.found, tau_s);
-    }
     if best.found.form.cosines > 0 {
         // the shape with the fewest cosines biases N, and the interval does not include the bias
         best.found = with_cosine(&problem, &best.found);
     }
     let close = all.iter().take_while(|other| other.price < best.price + CLOSE);
     let other = close.filter_map(|other| Other::of(&problem, &best.found, &other.found)).next();
+    problem.restricted = best.found.form.drift.is_some();
+    if problem.restricted {
+        best.found = problem.descend(best.found.form, &best.found.at, None, DESCENT);
+    }
+    problem.restricted = best.found.form.drift.is_some();
+    if problem.restricted {
+        best.found = problem.descend(best.found.form, &best.found.at, None, DESCENT);
+    }
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, other })
 }
 
@@ -315,35 +323,41 @@ pub(super) fn level_near(table: &Table, f_hz: f64) -> f64 {
 }
 
 /// The variants that are cheaper than `best`, with a low-pass or quantisation of the angle in place of cosines. Also
-/// the cheapest of them (or `best`) with each kind of drift, if the record has enough low coefficients.
+/// the cheapest of them (or `best`) with a ramp and with a warm-up, if the record has enough low coefficients.
 fn variants(problem: &Problem, best: &PricedModel) -> Vec<PricedModel> {
     let shapes = other_shapes(problem, &best.found).into_iter().map(|found| priced(problem, found));
     let shapes: Vec<PricedModel> = shapes.filter(|other| other.price < best.price).collect();
     let least = shapes.iter().min_by(|a, b| a.price.total_cmp(&b.price)).unwrap_or(best);
-    let drifts = WARM_UPS.map(|part| Drift::WarmUp { tau_s: part * problem.table.span_s });
-    let enough = problem.table.singles() > 4;
-    let drifts = core::iter::once(Drift::Ramp).chain(drifts).filter(|_| enough).map(|drift| {
+    if problem.table.singles() <= FEWEST_OF_A_DRIFT {
+        return shapes;
+    }
+    let with = |drift: Drift| {
         let form = ModelForm { drift: Some(drift), ..least.found.form };
-        priced(problem, problem.descend(form, &least.found.at, None, DESCENT))
+        problem.descend(form, &least.found.at, None, DESCENT)
+    };
+    let warm_ups = WARM_UPS.map(|part| with(Drift::WarmUp { tau_s: part * problem.table.span_s }));
+    let warm_up = warm_ups.into_iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+    let warm_up = warm_up.map(|coarse| match coarse.deviance + WARM_UP_PRICE < least.found.deviance {
+        true => with_refined_warm_up(problem, coarse),
+        false => coarse,
     });
+    let drifts = core::iter::once(with(Drift::Ramp)).chain(warm_up).map(|found| priced(problem, found));
     drifts.chain(shapes.iter().cloned()).collect()
 }
 
 /// The model with the time constant, within a factor of 2, at which a warm-up explains the most.
-fn with_refined_warm_up(problem: &Problem, coarse: Optimum, tau_s: f64) -> Optimum {
-    let mut best = (coarse, tau_s);
+fn with_refined_warm_up(problem: &Problem, coarse: Optimum) -> Optimum {
+    let mut best = coarse;
     for step in 1..=WARM_UP_STEPS {
+        let Some(Drift::WarmUp { tau_s }) = best.form.drift else { break };
         let factor = libm::exp2(libm::exp2(-f64::from(step)));
-        for tau_s in [best.1 * factor, best.1 / factor] {
-            let form = ModelForm { drift: Some(Drift::WarmUp { tau_s }), ..best.0.form };
-            let found = problem.descend(form, &best.0.at, None, DESCENT);
-            if found.deviance < best.0.deviance {
-                best = (found, tau_s);
-                break;
-            }
-        }
+        let beside = [tau_s * factor, tau_s / factor].into_iter().map(|tau_s| {
+            let form = ModelForm { drift: Some(Drift::WarmUp { tau_s }), ..best.form };
+            problem.descend(form, &best.at, None, DESCENT)
+        });
+        best = beside.into_iter().find(|found| found.deviance < best.deviance).unwrap_or_else(|| best.clone());
     }
-    best.0
+    best
 }
 
 /// Largest number of cosines for which they alone are no reason to try a pole or another explanation of the spectrum.

@@ -399,6 +399,27 @@ fn a_warm_up_and_a_ramp_are_reported() {
     assert!(codes(&fit).contains(&"drift"));
 }
 
+#[test]
+fn slow_noise_keeps_its_size_beside_a_warm_up_of_any_length() {
+    let truth = Truth { n: 0.005, k: 1e-4, ..Truth::default() };
+    let fits = [20.0, 60.0, 400.0].into_iter().flat_map(|tau_s| (0..8u32).map(move |seed| (tau_s, seed)));
+    let fits: Vec<Fit> = fits
+        .map(|(tau_s, seed)| {
+            let mut rate = truth.noise(120_000, u64::from(seed) + 700);
+            let warm = |i: usize| 0.5 * (-(i as f64) / RATE_HZ / tau_s).exp();
+            rate.iter_mut().enumerate().for_each(|(i, rate)| *rate += warm(i));
+            of(&rate)
+        })
+        .collect();
+    let count = |holds: &dyn Fn(&Fit) -> bool| fits.iter().filter(|fit| holds(fit)).count();
+    assert_eq!(count(&|fit| codes(fit).contains(&"warm-up") && !fit.is_rejected), 24);
+    assert!(count(&|fit| fit.k.lo < truth.k && truth.k < fit.k.hi) >= 22);
+    assert!(count(&|fit| fit.b.identified) <= 2);
+    let mean = |fits: &[Fit]| fits.iter().map(|fit| fit.k.value).sum::<f64>() / fits.len() as f64;
+    let still: Vec<Fit> = (700..708).map(|seed| of(&truth.noise(120_000, seed))).collect();
+    assert!(near(mean(&fits), mean(&still), 0.1), "{} for {}", mean(&fits), mean(&still));
+}
+
 /// The spectrum of an echo is a comb, which no term follows at any frequency. So the model is rejected, nothing is
 /// identified, and there is no advice.
 #[test]
