@@ -200,10 +200,11 @@ impl<E> StatusNumber for VerifyError<E> {
     }
 }
 
-impl<P> StatusNumber for WaitError<P> {
+impl<E, R> StatusNumber for WaitError<E, R> {
     fn status(&self) -> Status {
         match self {
             Self::Pin(_) => ZERORATE_E_PIN,
+            Self::Status(error) => error.status(),
             Self::TimedOut { .. } => ZERORATE_E_TIMEOUT,
         }
     }

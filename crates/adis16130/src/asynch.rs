@@ -52,14 +52,14 @@ pub use driver::Adis16130;
 #[allow(clippy::duplicate_mod, reason = "both drivers are made of this one source")]
 mod driver;
 
-impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
+impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
     /// Waits until RDY shows unread data (F-32). Returns [`WaitError::TimedOut`] if the time of `bound`, measured by
     /// `delay`, ends first.
-    pub async fn wait_ready(
+    async fn wait_for_rdy(
         &mut self,
         delay: &mut impl DelayNs,
         bound: WaitBound,
-    ) -> Result<(), WaitError<RDY::Error>> {
+    ) -> Result<(), WaitError<SPI::Error, RDY::Error>> {
         let edge = self.config.rdy_edge();
         let ready = async {
             match edge {

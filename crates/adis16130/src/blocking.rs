@@ -32,9 +32,13 @@ pub use driver::Adis16130;
 #[allow(clippy::duplicate_mod, reason = "both drivers are made of this one source")]
 mod driver;
 
-impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
+impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
     /// Waits until RDY shows unread data (F-32). Reads the pin at most `bound.polls() + 1` times.
-    pub fn wait_ready(&mut self, delay: &mut impl DelayNs, bound: WaitBound) -> Result<(), WaitError<RDY::Error>> {
+    fn wait_for_rdy(
+        &mut self,
+        delay: &mut impl DelayNs,
+        bound: WaitBound,
+    ) -> Result<(), WaitError<SPI::Error, RDY::Error>> {
         for _ in 0..bound.polls() {
             if self.is_ready()? {
                 return Ok(());
@@ -47,7 +51,7 @@ impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
         Err(WaitError::TimedOut { timeout_us: bound.timeout_us() })
     }
 
-    fn is_ready(&mut self) -> Result<bool, WaitError<RDY::Error>> {
+    fn is_ready(&mut self) -> Result<bool, WaitError<SPI::Error, RDY::Error>> {
         match self.config.rdy_edge() {
             RdyEdge::Falling => self.rdy.is_low(),
             RdyEdge::Rising => self.rdy.is_high(),

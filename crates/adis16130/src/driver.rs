@@ -9,7 +9,7 @@ use embedded_hal::digital::OutputPin;
 use crate::channel::{Channel, ConvertedChannels};
 use crate::checksum::WriteCheck;
 use crate::codes::{RateCode, TempCode};
-use crate::config::{Config, Write};
+use crate::config::{Channels, Config, Write};
 use crate::diagnosis::{Fault, is_at_rail, is_doubtful, is_doubtful_reading, is_near_rail, meaning_on_healthy_link};
 use crate::error::{
     BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError,
@@ -23,6 +23,7 @@ use crate::registers::{
 use crate::sample::{Edge, Sample};
 use crate::sampler::Sampler;
 use crate::self_test::{Active, Level, SelfTest, SelfTestPlan};
+use crate::wait::WaitBound;
 
 /// The part on an SPI bus, with its RDY line.
 ///
@@ -422,6 +423,32 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
 
 #[bisync]
 impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
+    /// Waits until RDY shows unread data, and the channel status confirms it (F-32). With a line that is stuck, or
+    /// inverted without [`Config::with_rdy_edge`], no reading comes twice either. The status is of the rate, or of the
+    /// temperature if only that is converted.
+    ///
+    /// # Errors
+    /// [`WaitError::TimedOut`] if RDY shows nothing within `bound`, or the status did not confirm it `bound.polls() + 1`
+    /// times. [`WaitError::Status`] if the status cannot be read.
+    pub async fn wait_ready(
+        &mut self,
+        delay: &mut impl DelayNs,
+        bound: WaitBound,
+    ) -> Result<(), WaitError<SPI::Error, RDY::Error>> {
+        for _ in 0..=bound.polls() {
+            self.wait_for_rdy(delay, bound).await?;
+            let status = match self.config.channels() {
+                Channels::Temp => self.temp_status().await?,
+                Channels::Both | Channels::Rate => self.rate_status().await?,
+            };
+            if status.ready() {
+                return Ok(());
+            }
+            delay.delay_us(bound.poll().us()).await;
+        }
+        Err(WaitError::TimedOut { timeout_us: bound.timeout_us() })
+    }
+
     /// Measures by how much the self-test shifts the rate. It does not judge the shift (F-11).
     ///
     /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when the method returns, also
@@ -465,7 +492,7 @@ impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
         plan: &SelfTestPlan,
     ) -> Result<RateCode, SelfTestError<SPI::Error, RDY::Error, P>> {
         for _ in 0..4 {
-            self.wait_ready(delay, plan.bound()).await?;
+            self.wait_for_rdy(delay, plan.bound()).await?;
             let status = self.rate_status().await?;
             if status.out_of_range() {
                 let rate = self.read_register::<RateData>().await.map_err(ReadError::from)?;

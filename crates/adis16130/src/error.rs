@@ -100,13 +100,15 @@ pub enum SampleError<E> {
     OutOfRange(OutOfRange),
 }
 
-/// The error of a wait for data.
+/// The error of a wait for data. `E` is the error of the bus, `R` of the RDY pin.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum WaitError<P> {
+pub enum WaitError<E, R> {
     /// The RDY pin could not be read.
-    Pin(P),
-    /// RDY showed no new data within the bound.
+    Pin(R),
+    /// The status that confirms RDY could not be read.
+    Status(ReadError<E>),
+    /// There was no new data within the bound.
     TimedOut {
         /// The bound, in µs.
         timeout_us: u32,
@@ -121,7 +123,7 @@ pub enum SelfTestError<E, R, P> {
     /// A reading failed.
     Read(ReadError<E>),
     /// The RDY pin could not be read, or no data came within the bound.
-    Wait(WaitError<R>),
+    Wait(WaitError<E, R>),
     /// The self-test pin could not be set or released. If it is still active, the rate is offset.
     Pin(P),
 }
@@ -158,7 +160,7 @@ pub enum Error<E, R = Infallible, P = Infallible> {
     /// An edge gave no sample.
     Sample(SampleError<E>),
     /// A wait ended without data.
-    Wait(WaitError<R>),
+    Wait(WaitError<E, R>),
     /// The self-test failed.
     SelfTest(SelfTestError<E, R, P>),
     /// `diagnose` found a fault.
@@ -258,12 +260,13 @@ impl<E: Debug> Display for VerifyError<E> {
     }
 }
 
-impl<P: Debug> Display for WaitError<P> {
+impl<E: Debug, R: Debug> Display for WaitError<E, R> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Self::Pin(error) => {
                 write!(f, "the RDY pin cannot be read ({error:?}): check the GPIO settings of the host")
             }
+            Self::Status(error) => Display::fmt(error, f),
             Self::TimedOut { timeout_us } => write!(
                 f,
                 "RDY (pin 10) gave no sign of new data within {timeout_us} µs: \
@@ -313,7 +316,7 @@ impl<E: Debug> core::error::Error for ReadError<E> {}
 impl<E: Debug> core::error::Error for InitError<E> {}
 impl<E: Debug> core::error::Error for VerifyError<E> {}
 impl<E: Debug> core::error::Error for SampleError<E> {}
-impl<P: Debug> core::error::Error for WaitError<P> {}
+impl<E: Debug, R: Debug> core::error::Error for WaitError<E, R> {}
 impl<E: Debug, R: Debug, P: Debug> core::error::Error for SelfTestError<E, R, P> {}
 
 /// Implements `From`, so that `?` converts the error of a step to the error of the whole operation.
@@ -337,14 +340,15 @@ widen! {
     <E> OutOfRange => ReadError::OutOfRange;
     <E> OutOfRange => SampleError::OutOfRange;
     <E> VerifyError<E> => InitError::Verify;
+    <E, R> ReadError<E> => WaitError::Status;
     <E, R, P> ReadError<E> => SelfTestError::Read;
-    <E, R, P> WaitError<R> => SelfTestError::Wait;
+    <E, R, P> WaitError<E, R> => SelfTestError::Wait;
     <E, R, P> BusError<E> => Error::Bus;
     <E, R, P> InitError<E> => Error::Init;
     <E, R, P> VerifyError<E> => Error::Verify;
     <E, R, P> ReadError<E> => Error::Read;
     <E, R, P> SampleError<E> => Error::Sample;
-    <E, R, P> WaitError<R> => Error::Wait;
+    <E, R, P> WaitError<E, R> => Error::Wait;
     <E, R, P> SelfTestError<E, R, P> => Error::SelfTest;
     <E, R, P> Fault => Error::Fault;
 }

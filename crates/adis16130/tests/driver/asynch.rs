@@ -13,7 +13,9 @@ use crate::part::{Delay, Part, Pin, Wire, now};
 fn the_wait_ends_with_the_edge_or_with_the_bound() {
     for edge in [RdyEdge::Falling, RdyEdge::Rising] {
         let pin = Pin::default();
-        let mut gyro = Adis16130::new(Wire(Part::new()), pin.clone(), Config::new().with_rdy_edge(edge));
+        let part = Part::new();
+        part.borrow_mut().set(0x20, 0x08);
+        let mut gyro = Adis16130::new(Wire(part), pin.clone(), Config::new().with_rdy_edge(edge));
         let (mut delay, bound) = (Delay::default(), WaitBound::from_us(250));
         let never = if edge == RdyEdge::Falling { u32::MAX } else { 0 };
         pin.0.borrow_mut().looks_until_low = never;

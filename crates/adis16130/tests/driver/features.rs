@@ -98,6 +98,6 @@ mod formatted {
         all::<(SelfTest, SelfTestPlan, WaitBound, PollInterval)>();
         all::<(Fault, Mismatch, Differences, OutOfRange, NoReading)>();
         all::<(BusError<u8>, ReadError<u8>, InitError<u8>, VerifyError<u8>, SampleError<u8>)>();
-        all::<(WaitError<u8>, SelfTestError<u8, u8, u8>, Error<u8>, Error<u8, u8, u8>)>();
+        all::<(WaitError<u8, u8>, SelfTestError<u8, u8, u8>, Error<u8>, Error<u8, u8, u8>)>();
     }
 }

@@ -3,9 +3,12 @@
 use adis16130::blocking::Adis16130;
 use adis16130::registers::{Checksum, ConversionTime, Mode, Range};
 use adis16130::{
-    Channels, Config, Framing, MAX_SCLK_HZ, MCLK_HZ, MIN_SCLK_HZ, RdyEdge, SCALING_CYCLES, SPI_MODE, WaitBound,
-    WaitError, Width,
+    Channels, Config, Framing, MAX_SCLK_HZ, MCLK_HZ, MIN_SCLK_HZ, RateCode, RdyEdge, SCALING_CYCLES, SPI_MODE,
+    WaitBound, WaitError, Width,
 };
+
+use adis16130_twin::{RdyTimeout, Spec, Twin, TwinRdy};
+use embedded_hal::digital::{ErrorType, InputPin};
 
 use crate::part::{Delay, F30, Line, Part, Pin, Wire};
 
@@ -133,8 +136,9 @@ fn f34_checksum_over_the_wire() {
 
 #[test]
 fn wait_ready_is_bounded_and_looks_no_oftener_than_it_says() {
-    let (pin, mut delay) = (Pin::default(), Delay::default());
-    let mut gyro = Adis16130::new(Wire(Part::new()), pin.clone(), Config::default());
+    let (part, pin, mut delay) = (Part::new(), Pin::default(), Delay::default());
+    part.borrow_mut().set(0x20, 0x08);
+    let mut gyro = Adis16130::new(Wire(part), pin.clone(), Config::default());
     let bound = WaitBound::from_us(1_000);
 
     pin.0.borrow_mut().looks_until_low = 3;
@@ -154,7 +158,9 @@ fn the_rdy_edge_is_a_setting() {
     let pin = Pin::default();
     pin.0.borrow_mut().looks_until_low = u32::MAX;
     let config = Config::new().with_rdy_edge(RdyEdge::Rising);
-    let mut gyro = Adis16130::new(Wire(Part::new()), pin, config);
+    let part = Part::new();
+    part.borrow_mut().set(0x20, 0x08);
+    let mut gyro = Adis16130::new(Wire(part), pin, config);
     gyro.wait_ready(&mut Delay::default(), WaitBound::from_us(0)).unwrap();
 }
 
@@ -164,4 +170,39 @@ fn release_gives_everything_back() {
     let (wire, _pin) = Adis16130::new(Wire(part.clone()), Pin::default(), Config::default()).release();
     assert!(std::rc::Rc::ptr_eq(&wire.0, &part));
     assert!(part.borrow().frames.is_empty(), "new and release send nothing");
+}
+
+/// The RDY line of the twin, as wired: right, through an inverter, or with the pin at ground.
+struct Wired(TwinRdy, fn(bool) -> bool);
+
+impl ErrorType for Wired {
+    type Error = RdyTimeout;
+}
+
+impl InputPin for Wired {
+    fn is_high(&mut self) -> Result<bool, RdyTimeout> {
+        self.0.is_high().map(self.1)
+    }
+
+    fn is_low(&mut self) -> Result<bool, RdyTimeout> {
+        self.is_high().map(|high| !high)
+    }
+}
+
+#[test]
+fn no_reading_comes_twice_with_any_rdy_line() {
+    let rate_alone = Config::new().with_channels(Channels::Rate);
+    let lines: [fn(bool) -> bool; 3] = [|high| high, |high| !high, |_| false];
+    for (line, config) in lines.into_iter().flat_map(move |line| [(line, Config::new()), (line, rate_alone)]) {
+        let twin = Twin::new(Spec::from_seed(5));
+        let mut gyro = Adis16130::new(twin.spi(), Wired(twin.rdy(), line), config);
+        gyro.restart().unwrap();
+        let mut read = || {
+            gyro.wait_ready(&mut twin.delay(), WaitBound::from_us(2_000)).unwrap();
+            gyro.read_rate_in_range().unwrap()
+        };
+        let rates: Vec<RateCode> = (0..400).map(|_| read()).collect();
+        let twice = rates.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        assert!(twice <= 2, "{twice} of 400, where chance gives less than one");
+    }
 }

@@ -195,6 +195,7 @@ impl Bench {
 
     fn wait(&mut self, us: u16) {
         _ = call!(self.gyro, wait_ready(&mut self.twin.delay(), WaitBound::from_us(us.into())));
+        self.judge.struck(self.ahead.take_struck());
     }
 
     fn self_test(&mut self) -> Verdict {
