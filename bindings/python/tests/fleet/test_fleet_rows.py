@@ -107,7 +107,9 @@ def test_bad_files_are_rows_with_their_reason(captures: Path, tmp_path: Path) ->
     assert ended.states == {"ok": UNITS, "failed": 4} and not ended.undone
     rows = rows_of(out)
     assert rows["flipped.arrows"]["code"] == "damaged" and "its check differs" in rows["flipped.arrows"]["error"]
-    assert rows["torn.arrows"]["serial"] == "SN1" and "recording ends" in rows["torn.arrows"]["error"]
+    torn = rows["torn.arrows"]
+    assert (torn["serial"], torn["code"]) == ("SN1", "torn-tail") and "recording ends" in torn["error"]
+    assert "was not closed" in torn["error"]
     for name in ("foreign.arrows", "empty.arrows"):
         assert rows[name]["state"] == "failed" and rows[name]["error"]
 

@@ -32,6 +32,9 @@ AS_CHILD = '[ "$PPID" = "$1" ] && shift && exec "$@"'
 VARIABLE = "ZERORATE_PROGRAM"
 
 # Smallest memory limit that the program accepts, bytes.
+TORN = "warning: torn-tail: "
+"""How the program begins the warning that a recording was not closed."""
+
 LEAST_MEMORY = 256 << 20
 
 
@@ -126,6 +129,9 @@ def _answer(command: str, code: int, stdout: str, stderr: str) -> Answer:
     state = "refused" if code == 3 else "failed"
     reason = said.split(": ", 1)[-1] if said.startswith(("error: ", "refused: ")) else said
     reason = reason or f"`{command}` ended with {code} and said nothing"
+    torn = next((line.removeprefix(TORN) for line in lines if line.startswith(TORN)), "")
+    if torn and not named:
+        named, reason = "torn-tail", f"{reason} ({torn})"
     return Answer(found, state, named or _code(reason, code), reason)
 
 
