@@ -122,10 +122,10 @@ class Whole {
   #key(event: KeyboardEvent): void {
     const target = event.target as HTMLElement;
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (target.closest("input:not([type=radio]), textarea, select, button, summary, [role=log]")) return;
+    if (target.closest("input:not([type=radio]), textarea, select, [role=log]")) return;
     const page = (Object.keys(PAGES) as PageName[])[Number(event.key) - 1];
     if (page) location.hash = page;
-    else if (!target.closest("input, a") && this.#shown?.key?.(event)) event.preventDefault();
+    else if (!target.closest("input, a, button, summary") && this.#shown?.key?.(event)) event.preventDefault();
   }
 }
 

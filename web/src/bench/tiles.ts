@@ -81,7 +81,8 @@ export class Tiles {
       u === null ? "mean of 1 s" : `± ${digits.uncertainty(u)} (95 %) · mean of 1 s`,
     );
     const [corrected, uCorrected] = [of(values?.corrected_dps), of(digits.half(values?.u_corrected_dps))];
-    const below = corrected === null ? "no calibration is applied" : `± ${digits.uncertainty(uCorrected)} (95 %)`;
+    const without = rate === null ? "no valid rate in the last second" : "no calibration is applied";
+    const below = corrected === null ? without : `± ${digits.uncertainty(uCorrected)} (95 %)`;
     const outside = values?.extrapolated === true;
     this.#corrected.show(
       digits.value(corrected, uCorrected),

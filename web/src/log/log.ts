@@ -34,9 +34,7 @@ export class Log implements Page {
       class: "small",
       hidden: true,
     });
-    const drop = droppable("A log of any gyroscope or IMU at rest", "", ([file]) => {
-      if (file) this.open(file);
-    });
+    const drop = droppable("A log of any gyroscope or IMU at rest", "", (files) => this.#take(files));
     this.element = h(
       "div",
       { class: "page log" },
@@ -75,8 +73,14 @@ export class Log implements Page {
   }
 
   #dropped(event: DragEvent): void {
-    const file = event.dataTransfer?.files[0];
-    if (file && this.element.isConnected) this.open(file);
+    if (this.element.isConnected) this.#take([...(event.dataTransfer?.files ?? [])]);
+  }
+
+  #take(files: File[]): void {
+    const [file] = files;
+    if (!file) return;
+    if (files.length > 1) this.app.tell(`This page reads one log at a time: ${file.name}.`, "wrong");
+    this.open(file);
   }
 
   #look(settings: LogSettings): void {

@@ -425,6 +425,19 @@ fn text_of_the_calibration_stays_in_its_comment() {
 }
 
 #[test]
+fn an_export_names_the_warnings_of_its_calibration() {
+    let bench = Bench::new();
+    let warned = "warnings = [\"earth-included: it is part\", \"turning: it may be rotation\"]\n[correction]";
+    bench.write("unit.toml", calibration(-0.25, -0.04, 31.5).replace("[correction]", warned));
+    for format in ["c", "rust"] {
+        let code = bench.zerorate(&format!("export unit.toml --format {format}")).ok();
+        assert!(code.contains(", warned of turning\n") && !code.contains("earth-included"), "{code}");
+    }
+    let json: serde_json::Value = bench.zerorate("export unit.toml --format json").json();
+    assert_eq!(json["warnings"], serde_json::json!(["turning: it may be rotation"]));
+}
+
+#[test]
 fn an_impossible_export_is_explained() {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));

@@ -3,7 +3,7 @@
 use super::codes::{Codes, Integer};
 use super::layout::Layout;
 use super::prefix::Prefix;
-use super::{Export, InvalidOptions};
+use super::{Export, InvalidOptions, warnings};
 use anyhow::{Context, Result, bail, ensure};
 use zerorate::calibration::{CalibratedAxis, Notes};
 use zerorate::{
@@ -272,10 +272,17 @@ fn origin(export: &Export) -> Entries {
         ("PART", comment(&calibration.part)),
         ("SERIAL", text(&calibration.serial)),
         ("CREATED", text(&calibration.created)),
-        ("METHOD", text(&calibration.method)),
+        ("METHOD", text(&calibration.method) + &warned(calibration)),
         ("CIRCUMSTANCES", circumstances(calibration)),
         ("ID", calibration.id()),
     ]
+}
+
+/// The codes of the calibration's warnings, except the standing ones.
+fn warned(calibration: &Calibration) -> String {
+    let warnings = warnings(calibration);
+    let codes: Vec<String> = warnings.iter().filter_map(|line| Some(comment(line.split_once(": ")?.0))).collect();
+    if codes.is_empty() { String::new() } else { format!(", warned of {}", codes.join(", ")) }
 }
 
 fn circumstances(calibration: &Calibration) -> String {

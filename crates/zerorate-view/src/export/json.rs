@@ -1,7 +1,7 @@
 //! Coefficients and tables as a JSON object.
 
 use super::codes::{self, Codes};
-use super::{Export, Layout, tidy};
+use super::{Export, Layout, tidy, warnings};
 use anyhow::Result;
 use serde::Serialize;
 use zerorate::calibration::CalibratedAxis;
@@ -16,6 +16,8 @@ struct Object<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     part: Option<&'a str>,
     serial: Option<&'a str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
     #[serde(flatten)]
     terms: Option<Terms>,
     temp_min_c: Option<f64>,
@@ -139,6 +141,7 @@ pub(super) fn text(export: &Export) -> Result<String> {
         simulated: calibration.is_simulated(),
         part: (!is_plain).then_some(calibration.part.as_str()),
         serial: calibration.serial.as_deref(),
+        warnings: warnings(calibration),
         terms,
         temp_min_c: calibration.validity.map(|span| span.temp_min_c),
         temp_max_c: calibration.validity.map(|span| span.temp_max_c),

@@ -9,6 +9,7 @@ mod layout;
 mod prefix;
 mod warning;
 
+use crate::remark::remarks_apart;
 use anyhow::Result;
 pub use form::{ExportForm, FormRow};
 use layout::Layout;
@@ -127,6 +128,13 @@ fn csv(export: &Export) -> String {
         text.push('\n');
     }
     text
+}
+
+/// The warnings of a calibration and its axes, without the standing remarks.
+fn warnings(calibration: &Calibration) -> Vec<String> {
+    let of_axes = calibration.axes.iter().flat_map(|axis| &axis.warnings);
+    let all: Vec<&String> = calibration.warnings.iter().chain(of_axes).collect();
+    remarks_apart(&all).1
 }
 
 /// Rounds to twelve significant digits and removes a negative zero, so that 3 · 0.02 is written as 0.06.
