@@ -61,7 +61,8 @@ struct AxisPart<'a> {
     terms: String,
     picture: String,
     has_band: bool,
-    has_means: bool,
+    /// The sentence about the dots of the picture; empty if it has none.
+    dots: &'static str,
     /// The plot of the measurement over time, if there is one.
     over_time: Option<String>,
     /// The rows of the look-up table: temperature, correction, and half of its interval if stated.
@@ -171,7 +172,11 @@ fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis, at_c: f
         terms: terms(correction),
         picture: calibration_picture(calibration, axis),
         has_band: stated(axis).is_some(),
-        has_means: !means_of(calibration, axis).is_empty(),
+        dots: match means_of(calibration, axis).as_slice() {
+            [] => "",
+            _ if earth_dps(calibration) == 0.0 => " Dots are minus the means of steps 4, 6 and 8.",
+            _ => " Dots are the Earth's rotation minus the means of steps 4, 6 and 8.",
+        },
         over_time: None,
         table: look_up(axis, table_c(calibration, axis)),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),

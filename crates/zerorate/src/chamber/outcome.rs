@@ -220,7 +220,10 @@ fn branches(residuals: &[Residual], length_s: f64, curve: &BiasCurve) -> Option<
         .map(|of| (*of, count(*of, true), count(*of, false)))
         .filter(|(_, up, down)| up * down > 0)
         .collect();
-    let (first, last) = (shared.first()?.0, shared.last()?.0);
+    let is_shared =
+        |residual: &&Residual| residual.warming.is_some() && shared.iter().any(|(of, ..)| *of == bin(residual));
+    let temps_c = || residuals.iter().filter(is_shared).map(|residual| residual.temp_c);
+    let span_c = (temps_c().reduce(f64::min)?, temps_c().reduce(f64::max)?);
     let share = |residual: &Residual| {
         let (_, up, down) = *shared.iter().find(|(of, ..)| *of == bin(residual))?;
         // where the bias rises, the correction falls
@@ -229,11 +232,7 @@ fn branches(residuals: &[Residual], length_s: f64, curve: &BiasCurve) -> Option<
         Some(if residual.warming? { -one / up as f64 } else { one / down as f64 })
     };
     let parts = residuals.iter().filter_map(|residual| Some(share(residual)? * residual.residual_dps));
-    Some(Branches {
-        half_width_dps: parts.sum(),
-        u_dps: curve.noise.sd(&windows(residuals, length_s, share)),
-        span_c: (first as f64 * BIN_C, (last + 1) as f64 * BIN_C),
-    })
+    Some(Branches { half_width_dps: parts.sum(), u_dps: curve.noise.sd(&windows(residuals, length_s, share)), span_c })
 }
 
 /// The windows of a weighted sum of residuals. Adjacent residuals with the same share become one window.
