@@ -51,8 +51,12 @@ def test_data_have_no_name() -> None:
     for name, expected in data.items():
         parameters = inspect.signature(getattr(zerorate, name)).parameters.values()
         assert [one.name for one in parameters if one.kind is one.POSITIONAL_ONLY] == expected
-    with pytest.raises(TypeError, match=r"give rate without a name: allan\(rate, …\)"):
+    with pytest.raises(TypeError, match=r"allan\(rate, …\): give rate without a name"):
         zerorate.allan(rate=np.ones(100))  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match=r"stream\(device, calibration, …\): it needs calibration"):
+        zerorate.stream("twin:")  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="progress= takes a function"):
+        zerorate.calibrate("twin:", progress=True)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="takes rate without a name, and all else by name"):
         zerorate.allan(np.ones(100), 100.0)  # type: ignore[call-overload]
 

@@ -14,6 +14,7 @@ _RATE = "rate_hz=, samples per second"
 _MEANT = {
     **dict.fromkeys(["rate", "fs", "sample_rate", "sampling_rate", "sr", "freq", "frequency", "hz"], _RATE),
     **dict.fromkeys(["dt", "ts", "period"], "rate_hz=1/dt, samples per second"),
+    "latitude": "earth_dps=, the component of the Earth's rotation along the axis",
     "units": "unit=",
     "statistic": "stat=",
     "tau": "taus=",
@@ -31,7 +32,10 @@ def checked(function: _F) -> _F:
     @functools.wraps(function)
     def called(*args: Any, **kwargs: Any) -> Any:
         if len(args) < len(data):
-            raise TypeError(f"give {' and '.join(data)} without a name: {function.__name__}({', '.join(data)}, …)")
+            named = [name for name in data if name in kwargs]
+            needed = f"it needs {' and '.join(data[len(args) :])}"
+            fault = f"give {' and '.join(named)} without a name" if named else needed
+            raise TypeError(f"{function.__name__}({', '.join(data)}, …): {fault}")
         if len(args) > len(data) and has_named_alone:
             raise TypeError(f"{function.__name__}() takes {', '.join(data)} without a name, and all else by name")
         for name in kwargs:
@@ -40,6 +44,8 @@ def checked(function: _F) -> _F:
         serial = kwargs.get("serial")
         if isinstance(serial, str) and not serial.strip():
             raise ValueError(f"serial={serial!r}: it is empty; leave the argument out")
+        if not callable(kwargs.get("progress", print)) and kwargs["progress"] is not None:
+            raise TypeError("progress= takes a function, which is called with each step")
         return function(*args, **kwargs)
 
     return cast(_F, called)
