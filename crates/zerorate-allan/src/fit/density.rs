@@ -85,13 +85,7 @@ impl Table {
 
     /// The number of leading rows whose coefficients are known with their signs: a drift is fitted in them.
     pub(super) fn signed(&self) -> usize {
-        let mut next = 1;
-        let is_known = |row: &&BinRow| {
-            let follows = row.bin.first == next && row.span_s == self.span_s;
-            next = row.bin.end;
-            follows && row.bin.end <= self.low.len() + 1
-        };
-        self.rows.iter().take_while(is_known).count()
+        self.rows.iter().take_while(|row| row.bin.end <= self.low.len() + 1).count()
     }
 
     /// The number of leading rows with one coefficient each.

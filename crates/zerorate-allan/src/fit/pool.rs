@@ -214,8 +214,14 @@ struct Parts {
 fn parts(record: &PoolRecord<'_>, top_hz: f64) -> Result<Parts, FitError> {
     let (spectrum, mut table) = fitted(record.cleaned(), record.rate_hz)?;
     if let Some((drift, size)) = record.fit.model.drift {
-        let powers = Template::new(drift, &table).powers(&table, size);
-        table.rows.iter_mut().zip(powers).for_each(|(row, power)| row.bin.power = power);
+        let template = Template::new(drift, &table);
+        let (powers, nu) = (template.powers(&table, size), table.rows.iter().map(|row| row.bin.freedom));
+        let density: Vec<f64> = table.rows.iter().map(|row| record.fit.density(row.f_hz, record.rate_hz)).collect();
+        // the fit of the drift took a part of the noise with it
+        let taken = template.restriction(&nu.collect::<Vec<_>>(), &density).taken;
+        for (((row, power), taken), density) in table.rows.iter_mut().zip(powers).zip(taken).zip(density) {
+            row.bin.power = power + taken * density / row.bin.freedom;
+        }
     }
     Ok(Parts { table: table.below(top_hz), above: spectrum.above(top_hz, record.rate_hz) })
 }

@@ -33,7 +33,7 @@ const LAST_START: f64 = 1.0 / 6.0;
 /// The number of best starts from which a descent goes on.
 const SURVIVORS: usize = 3;
 /// Time constants of a warm-up to try, as shares of the record. A shorter warm-up ends before slow noise shows.
-const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
+const WARM_UPS: [f64; 7] = [0.0075, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5];
 /// Steps in which the time constant of a warm-up is refined, to a factor of 2^(1/2^`WARM_UP_STEPS`). A time constant
 /// that is a few percent off would leave a part of the warm-up that looks like random walk.
 const WARM_UP_STEPS: u32 = 14;

@@ -216,6 +216,7 @@ impl Level<'_> {
         let end = (libm::floor(end_hz / hz + 0.5) as usize).min(values.len());
         let mut part = Part::transform(&values, self.rate_hz(), edges(1, end, usize::MAX))?;
         part.bins.iter_mut().for_each(|bin| bin.freedom *= self.present);
+        part.low.truncate(end - 1); // the other levels give the bins above
         Ok(part)
     }
 

@@ -27,6 +27,21 @@ fn a_pool_is_surer_than_its_records() {
     assert!(n.records == 4 && n.relative < 3e-3, "{n:?}");
 }
 
+/// K of a pool is as large beside warm-ups as without them.
+#[test]
+fn warm_ups_do_not_take_from_the_walk_of_a_pool() {
+    let truth = Truth { n: 0.005, k: 1e-4, ..Truth::default() };
+    let still: Vec<Vec<f64>> = (720..728).map(|seed| truth.noise(120_000, seed)).collect();
+    let warm = |rate: &Vec<f64>| rate.iter().zip(0..).map(warmer).collect::<Vec<f64>>();
+    let [still, warm] = [still.clone(), still.iter().map(warm).collect()].map(|rates| pool_of(&rates).unwrap().fit.k);
+    assert!(near(warm.value, still.value, 0.2), "{warm:?} {still:?}");
+    assert!(warm.lo < truth.k && truth.k < warm.hi, "{warm:?}");
+}
+
+fn warmer((rate, i): (&f64, u32)) -> f64 {
+    rate + 0.5 * (-f64::from(i) / RATE_HZ / 400.0).exp()
+}
+
 /// Units whose N differs by 3 % are one type, and the interval of their mean allows for it. A unit with twice the
 /// noise or with other slow noise is an outlier.
 #[test]
