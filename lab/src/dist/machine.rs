@@ -11,6 +11,9 @@ pub struct Machine {
     pub debian: &'static str,
     /// Debian's cross compiler, with the C library that is linked statically.
     pub compiler: Tool,
+    /// Whether Rust's own linker links the program. GNU ld 2.40 drops the Thumb bit of functions beyond 16 MB, and such a
+    /// program crashes before `main`.
+    pub rust_linker: bool,
     /// The emulator that runs programs for this kind of computer here; `None` if they run without one.
     pub emulator: Option<&'static str>,
 }
@@ -21,6 +24,7 @@ pub const MACHINES: [Machine; 3] = [
         target: "x86_64-unknown-linux-gnu",
         debian: "amd64",
         compiler: Tool { program: "gcc", package: "build-essential" },
+        rust_linker: false,
         emulator: None,
     },
     Machine {
@@ -28,6 +32,7 @@ pub const MACHINES: [Machine; 3] = [
         target: "aarch64-unknown-linux-gnu",
         debian: "arm64",
         compiler: Tool { program: "aarch64-linux-gnu-gcc", package: "gcc-aarch64-linux-gnu" },
+        rust_linker: false,
         emulator: Some("qemu-aarch64-static"),
     },
     Machine {
@@ -35,6 +40,7 @@ pub const MACHINES: [Machine; 3] = [
         target: "armv7-unknown-linux-gnueabihf",
         debian: "armhf",
         compiler: Tool { program: "arm-linux-gnueabihf-gcc", package: "gcc-arm-linux-gnueabihf" },
+        rust_linker: true,
         emulator: Some("qemu-arm-static"),
     },
 ];

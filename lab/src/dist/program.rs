@@ -7,7 +7,7 @@ use super::root::{BARE, Root};
 use super::trial::{self, Observations};
 use super::{Folder, TARGET_DIR, VERSION, without_paths};
 use crate::tools::available;
-use crate::venv::done;
+use crate::venv::{done, printed};
 use crate::{targets, web};
 use anyhow::{Result, ensure};
 use object::Object;
@@ -39,11 +39,20 @@ fn build(machine: &Machine) -> Result<PathBuf> {
     if machine.emulator.is_some() {
         cargo.env(linker, machine.compiler.program);
     }
-    cargo.env("RUSTFLAGS", format!("-C target-feature=+crt-static {}", without_paths()?));
+    let linker = if machine.rust_linker { rust_linker()? } else { String::new() };
+    cargo.env("RUSTFLAGS", format!("-C target-feature=+crt-static {} {linker}", without_paths()?));
     cargo.args(["build", "--locked", "--profile", "dist", "--package", "zerorate-cli", "--features", "full"]);
     cargo.args(["--target", machine.target]);
     done(cargo.args(["--target-dir", TARGET_DIR]))?;
     Ok(Path::new(TARGET_DIR).join(machine.target).join("dist/zerorate"))
+}
+
+/// The compiler flags for the linker in Rust's toolchain.
+fn rust_linker() -> Result<String> {
+    let libraries = printed(Command::new("rustc").args(["--print", "target-libdir"]))?;
+    let folder = Path::new(libraries.trim()).with_file_name("bin").join("gcc-ld");
+    ensure!(folder.exists(), "no linker in {}: install Rust by rustup", folder.display());
+    Ok(format!("-C link-arg=-fuse-ld=lld -C link-arg=-B{}", folder.display()))
 }
 
 /// Runs each program: this computer's in a bare Debian, the others under emulators. All must print the same and
