@@ -28,6 +28,7 @@ pub(super) struct Profile<'a> {
     problem: &'a Problem,
     best: Optimum,
     local: Local,
+    nu: Vec<f64>,
     place: usize,
     bounds: (f64, f64),
     /// The best fit with the parameter at zero, if the best value would be below zero.
@@ -43,12 +44,28 @@ impl<'a> Profile<'a> {
             false => problem.descend(ModelForm { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
         };
         let at_zero = (found.at[place] <= 0.0).then(|| found.clone());
-        Self { problem, local: problem.local(&best), best, place, bounds: (0.0, f64::INFINITY), at_zero }
+        Self {
+            nu: problem.freedom(&best),
+            problem,
+            local: problem.local(&best),
+            best,
+            place,
+            bounds: (0.0, f64::INFINITY),
+            at_zero,
+        }
     }
 
     /// The profile of any other parameter, between bounds.
     pub(super) fn between(problem: &'a Problem, found: &Optimum, place: usize, bounds: (f64, f64)) -> Self {
-        Self { problem, local: problem.local(found), best: found.clone(), place, bounds, at_zero: None }
+        Self {
+            nu: problem.freedom(found),
+            problem,
+            local: problem.local(found),
+            best: found.clone(),
+            place,
+            bounds,
+            at_zero: None,
+        }
     }
 
     fn value(&self) -> f64 {
@@ -71,7 +88,7 @@ impl<'a> Profile<'a> {
         }
         let can_move = |i: usize| self.problem.is_free(&found, i) && self.problem.is_free(&self.best, i);
         let free: Vec<usize> = (0..found.at.len()).filter(|&i| i == self.place || can_move(i)).collect();
-        let u = departure(&self.problem.nu, &self.local, &self.problem.local(&found), &free, self.place);
+        let u = departure(&self.nu, &self.local, &self.problem.local(&found), &free, self.place);
         let correction = u.filter(|u| u / r > 0.0).map_or(0.0, |u| libm::log(u / r) / r);
         r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
     }

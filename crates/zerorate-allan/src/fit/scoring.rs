@@ -304,9 +304,9 @@ impl Problem {
         let (mut weight, mut pull) = (vec![0.0; rows], vec![0.0; rows]);
         for i in 0..rows {
             let s = state.density[i];
-            weight[i] = self.nu[i] / (s * s);
-            let taken = state.restriction.taken.get(i).map_or(0.0, |taken| taken / s);
-            pull[i] = weight[i] * (state.power(self, i) - s) + taken;
+            let taken = state.restriction.taken.get(i).copied().unwrap_or(0.0);
+            weight[i] = (self.nu[i] - taken).max(0.0) / (s * s);
+            pull[i] = self.nu[i] / (s * s) * (state.power(self, i) - s) + taken / s;
         }
         let mut curvature = Square { n, cells: vec![0.0; n * n] };
         let mut gradient = vec![0.0; n];
@@ -334,6 +334,12 @@ impl Problem {
     /// Expected curvature of D at the parameters found.
     pub(super) fn information(&self, found: &Optimum) -> Square {
         self.normal(&found.form, &self.state_of(found)).0
+    }
+
+    /// The degrees of freedom of each row that the fit of a drift leaves.
+    pub(super) fn freedom(&self, found: &Optimum) -> Vec<f64> {
+        let taken = self.state_of(found).restriction.taken.into_iter().chain(core::iter::repeat(0.0));
+        self.nu.iter().zip(taken).map(|(nu, taken)| (nu - taken).max(0.0)).collect()
     }
 
     pub(super) fn local(&self, found: &Optimum) -> Local {
