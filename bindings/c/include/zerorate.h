@@ -1157,8 +1157,9 @@ zerorate_status zerorate_gyro_initialise(struct zerorate_gyro *gyro);
 zerorate_status zerorate_gyro_read(struct zerorate_gyro *gyro, struct zerorate_codes *reading);
 
 /**
- * Waits for new data. Calls `rdy` every 5 us, and returns ZERORATE_E_TIMEOUT after `timeout_us`, plus the time that
- * the calls take. Needs `rdy` and `delay_us` of the bus: ZERORATE_E_PIN without them.
+ * Waits for new data: calls `rdy` every 5 us, and reads the status of the part to confirm it. Returns
+ * ZERORATE_E_TIMEOUT after `timeout_us`, plus the time of the calls. Needs `rdy` and `delay_us` of the bus:
+ * ZERORATE_E_PIN without them.
  *
  * Required: `gyro` is null or points to a gyroscope that nothing else uses during the call.
  */

@@ -232,7 +232,8 @@ pub unsafe extern "C" fn zerorate_gyro_read(gyro: *mut Gyro, reading: *mut Codes
 }
 
 /// Waits for new data: calls `rdy` every 5 us, and reads the status of the part to confirm it. Returns
-/// ZERORATE_E_TIMEOUT after `timeout_us`, plus the time that the calls take. Needs `rdy` and `delay_us` of the bus: ZERORATE_E_PIN without them.
+/// ZERORATE_E_TIMEOUT after `timeout_us`, plus the time of the calls. Needs `rdy` and `delay_us` of the bus:
+/// ZERORATE_E_PIN without them.
 ///
 /// # Safety
 /// `gyro` is null or points to a gyroscope that nothing else uses during the call.

@@ -428,8 +428,8 @@ impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
     /// temperature if only that is converted.
     ///
     /// # Errors
-    /// [`WaitError::TimedOut`] if RDY shows nothing within `bound`, or the status did not confirm it `bound.polls() + 1`
-    /// times. [`WaitError::Status`] if the status cannot be read.
+    /// [`WaitError::TimedOut`] if RDY shows nothing within `bound`, or if `bound.polls() + 1` statuses did not confirm
+    /// it. [`WaitError::Status`] if the status cannot be read.
     pub async fn wait_ready(
         &mut self,
         delay: &mut impl DelayNs,

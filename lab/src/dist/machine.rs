@@ -11,8 +11,8 @@ pub struct Machine {
     pub debian: &'static str,
     /// Debian's cross compiler, with the C library that is linked statically.
     pub compiler: Tool,
-    /// Whether Rust's own linker links the program. GNU ld 2.40 drops the Thumb bit of functions beyond 16 MB, and such a
-    /// program crashes before `main`.
+    /// Whether Rust's own linker links the program. GNU ld 2.40 drops the Thumb bit of functions beyond 16 MB, and
+    /// such a program crashes before `main`.
     pub rust_linker: bool,
     /// The emulator that runs programs for this kind of computer here; `None` if they run without one.
     pub emulator: Option<&'static str>,
