@@ -7,7 +7,7 @@ use core::f64::consts::PI;
 
 pub(super) const MOST_COSINES: usize = 6;
 /// Largest number of coefficients to which a drift is fitted, with their signs.
-pub(super) const LOW: usize = 1000;
+pub(super) const LOW: usize = 4000;
 /// Expected square of the k-th coefficient c_k of the DCT-II for 1/f noise, divided by the density at f_k =
 /// k/(2·record length), for k = 1, 2 … (1 for larger k). It is f_k·∫|Φ_k(f)|²/|f| df over all f, where Φ_k is the
 /// Fourier transform of the k-th orthonormal cosine.

@@ -141,7 +141,8 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let ideal = Problem::new(table, 0.0).priced_at(shape_price);
     let families = families(&ideal);
     let others = families.iter().flat_map(|best| other_shapes(&ideal, &best.found));
-    let others: Vec<Optimum> = others.chain(other_readings(&ideal, &families)).collect();
+    let others = others.chain(other_readings(&ideal, &families)).chain(plain_with_warm_up(&ideal));
+    let others: Vec<Optimum> = others.collect();
     let all = families.iter().map(|best| &best.found).chain(&others);
     let error = all.map(|found| model_error(&ideal, found)).fold(f64::INFINITY, f64::min);
     let (mut problem, families) = match error > 0.0 && error.is_finite() {
@@ -153,7 +154,8 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
         false => (ideal, families),
     };
     let further = families.iter().flat_map(|best| variants(&problem, best));
-    let read = other_readings(&problem, &families).into_iter().map(|found| priced(&problem, found));
+    let read = other_readings(&problem, &families).into_iter().chain(plain_with_warm_up(&problem));
+    let read = read.map(|found| priced(&problem, found));
     let mut all: Vec<PricedModel> = families.iter().cloned().chain(further).chain(read).collect();
     all.retain(|candidate| is_sound(&problem, &candidate.found));
     all.sort_by(|a, b| a.price.total_cmp(&b.price));
@@ -331,18 +333,33 @@ fn variants(problem: &Problem, best: &PricedModel) -> Vec<PricedModel> {
     if problem.table.singles() <= FEWEST_OF_A_DRIFT {
         return shapes;
     }
-    let with = |drift: Drift| {
-        let form = ModelForm { drift: Some(drift), ..least.found.form };
-        problem.descend(form, &least.found.at, None, DESCENT)
+    let ramp =
+        problem.descend(ModelForm { drift: Some(Drift::Ramp), ..least.found.form }, &least.found.at, None, DESCENT);
+    let drifts = [ramp, with_warm_up(problem, &least.found)].map(|found| priced(problem, found));
+    drifts.into_iter().chain(shapes.iter().cloned()).collect()
+}
+
+/// White noise, flicker and random walk with a warm-up. A large warm-up bends the spectrum, so that a model without
+/// drift needs terms that the noise does not have. `None` without enough low coefficients, or without a warm-up.
+fn plain_with_warm_up(problem: &Problem) -> Option<Optimum> {
+    let is_whole = problem.table.singles() > FEWEST_OF_A_DRIFT && fewest_cosines(problem) == 0;
+    let plain = is_whole.then(|| problem.descend(ModelForm::PLAIN, &start(problem, 0), None, DESCENT))?;
+    let warm_up = with_warm_up(problem, &plain);
+    (warm_up.deviance + WARM_UP_PRICE < plain.deviance).then_some(warm_up)
+}
+
+/// The model with the warm-up that explains the most. Its time constant is refined if the warm-up is significant.
+fn with_warm_up(problem: &Problem, found: &Optimum) -> Optimum {
+    let with = |part: f64| {
+        let drift = Some(Drift::WarmUp { tau_s: part * problem.table.span_s });
+        problem.descend(ModelForm { drift, ..found.form }, &found.at, None, DESCENT)
     };
-    let warm_ups = WARM_UPS.map(|part| with(Drift::WarmUp { tau_s: part * problem.table.span_s }));
-    let warm_up = warm_ups.into_iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
-    let warm_up = warm_up.map(|coarse| match coarse.deviance + WARM_UP_PRICE < least.found.deviance {
+    let least = |a: Optimum, b: Optimum| if b.deviance < a.deviance { b } else { a };
+    let coarse = WARM_UPS[1..].iter().map(|part| with(*part)).fold(with(WARM_UPS[0]), least);
+    match coarse.deviance + WARM_UP_PRICE < found.deviance {
         true => with_refined_warm_up(problem, coarse),
         false => coarse,
-    });
-    let drifts = core::iter::once(with(Drift::Ramp)).chain(warm_up).map(|found| priced(problem, found));
-    drifts.chain(shapes.iter().cloned()).collect()
+    }
 }
 
 /// The model with the time constant, within a factor of 2, at which a warm-up explains the most.

@@ -400,20 +400,21 @@ fn a_warm_up_and_a_ramp_are_reported() {
 }
 
 #[test]
-fn slow_noise_keeps_its_size_beside_a_warm_up_of_any_length() {
+fn slow_noise_keeps_its_size_beside_any_warm_up() {
     let truth = Truth { n: 0.005, k: 1e-4, ..Truth::default() };
-    let fits = [20.0, 60.0, 400.0].into_iter().flat_map(|tau_s| (0..8u32).map(move |seed| (tau_s, seed)));
+    let warm_ups = [(10.0, 20.0), (0.5, 20.0), (0.5, 60.0), (0.5, 400.0)];
+    let fits = warm_ups.into_iter().flat_map(|warm_up| (0..8u32).map(move |seed| (warm_up, seed)));
     let fits: Vec<Fit> = fits
-        .map(|(tau_s, seed)| {
+        .map(|((size, tau_s), seed)| {
             let mut rate = truth.noise(120_000, u64::from(seed) + 700);
-            let warm = |i: usize| 0.5 * (-(i as f64) / RATE_HZ / tau_s).exp();
+            let warm = |i: usize| size * (-(i as f64) / RATE_HZ / tau_s).exp();
             rate.iter_mut().enumerate().for_each(|(i, rate)| *rate += warm(i));
             of(&rate)
         })
         .collect();
     let count = |holds: &dyn Fn(&Fit) -> bool| fits.iter().filter(|fit| holds(fit)).count();
-    assert_eq!(count(&|fit| codes(fit).contains(&"warm-up") && !fit.is_rejected), 24);
-    assert!(count(&|fit| fit.k.lo < truth.k && truth.k < fit.k.hi) >= 22);
+    assert_eq!(count(&|fit| codes(fit).contains(&"warm-up") && !fit.is_rejected), 32);
+    assert!(count(&|fit| fit.k.lo < truth.k && truth.k < fit.k.hi) >= 29);
     assert!(count(&|fit| fit.b.identified) <= 2);
     let mean = |fits: &[Fit]| fits.iter().map(|fit| fit.k.value).sum::<f64>() / fits.len() as f64;
     let still: Vec<Fit> = (700..708).map(|seed| of(&truth.noise(120_000, seed))).collect();
