@@ -2,7 +2,7 @@
 //!
 //! `docs/imu.md` states which number goes where, and the source of each rule.
 
-use super::numbers::{AxisNumbers, CorrelationTime, NoiseFileOptions, Numbers, Sensor, SourcedNumber};
+use super::numbers::{AxisNumbers, NoiseFileOptions, Numbers, Sensor, SourcedNumber};
 use zerorate_allan::Usage;
 use zerorate_input::plain;
 
@@ -188,7 +188,7 @@ fn kf_gins(file: &mut Text, numbers: &Numbers) {
                Gauss–Markov process of one correlation time for all";
     file.head(numbers, Format::KfGins, why);
     let Numbers { gyroscope, accelerometer, memory, .. } = numbers;
-    let CorrelationTime { tau_s, from } = memory;
+    let SourcedNumber { value: tau_s, from } = memory;
     file.line("imunoise:");
     // 1 rad/√s is 60·180/π °/√h
     file.list("  arw", gyroscope, |axis| axis.fitted_n.value.to_degrees() * 60.0, "°/√h: N of each axis");
@@ -272,7 +272,7 @@ impl Text {
 
     fn list(&mut self, key: &str, sensor: &Option<Sensor>, of: impl Fn(&AxisNumbers) -> f64, what: &str) {
         match sensor {
-            Some(sensor) => self.values(key, &sensor.by_axis(of), what),
+            Some(sensor) => self.values(key, sensor.axes.iter().map(of), what),
             None => self.missing(key, what),
         }
     }
@@ -280,14 +280,14 @@ impl Text {
     fn covariance(&mut self, key: &str, sensor: &Option<Sensor>, of: impl Fn(&AxisNumbers) -> f64, what: &str) {
         let Some(sensor) = sensor else { return self.missing(key, what) };
         let mut all = [0.0; 9];
-        for (place, variance) in all.iter_mut().step_by(4).zip(sensor.by_axis(of)) {
+        for (place, variance) in all.iter_mut().step_by(4).zip(sensor.axes.iter().map(of)) {
             *place = variance;
         }
-        self.values(key, &all, what);
+        self.values(key, all, what);
     }
 
-    fn values(&mut self, key: &str, values: &[f64], what: &str) {
-        let values: Vec<String> = values.iter().map(|value| number(*value)).collect();
+    fn values(&mut self, key: &str, values: impl IntoIterator<Item = f64>, what: &str) {
+        let values: Vec<String> = values.into_iter().map(number).collect();
         self.line(&format!("{key}: [{}]   # {what}", values.join(", ")));
     }
 }

@@ -96,7 +96,7 @@ pub struct Numbers {
     pub gyroscope: Option<Sensor>,
     pub accelerometer: Option<Sensor>,
     /// The correlation time of the bias as a Gauss–Markov process.
-    pub memory: CorrelationTime,
+    pub memory: SourcedNumber,
 }
 
 /// The axes of one kind.
@@ -133,18 +133,6 @@ pub struct AxisNumbers {
     pub k: SourcedNumber,
     /// Standard deviation of the bias as a Gauss–Markov process, rad/s or m/s².
     pub sigma: f64,
-}
-
-/// The correlation time that all axes share.
-pub struct CorrelationTime {
-    pub tau_s: f64,
-    pub from: String,
-}
-
-impl Sensor {
-    pub fn by_axis(&self, of: impl Fn(&AxisNumbers) -> f64) -> Vec<f64> {
-        self.axes.iter().map(of).collect()
-    }
 }
 
 impl Axis<'_> {
@@ -253,9 +241,9 @@ const PEAK: f64 = 0.617;
 
 impl Numbers {
     pub fn new(choice: NoiseFileOptions, usage: Usage, doubts: &Rejections, axes: &[Axis<'_>]) -> Self {
-        let memory = CorrelationTime::of(axes);
+        let memory = correlation_time(axes);
         let of_kind = |kind| axes.iter().filter(move |axis| axis.kind == kind);
-        let sensor = |kind| Sensor::new((&choice, usage), of_kind(kind), memory.tau_s);
+        let sensor = |kind| Sensor::new((&choice, usage), of_kind(kind), memory.value);
         let (gyroscope, accelerometer) = (sensor(Kind::Gyroscope), sensor(Kind::Accelerometer));
         // the two kinds may be of topics with different rates
         let of_gyroscope = axes.iter().find(|axis| axis.kind == Kind::Gyroscope);
@@ -265,23 +253,21 @@ impl Numbers {
     }
 }
 
-impl CorrelationTime {
-    /// The geometric mean of the correlation times of the largest Gauss–Markov term of each axis. Without such terms,
-    /// the correlation time of a process whose Allan deviation peaks at the longest averaging time that all models
-    /// cover. If there are gyroscopes, only they count: accelerometers often have other correlation times.
-    fn of(axes: &[Axis<'_>]) -> Self {
-        let kind = axes.iter().map(|axis| axis.kind).find(|kind| *kind == Kind::Gyroscope);
-        let of_kind = || axes.iter().filter(|axis| kind.is_none_or(|kind| axis.kind == kind));
-        let times: Vec<f64> = of_kind().filter_map(Axis::memory_s).collect();
-        let whose = if kind.is_some() { "the gyroscopes" } else { "the accelerometers" };
-        if !times.is_empty() {
-            let mean = times.iter().map(|time| time.ln()).sum::<f64>() / times.len() as f64;
-            return Self { tau_s: mean.exp(), from: format!("of the Gauss–Markov terms of {whose}") };
-        }
-        let longest = of_kind().map(|axis| axis.fit.span_s.1).fold(f64::INFINITY, f64::min);
-        let from = format!("{whose} have no Gauss–Markov term: its Allan deviation peaks at {longest:.0} s");
-        Self { tau_s: longest / PEAK_AT, from }
+/// The correlation time that all axes share, s: the geometric mean of the correlation times of the largest Gauss–Markov
+/// term of each axis. Without such terms, that of a process whose Allan deviation peaks at the longest averaging time
+/// that all models cover. If there are gyroscopes, only they count: accelerometers often have other correlation times.
+fn correlation_time(axes: &[Axis<'_>]) -> SourcedNumber {
+    let kind = axes.iter().map(|axis| axis.kind).find(|kind| *kind == Kind::Gyroscope);
+    let of_kind = || axes.iter().filter(|axis| kind.is_none_or(|kind| axis.kind == kind));
+    let times: Vec<f64> = of_kind().filter_map(Axis::memory_s).collect();
+    let whose = if kind.is_some() { "the gyroscopes" } else { "the accelerometers" };
+    if !times.is_empty() {
+        let mean = times.iter().map(|time| time.ln()).sum::<f64>() / times.len() as f64;
+        return SourcedNumber { value: mean.exp(), from: format!("of the Gauss–Markov terms of {whose}") };
     }
+    let longest = of_kind().map(|axis| axis.fit.span_s.1).fold(f64::INFINITY, f64::min);
+    let from = format!("{whose} have no Gauss–Markov term: its Allan deviation peaks at {longest:.0} s");
+    SourcedNumber { value: longest / PEAK_AT, from }
 }
 
 impl Sensor {
