@@ -4,7 +4,7 @@
 
 use crate::jumps;
 use crate::moving::{moving, shared};
-use crate::{Axis, Detrending, DetrendingError, ImuWarning, Kind, Rejection, Rejections, coded};
+use crate::{Axis, Detrending, DetrendingError, ImuWarning, Kind, Rejection, Rejections, Rest, coded};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysis, AnalysisError, Averaging, Density, DetrendedRate, Envelope, Fit, FitError,
@@ -309,7 +309,9 @@ impl Record {
         let moving = shared(&spans).into_iter().map(|(from_s, to_s)| (start_s + from_s, start_s + to_s));
         let moving: Vec<(f64, f64)> = moving.collect();
         let jumps = ImuWarning::of_motion(&Self::models(axes), &moving, start_s, first.names);
-        ImuWarning::of_moving(moving, (start_s, end_s), first.names).into_iter().chain(jumps).collect()
+        let rest = Rest::between(&moving, (start_s, end_s), first.names);
+        let moves = (!moving.is_empty()).then_some(ImuWarning::Moves(moving, rest));
+        moves.into_iter().chain(jumps).collect()
     }
 
     /// The prediction of the model at a point, if a model exists and describes this statistic.
@@ -358,16 +360,13 @@ fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<L
 
 /// True if the model is valid and does not warn of many glitches, or if no model was requested.
 fn is_sound(fit: Option<&Result<Fit, FitError>>) -> bool {
+    // so many samples stand out of the noise that they are not glitches: the sensor may move
+    let stand_out = |warning: &AllanWarning| matches!(warning, AllanWarning::ManyGlitches { .. });
     match fit {
-        Some(Ok(fit)) => !fit.is_rejected && !stands_out(fit),
+        Some(Ok(fit)) => !fit.is_rejected && !fit.warnings.iter().any(stand_out),
         Some(Err(_)) => false,
         None => true,
     }
-}
-
-/// True if so many samples stand out of the noise that they are not glitches: the sensor may move.
-fn stands_out(fit: &Fit) -> bool {
-    fit.warnings.iter().any(|warning| matches!(warning, AllanWarning::ManyGlitches { .. }))
 }
 
 fn label(file: &Path, column: &str) -> String {

@@ -89,13 +89,6 @@ pub fn coded(warning: &AllanWarning, unit: Option<&str>, names: Names) -> String
 }
 
 impl ImuWarning {
-    /// The warning about motion in these times of a record, if there are any.
-    #[must_use]
-    pub fn of_moving(moving_s: Vec<(f64, f64)>, record_s: (f64, f64), names: Names) -> Option<Self> {
-        let rest = Rest::between(&moving_s, record_s, names);
-        (!moving_s.is_empty()).then_some(Self::Moves(moving_s, rest))
-    }
-
     /// One warning for all jumps, and one for all common glitches. The longest rest also leaves out the times
     /// `moving_s`.
     #[must_use]
@@ -120,12 +113,12 @@ impl ImuWarning {
 
 rows!(match ImuWarning as Display {
     Self::Moves(ref spans, rest) =>
-        Row { code: "motion", text: format_args!("the sensor moves {}; the longest rest: {rest}", Spans(spans)) },
+        Row { code: "motion", text: format_args!("the sensor moves {}; the longest rest: {rest}", times(spans)) },
     Self::Jumps(ref moments, rest) =>
-        Row { code: "motion", text: format_args!("axes jump together {}; longest rest: {rest}", Jumps(moments)) },
+        Row { code: "motion", text: format_args!("axes jump together {}; longest rest: {rest}", jumps(moments)) },
     Self::Knocks(ref moments) => Row {
         code: "motion",
-        text: format_args!("axes glitch together at {}; was the sensor knocked?", Named(moments)),
+        text: format_args!("axes glitch together at {}; was the sensor knocked?", first(moments)),
     },
     Self::KindAbsent(kind, None) =>
         Row { code: "kind-absent", text: format_args!("the log has no {}; fill in its numbers", kind.name()) },
@@ -134,40 +127,25 @@ rows!(match ImuWarning as Display {
 });
 
 /// Times of motion in words: the start of the first, the end of the last, and their number.
-struct Spans<'a>(&'a [(f64, f64)]);
-
-impl fmt::Display for Spans<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Some((from_s, _)), Some((_, to_s))) = (self.0.first(), self.0.last()) else { return Ok(()) };
-        write!(f, "from {from_s:.0} s to {to_s:.0} s")?;
-        if self.0.len() > 1 { write!(f, " ({} times)", self.0.len()) } else { Ok(()) }
+fn times(spans: &[(f64, f64)]) -> String {
+    match spans {
+        [] => String::new(),
+        [(from_s, to_s)] => format!("from {from_s:.0} s to {to_s:.0} s"),
+        [(from_s, _), .., (_, to_s)] => format!("from {from_s:.0} s to {to_s:.0} s ({} times)", spans.len()),
     }
 }
 
-struct Jumps<'a>(&'a [Moment]);
-
-impl fmt::Display for Jumps<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            [] => Ok(()),
-            [only] => write!(f, "at {:.1} s", only.at_s),
-            [first, .., last] => write!(f, "{} times from {:.1} s to {:.1} s", self.0.len(), first.at_s, last.at_s),
-        }
+fn jumps(moments: &[Moment]) -> String {
+    match moments {
+        [] => String::new(),
+        [only] => format!("at {:.1} s", only.at_s),
+        [first, .., last] => format!("{} times from {:.1} s to {:.1} s", moments.len(), first.at_s, last.at_s),
     }
 }
 
-/// The first [`NAMED`] moments in words, and the number of those that follow.
-struct Named<'a>(&'a [Moment]);
-
-const NAMED: usize = 1;
-
-impl fmt::Display for Named<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = |moment: &Moment| format!("{:.1} s ({})", moment.at_s, moment.axes.join(", "));
-        f.write_str(&self.0.iter().take(NAMED).map(words).collect::<Vec<_>>().join(", "))?;
-        match self.0.len().saturating_sub(NAMED) {
-            0 => Ok(()),
-            more => write!(f, " + {more} more"),
-        }
-    }
+/// The first moment in words, and the number of those that follow.
+fn first(moments: &[Moment]) -> String {
+    let [first, others @ ..] = moments else { return String::new() };
+    let words = format!("{:.1} s ({})", first.at_s, first.axes.join(", "));
+    if others.is_empty() { words } else { format!("{words} + {} more", others.len()) }
 }
