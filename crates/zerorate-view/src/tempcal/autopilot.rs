@@ -7,9 +7,7 @@ use std::fmt::Write;
 use zerorate_imu::Kind;
 
 /// The three axes of a sensor, in the order x, y, z.
-struct Triad<'a> {
-    axes: [&'a AxisCurve; 3],
-}
+type Triad<'a> = [&'a AxisCurve; 3];
 
 /// The parameter file of PX4: TC_Gn and TC_An.
 ///
@@ -23,13 +21,13 @@ pub fn px4(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
              #\n# Vehicle-Id Component-Id Name Value Type\n";
     let triads = triads(axes)?;
     for (kind, letter) in [(Kind::Gyroscope, 'G'), (Kind::Accelerometer, 'A')] {
-        let of_kind: Vec<&Triad<'_>> = triads.iter().filter(|triad| triad.kind() == kind).collect();
+        let of_kind: Vec<&Triad<'_>> = triads.iter().filter(|triad| triad[0].kind == kind).collect();
         if of_kind.is_empty() {
             continue;
         }
         let _ = writeln!(text, "1\t1\tTC_{letter}_ENABLE\t1\t6");
         for triad in of_kind {
-            triad.px4(letter, &mut text)?;
+            write_px4(triad, letter, &mut text)?;
         }
     }
     Ok(text)
@@ -45,7 +43,7 @@ pub fn ardupilot(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
              # CALTEMP. Below TMIN and above TMAX, ArduPilot holds P. It measures the offsets of the gyroscopes anew\n\
              # at every start; calibrate the accelerometers anew after these parameters are set.\n";
     let triads = triads(axes)?;
-    let mut imus: Vec<u32> = triads.iter().map(Triad::imu).collect();
+    let mut imus: Vec<u32> = triads.iter().map(|triad| triad[0].imu).collect();
     imus.sort_unstable();
     imus.dedup();
     for imu in imus {
@@ -55,8 +53,8 @@ pub fn ardupilot(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
                 imu + 1
             )));
         }
-        let of_imu: Vec<&Triad<'_>> = triads.iter().filter(|triad| triad.imu() == imu).collect();
-        let spans = || of_imu.iter().map(|triad| triad.span_c());
+        let of_imu: Vec<&Triad<'_>> = triads.iter().filter(|triad| triad[0].imu == imu).collect();
+        let spans = || of_imu.iter().map(|triad| triad[0].span_c());
         let low_c = spans().map(|span| span.0).fold(f64::MIN, f64::max);
         let high_c = spans().map(|span| span.1).fold(f64::MAX, f64::min);
         let start = format!("INS_TCAL{}_", imu + 1);
@@ -67,8 +65,8 @@ pub fn ardupilot(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
         parameter("TMIN".to_owned(), low_c);
         parameter("TMAX".to_owned(), high_c);
         for triad in of_imu {
-            let name = if triad.kind() == Kind::Gyroscope { "GYR" } else { "ACC" };
-            let terms = triad.terms(ARDUPILOT_C);
+            let name = if triad[0].kind == Kind::Gyroscope { "GYR" } else { "ACC" };
+            let terms = terms(triad, ARDUPILOT_C);
             for order in 1..4 {
                 for (axis, terms) in ["X", "Y", "Z"].iter().zip(&terms) {
                     parameter(format!("{name}{order}_{axis}"), terms[order] * ARDUPILOT_SCALE);
@@ -101,58 +99,43 @@ fn triad(axes: &[AxisCurve]) -> Result<Triad<'_>, InvalidOptions> {
         |letters: [char; 2]| [one, other, third].into_iter().find(|axis| letters.map(Some).contains(&letter(axis)));
     let found = [named(['x', '0']), named(['y', '1']), named(['z', '2'])];
     match found {
-        [Some(x), Some(y), Some(z)] => Ok(Triad { axes: [x, y, z] }),
+        [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
         _ => Err(wrong()),
     }
 }
 
-impl Triad<'_> {
-    fn kind(&self) -> Kind {
-        self.axes[0].kind
-    }
+/// The coefficients of the three polynomials about `about_c`, in rad/s or m/s².
+fn terms(triad: &Triad<'_>, about_c: f64) -> [[f64; 4]; 3] {
+    let per_unit = if triad[0].kind == Kind::Gyroscope { std::f64::consts::PI / 180.0 } else { 1.0 };
+    triad.map(|axis| axis.cubic.about(about_c).map(|term| term * per_unit))
+}
 
-    fn imu(&self) -> u32 {
-        self.axes[0].imu
+fn write_px4(triad: &Triad<'_>, letter: char, text: &mut String) -> Result<(), InvalidOptions> {
+    let AxisCurve { imu, device_id, sensor, .. } = triad[0];
+    if !PX4_SENSORS.contains(imu) {
+        return Err(InvalidOptions(format!("sensor {imu}: PX4 has TC_{letter}n for 0 to 3; choose them")));
     }
-
-    fn span_c(&self) -> (f64, f64) {
-        self.axes[0].span_c()
-    }
-
-    /// The coefficients of the three polynomials about `about_c`, in rad/s or m/s².
-    fn terms(&self, about_c: f64) -> [[f64; 4]; 3] {
-        let per_unit = if self.kind() == Kind::Gyroscope { std::f64::consts::PI / 180.0 } else { 1.0 };
-        self.axes.map(|axis| axis.cubic.about(about_c).map(|term| term * per_unit))
-    }
-
-    fn px4(&self, letter: char, text: &mut String) -> Result<(), InvalidOptions> {
-        let number = self.imu();
-        if !PX4_SENSORS.contains(&number) {
-            return Err(InvalidOptions(format!("sensor {number}: PX4 has TC_{letter}n for 0 to 3; choose them")));
+    let start = format!("TC_{letter}{imu}_");
+    let Some(device_id) = device_id else {
+        return Err(InvalidOptions(format!(
+            "{sensor}: PX4 finds a sensor by its device_id, which only its own logs (.ulg) state"
+        )));
+    };
+    let (low_c, high_c) = triad[0].span_c();
+    // the middle of the range, as in PX4's own calibration, rounded to the f32 of a parameter
+    let about_c = f64::from((0.5 * (low_c + high_c)) as f32);
+    let _ = writeln!(text, "1\t1\t{start}ID\t{device_id}\t6");
+    let mut float = |name: String, value: f64| {
+        let _ = writeln!(text, "1\t1\t{start}{name}\t{}\t9", single(value));
+    };
+    float("TREF".to_owned(), about_c);
+    float("TMIN".to_owned(), low_c);
+    float("TMAX".to_owned(), high_c);
+    let terms = terms(triad, about_c);
+    for order in 0..4 {
+        for (axis, terms) in terms.iter().enumerate() {
+            float(format!("X{order}_{axis}"), terms[order]);
         }
-        let start = format!("TC_{letter}{number}_");
-        let Some(device_id) = self.axes[0].device_id else {
-            let sensor = &self.axes[0].sensor;
-            return Err(InvalidOptions(format!(
-                "{sensor}: PX4 finds a sensor by its device_id, which only its own logs (.ulg) state"
-            )));
-        };
-        let (low_c, high_c) = self.span_c();
-        // the middle of the range, as in PX4's own calibration, rounded to the f32 of a parameter
-        let about_c = f64::from((0.5 * (low_c + high_c)) as f32);
-        let _ = writeln!(text, "1\t1\t{start}ID\t{device_id}\t6");
-        let mut float = |name: String, value: f64| {
-            let _ = writeln!(text, "1\t1\t{start}{name}\t{}\t9", single(value));
-        };
-        float("TREF".to_owned(), about_c);
-        float("TMIN".to_owned(), low_c);
-        float("TMAX".to_owned(), high_c);
-        let terms = self.terms(about_c);
-        for order in 0..4 {
-            for (axis, terms) in terms.iter().enumerate() {
-                float(format!("X{order}_{axis}"), terms[order]);
-            }
-        }
-        Ok(())
     }
+    Ok(())
 }
