@@ -162,7 +162,8 @@ fn axis<'a>(
     let &Layout { step_c, span_c, .. } = layout;
     let curved = Some(&axis.correction).filter(|correction| !correction.is_line());
     let row = |row: &TableRow| LookUpRow { delta_c: tidy(row.delta_c), correction_dps: tidy(row.correction_dps) };
-    let Correction { pbc_dps, btc_dps_per_c, t3_c, .. } = axis.correction;
+    let Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = axis.correction;
+    let curve = curved.map(|_| Curve { btc2_dps_per_c2, btc3_dps_per_c3 });
     let table = Table {
         step_c,
         span_c,
@@ -173,14 +174,9 @@ fn axis<'a>(
     let integer = codes.map(|codes| integer(&codes, !calibration.is_plain()));
     Ok(Axis {
         name: &axis.name,
-        terms: Terms { pbc_dps, btc_dps_per_c, t3_c, curve: curve(&axis.correction) },
+        terms: Terms { pbc_dps, btc_dps_per_c, t3_c, curve },
         derived: Derived { integer, table },
     })
-}
-
-fn curve(correction: &Correction) -> Option<Curve> {
-    let Correction { btc2_dps_per_c2, btc3_dps_per_c3, .. } = *correction;
-    (!correction.is_line()).then_some(Curve { btc2_dps_per_c2, btc3_dps_per_c3 })
 }
 
 fn integer(of: &Codes, with_ranges: bool) -> Integer {

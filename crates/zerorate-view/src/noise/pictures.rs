@@ -2,7 +2,7 @@
 
 use super::{GaussMarkov, are_axes, gauss_markov, interval, name};
 use crate::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
-use zerorate_allan::{Fit, Line, Prediction};
+use zerorate_allan::{Fit, Line, Point, Prediction};
 use zerorate_imu::{FitReport, Named, Record, coefficients};
 use zerorate_logs::Quantity;
 
@@ -249,33 +249,24 @@ fn curve(record: &Record) -> Curve {
             slope: named.slope,
         }
     };
-    let laws = drawn(record).into_iter().map(law).collect();
+    let above_zero = |named: &Named<'_>| named.coefficient.value > 0.0;
+    let laws = valid_coefficients(record).into_iter().filter(above_zero).map(law).collect();
     let minimum = record.minimum().map(|(tau_s, dev)| Minimum { tau_s, dev });
-    let expected = record.drawn().points.iter().filter_map(|point| {
-        let Prediction { dev, lo, hi } = record.model()?.expected(record.drawn(), point)?;
-        Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
-    });
-    let predicted = record.drawn().points.iter().filter_map(|point| {
-        let Prediction { dev, lo, hi } = record.predicted(point)?;
-        Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
-    });
-    let (points, model, predicted) = (points.collect(), expected.collect(), predicted.collect());
+    let band = |of: &dyn Fn(&Point) -> Option<Prediction>| {
+        let at = |point: &Point| {
+            of(point).map(|Prediction { dev, lo, hi }| plot::Point { tau_s: point.tau_s, dev, lo, hi })
+        };
+        record.drawn().points.iter().filter_map(at).collect()
+    };
+    let model = band(&|point| record.model()?.expected(record.drawn(), point));
+    let (points, predicted) = (points.collect(), band(&|point| record.predicted(point)));
     Curve { label: record.label(), points, model, predicted, laws, minimum, remarks: Vec::new() }
-}
-
-/// The coefficients that [`curve`] draws as lines: for Allan deviations only, and only values above zero.
-fn drawn(record: &Record) -> Vec<Named<'_>> {
-    valid_coefficients(record).into_iter().filter(|named| named.coefficient.value > 0.0).collect()
 }
 
 /// The coefficients, if the statistic is an Allan deviation and the model is valid; empty otherwise.
 fn valid_coefficients(record: &Record) -> Vec<Named<'_>> {
-    match record.analysis.stat.is_allan() && record.valid_model().is_ok() {
-        true => named(record),
-        false => Vec::new(),
+    match record.valid_model() {
+        Ok(fit) if record.analysis.stat.is_allan() => coefficients(fit, record.quantity),
+        _ => Vec::new(),
     }
-}
-
-fn named(record: &Record) -> Vec<Named<'_>> {
-    record.model().map_or_else(Vec::new, |fit| coefficients(fit, record.quantity))
 }

@@ -23,9 +23,15 @@ impl Scales {
         curve.points.iter().map(|point| self.at(point.tau_s, point.dev)).collect()
     }
 
-    /// The line of a power law across the whole plot.
+    /// The line of a power law across the whole plot, with a point every few pixels.
     pub fn law(&self, law: &PowerLaw) -> Vec<(f64, f64)> {
-        self.sampled(self.x.ends(), |tau_s| law.dev(tau_s))
+        let (from, to) = self.x.ends();
+        let steps = ((to - from) / 6.0).ceil().clamp(1.0, 1000.0) as u32;
+        let at = |k: u32| {
+            let tau_s = self.x.value(from + (to - from) * f64::from(k) / f64::from(steps));
+            self.at(tau_s, law.dev(tau_s))
+        };
+        (0..=steps).map(at).collect()
     }
 
     /// The fitted curve in pixels; empty if there are fewer than two points.
@@ -34,16 +40,6 @@ impl Scales {
             points @ [_, _, ..] => points.iter().map(|point| self.at(point.tau_s, point.dev)).collect(),
             _ => Vec::new(),
         }
-    }
-
-    /// Samples a function of the averaging time every few pixels, between two pixels.
-    fn sampled(&self, (from, to): (f64, f64), dev: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
-        let steps = ((to - from) / 6.0).ceil().clamp(1.0, 1000.0) as u32;
-        let at = |k: u32| {
-            let tau_s = self.x.value(from + (to - from) * f64::from(k) / f64::from(steps));
-            self.at(tau_s, dev(tau_s))
-        };
-        (0..=steps).map(at).collect()
     }
 
     pub fn band(&self, points: &[Point], colour: &str) -> Path {
