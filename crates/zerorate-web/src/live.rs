@@ -172,7 +172,8 @@ impl Pace {
         loop {
             let now_ms = clock();
             if now_ms >= until_ms {
-                self.fell_behind();
+                // the page was too slow: the session does not have to catch up
+                (self.since, self.begun_s) = (None, 0.0);
                 return Ok(true);
             }
             for _ in 0..AT_ONCE {
@@ -196,10 +197,5 @@ impl Pace {
         let &mut (from_ns, from_ms) = self.since.get_or_insert((t_ns, now_ms - begun_ms));
         let gone_ms = t_ns.saturating_sub(from_ns) as f64 * 1e-6;
         self.is_simulated && self.factor > 0.0 && gone_ms > (now_ms - from_ms) * self.factor
-    }
-
-    /// Restarts the pace when the page was too slow, so that the session does not have to catch up.
-    fn fell_behind(&mut self) {
-        (self.since, self.begun_s) = (None, 0.0);
     }
 }

@@ -193,14 +193,10 @@ impl Statistics {
 
     /// The spectral lines that the model has removed.
     fn lines(&self) -> impl Iterator<Item = SpectrumMark> + '_ {
-        let terms = self.fit.iter().flat_map(|fit| &fit.terms);
-        terms.filter_map(|term| match term {
-            allan::Term::Line(line) => Some(SpectrumMark {
-                hz: line.frequency_hz,
-                kind: MarkKind::Line,
-                text: format!("a line at {:.3} Hz", line.frequency_hz),
-            }),
-            _ => None,
+        self.fit.iter().flat_map(allan::Fit::lines).map(|line| SpectrumMark {
+            hz: line.frequency_hz,
+            kind: MarkKind::Line,
+            text: format!("a line at {:.3} Hz", line.frequency_hz),
         })
     }
 
