@@ -32,12 +32,8 @@ const FIRST: usize = 2;
 /// Returns an error if the Fourier transform fails. The buffers have matching lengths, so this is not expected.
 pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
     let most = (rate.len() / SEGMENTS).min(*LENGTHS.end());
-    let Some(length) = (0..usize::BITS).rev().map(|k| 1usize << k).find(|length| *length <= most) else {
-        return Ok(Vec::new());
-    };
-    if length < *LENGTHS.start() {
-        return Ok(Vec::new());
-    }
+    let longest = (0..usize::BITS).rev().map(|k| 1usize << k).find(|length| *length <= most);
+    let Some(length) = longest.filter(|length| LENGTHS.contains(length)) else { return Ok(Vec::new()) };
     let window: Vec<f64> =
         (0..length).map(|i| 0.5 - 0.5 * libm::cos(2.0 * PI * (i as f64 + 0.5) / length as f64)).collect();
     let fft = RealFftPlanner::<f64>::new().plan_fft_forward(length);

@@ -6,7 +6,7 @@ use super::masked::loud;
 use super::scoring::{N2, Problem};
 use super::select::{Selection, without_shape};
 use super::spectrum::Spectrum;
-use super::spectrum::averages::{averages, fill_gaps, slot_length, white_in};
+use super::spectrum::averages::{averages, centred, fill_gaps, slot_length, white_in};
 use super::transform::{cosine_transform, series, smooth_length};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -114,8 +114,7 @@ fn density_of_averages(chosen: &Selection, slots: usize, slot_rate_hz: f64, whit
 
 fn scan(x: &[f64], density: &[f64], left_out: &[(usize, usize)]) -> Result<Option<Candidate>, FftError> {
     let n = x.len();
-    let mean = x.iter().sum::<f64>() / n.max(1) as f64;
-    let coefficients = cosine_transform(&x.iter().map(|x| x - mean).collect::<Vec<f64>>())?;
+    let coefficients = cosine_transform(&centred(x))?;
     let half_angle = PI / (2 * n) as f64;
     // Both sums come from one transform. Without this scale, one of them would lose its digits beside the other if the
     // unit of the rate is large.

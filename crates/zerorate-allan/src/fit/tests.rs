@@ -164,17 +164,8 @@ fn quantisation_gives_q_and_a_low_pass_gives_a_shape() {
     // White noise behind a low-pass of 3 samples, beside flicker and a random walk. With cosines alone, without a
     // pole, N was 4 % too small and B 20 % too large.
     let (white, flicker) = (Truth { n: HOUR.n, ..Truth::default() }, Truth { n: 0.0, ..HOUR });
-    let keep = (-1.0f64 / 3.0).exp();
-    let mut before = 0.0;
-    let filtered: Vec<f64> = white
-        .noise(360_000, 23)
-        .iter()
-        .zip(flicker.noise(360_000, 24))
-        .map(|(white, slow)| {
-            before = keep * before + (1.0 - keep) * white;
-            before + slow
-        })
-        .collect();
+    let passed = filters::slow_pass(&white.noise(360_000, 23), 3.0).into_iter();
+    let filtered: Vec<f64> = passed.zip(flicker.noise(360_000, 24)).map(|(white, slow)| white + slow).collect();
     let fit = of(&filtered);
     assert!(matches!(fit.terms[..], [Term::BandShape { pole: Some(_), .. }]), "{:?}", fit.terms);
     assert!(near(fit.n.value, HOUR.n, 0.01) && near(fit.b.value, HOUR.b, 0.25), "{:?} {:?}", fit.n, fit.b);

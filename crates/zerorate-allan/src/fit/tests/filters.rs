@@ -35,7 +35,7 @@ fn resonant(x: &[f64], hz: f64, q: f64) -> Vec<f64> {
 }
 
 /// A low-pass of the first order with a time constant in samples.
-fn slow_pass(x: &[f64], samples: f64) -> Vec<f64> {
+pub(super) fn slow_pass(x: &[f64], samples: f64) -> Vec<f64> {
     let keep = (-1.0 / samples).exp();
     x.iter()
         .scan(0.0, |y, x| {
