@@ -253,9 +253,9 @@ impl Numbers {
     }
 }
 
-/// The correlation time that all axes share, s: the geometric mean of the correlation times of the largest Gauss–Markov
-/// term of each axis. Without such terms, that of a process whose Allan deviation peaks at the longest averaging time
-/// that all models cover. If there are gyroscopes, only they count: accelerometers often have other correlation times.
+/// The correlation time that all axes share, s: the geometric mean of those of the largest Gauss–Markov term of each
+/// axis. Without such terms, that of a process whose Allan deviation peaks at the longest averaging time that all
+/// models cover. If there are gyroscopes, only they count: accelerometers often have other correlation times.
 fn correlation_time(axes: &[Axis<'_>]) -> SourcedNumber {
     let kind = axes.iter().map(|axis| axis.kind).find(|kind| *kind == Kind::Gyroscope);
     let of_kind = || axes.iter().filter(|axis| kind.is_none_or(|kind| axis.kind == kind));
