@@ -57,7 +57,7 @@ struct DefaultUnit {
 
 /// Prints a row of the table in `docs/reference/accuracy.md`.
 fn report_fault(args: &CoverageArgs, fault: &Fault) -> anyhow::Result<()> {
-    let ended = for_each_seed(args.seeds.clone(), |seed| trial::run((fault.spec)(seed), Plan::default()))?;
+    let ended = for_each_seed(args.seeds.clone(), |seed| Rig::new((fault.spec)(seed)).run(Plan::default()))?;
     let count = |is: fn(&trial::TrialEnd) -> bool| ended.iter().filter(|ended| is(ended)).count();
     let refused = count(|ended| matches!(ended, trial::TrialEnd::Refused));
     let (silent, wrong) = (count(trial::TrialEnd::is_silent), count(trial::TrialEnd::is_wrong_and_silent));

@@ -27,11 +27,11 @@ const RAMP_S: f64 = 480.0;
 
 pub struct Rig {
     pub twin: Twin,
-    gyro: Adis16130<TwinSpi, TwinRdy>,
+    pub gyro: Adis16130<TwinSpi, TwinRdy>,
     axis: Axis,
     mclk_hz: u32,
     ambient_c: f64,
-    sampler: Sampler,
+    pub sampler: Sampler,
     /// Time, s, and true temperature, °C, every ten seconds of a calibration.
     pub temps: Vec<(f64, f64)>,
 }
@@ -157,11 +157,6 @@ pub enum TrialEnd {
         warnings: Vec<&'static str>,
     },
     Refused,
-}
-
-/// Calibrates a unit. Returns an error if the bus fails or the plan is invalid.
-pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
-    Rig::new(spec).run(plan)
 }
 
 impl TrialEnd {

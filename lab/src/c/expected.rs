@@ -1,9 +1,9 @@
 //! Uses the Rust crates to compute the output that `bindings/c/tests/agree.c` must print about driver, corrections,
 //! tracker, self-test, and the procedure on fixed memory.
 
-use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTestPlan, TempCode, WaitBound};
-use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
+use crate::trial::Rig;
+use adis16130::{RateCode, Sample, SelfTestPlan, TempCode, WaitBound};
+use adis16130_twin::Spec;
 use anyhow::{Context, Result, anyhow, ensure};
 use std::fmt::Write;
 use zerorate::track::{Prior, Tracked, Tracker, TrackerConfig};
@@ -128,37 +128,16 @@ fn bias(text: &mut String, tracker: &Tracker) -> Result<()> {
     Ok(writeln!(text, "phase {}", phase as u8)?)
 }
 
-struct Rig {
-    twin: Twin,
-    gyro: Adis16130<TwinSpi, TwinRdy>,
-    sampler: Sampler,
-}
-
-impl Rig {
-    fn new(keys: &str, mclk_hz: u32) -> Result<Self> {
-        let twin = Twin::new(Spec::parse_keys(keys)?);
-        let config = Config::new();
-        let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
-        gyro.reset().map_err(|error| anyhow!("{error}"))?;
-        gyro.init_verified().map_err(|error| anyhow!("{error}"))?;
-        let mut sampler = Sampler::new(SamplerConfig::new(), &config, mclk_hz);
-        sampler.restarted();
-        Ok(Self { twin, gyro, sampler })
-    }
-
-    fn next(&mut self) -> Result<Sample> {
-        loop {
-            let edge = self.twin.next_falling_edge(100_000_000).context("no edge")?;
-            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
-            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).map_err(|error| anyhow!("{error}"))? {
-                return Ok(sample);
-            }
-        }
-    }
+/// A unit of the twin, initialised as `agree.c` initialises it.
+fn initialised(keys: &str) -> Result<Rig> {
+    let mut rig = Rig::new(Spec::parse_keys(keys)?);
+    rig.gyro.restart().map_err(|error| anyhow!("{error}"))?;
+    rig.sampler.restarted();
+    Ok(rig)
 }
 
 fn samples(text: &mut String, keys: &str) -> Result<()> {
-    let mut rig = Rig::new(keys, 6_000_000)?;
+    let mut rig = initialised(keys)?;
     text.push_str("initialise 0\ninteger 0\ncurve 0\ncurved 0\nsingle 0\ntable 0\n");
     let Axis { rate, temp, .. } = Axis::ADIS16130;
     let (integer, single) = (CORRECTION.to_integer(&rate, &temp)?, CORRECTION.to_f32());
@@ -167,7 +146,7 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
     CORRECTION.fill_table(0.02, 2.0, &mut rows)?;
     let table = CodeTable::new(&rows, 0.02, CORRECTION.t3_c, &Axis::ADIS16130.temp);
     for _ in 0..SAMPLES {
-        let Sample { t_ns, seq, rate, temp, lost, .. } = rig.next()?;
+        let Sample { t_ns, seq, rate, temp, lost, .. } = rig.read()?;
         let temp = temp.context("a sample without temperature")?;
         let (rate_code, temp_code) = (rate.code24(), temp.code24());
         let corrected = integer.apply(rate_code, temp_code);
@@ -197,7 +176,7 @@ fn samples(text: &mut String, keys: &str) -> Result<()> {
 }
 
 fn self_test(text: &mut String, keys: &str) -> Result<()> {
-    let Rig { twin, mut gyro, .. } = Rig::new(keys, 6_000_000)?;
+    let Rig { twin, mut gyro, .. } = initialised(keys)?;
     let seen = gyro.self_test(&mut twin.self_test_pin(), &mut twin.delay(), SelfTestPlan::new(500));
     let seen = seen.map_err(|error| anyhow!("{error}"))?;
     // the twin's self-test is 20 °/s at the sensing element, and the sensitivity varies by 3 % (M-07)
@@ -224,12 +203,12 @@ const PLAN: Plan = Plan {
 };
 
 fn calibrate(text: &mut String, keys: &str) -> Result<()> {
-    let mut rig = Rig::new(keys, 1_000_000)?;
+    let mut rig = initialised(keys)?;
     text.push_str("initialise 0\nbegin 0\ntoo early -2\nfirst 0\n");
     let mut procedure = FixedProcedure::on_fixed_memory(&Axis::ADIS16130, PLAN)?;
     let mut seen = procedure.handle(Event::Initialised { t_ns: rig.twin.now_ns() });
     while seen.is_ok() && procedure.next() != Action::Done {
-        seen = procedure.handle(Event::Reading(&Reading::from(&rig.next()?)));
+        seen = procedure.handle(Event::Reading(&Reading::from(&rig.read()?)));
     }
     let ended = seen.map_or_else(|refusal| number(&refusal), |()| 0);
     let remedies: Vec<String> = match &seen {

@@ -59,7 +59,7 @@ const FULL_RATE: u64 = 25;
 fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let index = NAMES.iter().position(|name| *name == class).context("no such world")?;
     let spec = at_its_rate((FAULTS[index].spec)(seed), seed);
-    let ended = trial::run(spec.clone(), Plan::default())?;
+    let ended = Rig::new(spec.clone()).run(Plan::default())?;
     Ok(match &ended {
         TrialEnd::Refused => Verdict::Refused,
         TrialEnd::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
