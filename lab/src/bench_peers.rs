@@ -39,11 +39,7 @@ pub fn run(args: &BenchPeersArgs) -> Result<()> {
     let python = venv::python("peers", "lab/tools/peers/requirements.txt")?;
     let peers = peers()?;
     let peers = || Command::new(&peers);
-    let allantools = || {
-        let mut command = Command::new(&python);
-        command.arg("lab/tools/peers/peers.py");
-        command
-    };
+    let allantools = || script(&python, "peers.py");
     done(peers().args(["generate", DATA]).arg(args.samples.to_string()))?;
     println!("{} samples, {}", args.samples, machine());
     let mut lines = parse(&printed(allantools().arg(DATA))?)?;
@@ -130,13 +126,8 @@ fn print_agreement(lines: &[Line]) {
 fn time_program() -> Result<()> {
     let build = ["build", "--profile", "dist", "--quiet", "-p", "zerorate-cli", "--target-dir", "target/peers"];
     done(Command::new("cargo").args(build).args(["--features", "full"]))?;
-    let zerorate = |line: &str| {
-        let mut command = Command::new(PROGRAM);
-        command.args(line.split(' '));
-        command
-    };
-    done(&mut zerorate(&format!("capture --duration 60m --force -o {CAPTURE}")))?;
-    let best = best_of(5, &mut zerorate(&format!("allan {CAPTURE}")))?;
+    done(Command::new(PROGRAM).args(["capture", "--duration", "60m", "--force", "-o", CAPTURE]))?;
+    let best = best_of(5, Command::new(PROGRAM).args(["allan", CAPTURE]))?;
     println!("zerorate allan FILE.parquet, an hour of the twin, from file to text: {best:.2} s, best of 5");
     Ok(std::fs::remove_file(CAPTURE)?)
 }
@@ -148,11 +139,7 @@ const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.p
 /// counts.
 fn time_files(samples: u64, python: &Path) -> Result<()> {
     std::fs::create_dir_all(LOGS)?;
-    let peers = || {
-        let mut command = Command::new(python);
-        command.arg("lab/tools/peers/files.py");
-        command
-    };
+    let peers = || script(python, "files.py");
     done(peers().args(["make", LOGS]).arg(samples.to_string()))?;
     for (file, goal) in FILES {
         let path = format!("{LOGS}/{file}");
@@ -204,9 +191,7 @@ fn time_fit(python: &Path, path: &str, seconds: f64, samples: u64) -> Result<()>
 
 /// Peak memory of the program, bytes.
 fn peak(python: &Path, line: &[&str]) -> Result<f64> {
-    let mut command = Command::new(python);
-    command.args(["lab/tools/peers/files.py", "peak", PROGRAM]).args(line);
-    Ok(printed(&mut command)?.trim().parse()?)
+    Ok(printed(script(python, "files.py").args(["peak", PROGRAM]).args(line))?.trim().parse()?)
 }
 
 fn analysis<'a>(path: &'a str, columns: &'a str) -> [&'a str; 8] {
@@ -220,6 +205,13 @@ fn print_peak(python: &Path, path: &str, columns: &str, samples: u64) -> Result<
     let times = peak / asked;
     println!("  peak memory: {times:.2} times the columns that were asked for (goal 1.1{})", missed(times <= 1.1));
     Ok(())
+}
+
+/// A command that runs a script of `lab/tools/peers`.
+fn script(python: &Path, name: &str) -> Command {
+    let mut command = Command::new(python);
+    command.arg(Path::new("lab/tools/peers").join(name));
+    command
 }
 
 /// Time of the fastest of some runs, s.

@@ -17,15 +17,10 @@ pub const SHORT_S: f64 = 205.0;
 pub struct Bench {
     pub program: PathBuf,
     folder: Folder,
-    /// The output of `correct` for the undamaged recording `rest`. It is the same for every file format.
-    pub rest: CorrectedOutput,
-}
-
-pub struct CorrectedOutput {
-    /// The rows without metadata.
-    pub rows: String,
-    /// Number of lines on stderr.
-    pub words: usize,
+    /// The rows that `correct` writes for the undamaged recording `rest`. They are the same for every file format.
+    pub rest_rows: String,
+    /// Number of lines on stderr when it writes them.
+    pub rest_words: usize,
 }
 
 /// A folder below `target/` that is removed on drop.
@@ -104,8 +99,8 @@ impl Run {
 
 impl Bench {
     pub fn new(program: PathBuf) -> Result<Self> {
-        let rest = CorrectedOutput { rows: String::new(), words: 0 };
-        let mut bench = Self { program, folder: Folder::new("bench")?, rest };
+        let folder = Folder::new("bench")?;
+        let mut bench = Self { program, folder, rest_rows: String::new(), rest_words: 0 };
         let (log, unit) = (bench.file("unit.arrows"), bench.file("unit.toml"));
         bench.must(&[&["calibrate", "--log", &log, "-o", &unit], &SHORT[..]].concat())?;
         for form in ["arrows", "parquet", "csv"] {
@@ -113,7 +108,7 @@ impl Bench {
         }
         let (run, rows) = bench.corrected(&bench.file("rest.csv"), &bench.file("corrected.csv"))?;
         ensure!(run.code == Some(0), "{}", run.stderr);
-        bench.rest = CorrectedOutput { rows, words: run.stderr.lines().count() };
+        (bench.rest_rows, bench.rest_words) = (rows, run.stderr.lines().count());
         Ok(bench)
     }
 

@@ -86,7 +86,7 @@ fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
 /// An error text if `correct` accepts the file without a warning, but with other output than for the undamaged file.
 fn believed(bench: &Bench, file: &str) -> Result<Option<String>> {
     let (run, rows) = bench.corrected(file, &format!("{file}.corrected.csv"))?;
-    let silent = run.code == Some(0) && rows != bench.rest.rows && run.stderr.lines().count() <= bench.rest.words;
+    let silent = run.code == Some(0) && rows != bench.rest_rows && run.stderr.lines().count() <= bench.rest_words;
     Ok(silent.then(|| format!("correct believes it: {}", run.stderr)))
 }
 

@@ -74,18 +74,16 @@ impl Drop for Disk {
     }
 }
 
-/// True if images can be mounted here. Only the first call tries it.
-fn possible() -> bool {
+/// A new disk; `None` if images cannot be mounted here. Only the first call tries that.
+fn disk(name: &str) -> Result<Option<Disk>> {
     static POSSIBLE: OnceLock<bool> = OnceLock::new();
-    *POSSIBLE.get_or_init(|| Disk::new("try").is_ok_and(|disk| disk.is_some()))
+    let is_possible = *POSSIBLE.get_or_init(|| Disk::new("try").is_ok_and(|disk| disk.is_some()));
+    if is_possible { Disk::new(name) } else { Ok(None) }
 }
 
 fn after(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
-    if !possible() {
-        return Ok(Verdict::Skipped(NO_IMAGES));
-    }
     let (name, device) = (format!("{}-{seed}", class.replace(' ', "-")), format!("twin:seed={seed}"));
-    let Some(disk) = Disk::new(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
+    let Some(disk) = disk(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
     let form = class.rsplit(' ').next().unwrap_or(class);
     let result = disk.file(&format!("result.{}", if form == "calibrate" { "toml" } else { form }));
     let (log, unit) = (disk.file("log.arrows"), bench.file("unit.toml"));
@@ -112,11 +110,8 @@ fn after(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
 }
 
 fn within(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
-    if !possible() {
-        return Ok(Verdict::Skipped(NO_IMAGES));
-    }
     let (name, device) = (format!("within-{seed}"), format!("twin:seed={seed}"));
-    let Some(disk) = Disk::new(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
+    let Some(disk) = disk(&name)? else { return Ok(Verdict::Skipped(NO_IMAGES)) };
     let args = ["capture", "--device", &device, "--duration", "10m", "-o", &disk.file("log.arrows")];
     let child = Killed(bench.command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn()?);
     sleep(Duration::from_millis(random(class, seed).random_range(0..1_500)));
