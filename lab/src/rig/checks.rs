@@ -1,12 +1,10 @@
 //! Compares the guest's data with those of the simulated part, and the guest's results with the truth.
 
-use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
-use super::hid::Hid;
 use super::part::{Record, RegisterReading};
+use super::{SLOW_CAPTURES, hid};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -21,21 +19,6 @@ pub struct RigData {
     pub replug: Record,
     /// The calibration of the same unit on this computer, without the guest's kernel and bus.
     pub host: Value,
-}
-
-/// The results of `cargo xtask rig`.
-pub struct Findings {
-    kernel_release: String,
-    seed: u64,
-    duration_s: f64,
-    slow: Vec<Stream>,
-    fast: Stream,
-    checks: Vec<Check>,
-}
-
-struct Check {
-    holds: bool,
-    statement: String,
 }
 
 /// A capture of the guest, compared with the part's own record.
@@ -62,73 +45,56 @@ const CYCLES_OF_A_PAIR: f64 = 1054.0;
 /// Number of losses that may not be reported yet at the end of a capture, or that late timestamps may hide.
 const UNREPORTED: f64 = 3.0;
 
-impl Findings {
-    pub fn new(seed: u64, seen: &RigData, duration: Duration) -> Result<Self> {
-        let files = Files(&seen.files);
-        let slow = SLOW_CAPTURES.into_iter().map(|name| Stream::new(&files, name, &seen.spi));
-        let mut findings = Self {
-            kernel_release: files.text("kernel")?,
-            seed,
-            duration_s: duration.as_secs_f64(),
-            slow: slow.collect::<Result<_>>()?,
-            fast: Stream::new(&files, "fast", &seen.fast)?,
-            checks: vec![],
-        };
-        findings.check(&files, seen)?;
-        Ok(findings)
+/// Prints each check with its result. Returns an error if one failed.
+pub fn run(seed: u64, seen: &RigData, duration: Duration) -> Result<()> {
+    let files = Files(&seen.files);
+    let slow = SLOW_CAPTURES.into_iter().map(|name| Stream::new(&files, name, &seen.spi));
+    let slow: Vec<Stream> = slow.collect::<Result<_>>()?;
+    let fast = Stream::new(&files, "fast", &seen.fast)?;
+    let checks = checks(&files, seen, &slow, &fast)?;
+    eprintln!("Linux {}, part seed={seed}, {:.0} s", files.text("kernel")?, duration.as_secs_f64());
+    for (holds, statement) in &checks {
+        eprintln!("  {}  {}", if *holds { "ok  " } else { "FAIL" }, statement.trim());
     }
+    // how well the guest kept up depends on the load of the host, so this is not checked
+    for (name, stream) in slow.iter().map(|stream| ("100 Hz", stream)).chain([("1 kHz", &fast)]) {
+        eprintln!("        at {name} the guest saw {}", stream.edges());
+    }
+    match checks.iter().filter(|(holds, _)| !holds).count() {
+        0 => Ok(()),
+        failed => bail!("{failed} of {} checks failed", checks.len()),
+    }
+}
 
-    fn check(&mut self, files: &Files, seen: &RigData) -> Result<()> {
-        let mut checks = Vec::new();
-        let mut check = |holds: bool, statement: String| checks.push(Check { holds, statement });
-        check_kernel_driver(files, &seen.iio, &mut check)?;
-        Hid::new(files)?.check(files, &mut check)?;
-        for name in ["iio", "probe", "bytes", "slow1", "slow2", "slow3", "fast", "calibrate", "cut", "replug"] {
-            let (holds, statement) = files.ending(name, u8::from(name == "cut"))?;
-            check(holds, statement);
-        }
-        for stream in &self.slow {
-            check(stream.samples > 0 && stream.is_complete(), format!("at 100 Hz {}", stream.losses()));
-        }
-        check(self.fast.samples > 0 && self.fast.is_complete(), format!("at 1 kHz {}", self.fast.losses()));
-        let unplugged = Stream::new(files, "cut", &seen.cut)?;
-        check(unplugged.is_complete(), format!("until the cable is pulled {}", unplugged.losses()));
-        let error = files.text("cut.err")?;
-        check(error.contains("/dev/spidev0.0 is gone"), format!("unplugged: {error}"));
-        let saved = format!("ends after {} samples", unplugged.samples);
-        check(
-            error.contains(&saved) && files.text("cut.replay.err")?.is_empty(),
-            format!("its capture is whole: {saved}"),
-        );
-        check(
-            seen.replug.summary.seen.rate_reads > 0,
-            format!("plugged in again: {} reads", seen.replug.summary.seen.rate_reads),
-        );
-        for (what, difference, limit) in calibration(files, seen)? {
-            check(difference.abs() <= limit, format!("{what}: {difference:+.5} within ±{limit:.5}"));
-        }
-        self.checks = checks;
-        Ok(())
+/// All checks: whether each holds, and what it states.
+fn checks(files: &Files, seen: &RigData, slow: &[Stream], fast: &Stream) -> Result<Vec<(bool, String)>> {
+    let mut checks = Vec::new();
+    let mut check = |holds: bool, statement: String| checks.push((holds, statement));
+    check_kernel_driver(files, &seen.iio, &mut check)?;
+    hid::check(files, &mut check)?;
+    for name in ["iio", "probe", "bytes", "slow1", "slow2", "slow3", "fast", "calibrate", "cut", "replug"] {
+        let (holds, statement) = files.ending(name, u8::from(name == "cut"))?;
+        check(holds, statement);
     }
-
-    pub fn text(&self) -> String {
-        let mut text = format!("Linux {}, part seed={}, {:.0} s\n", self.kernel_release, self.seed, self.duration_s);
-        for Check { holds, statement } in &self.checks {
-            let _ = writeln!(text, "  {}  {}", if *holds { "ok  " } else { "FAIL" }, statement.trim());
-        }
-        // how well the guest kept up depends on the load of the host, so this is not checked
-        for (name, stream) in self.slow.iter().map(|stream| ("100 Hz", stream)).chain([("1 kHz", &self.fast)]) {
-            let _ = writeln!(text, "        at {name} the guest saw {}", stream.edges());
-        }
-        text
+    for stream in slow {
+        check(stream.samples > 0 && stream.is_complete(), format!("at 100 Hz {}", stream.losses()));
     }
-
-    pub fn verdict(&self) -> Result<()> {
-        match self.checks.iter().filter(|check| !check.holds).count() {
-            0 => Ok(()),
-            failed => bail!("{failed} of {} checks failed", self.checks.len()),
-        }
+    check(fast.samples > 0 && fast.is_complete(), format!("at 1 kHz {}", fast.losses()));
+    let unplugged = Stream::new(files, "cut", &seen.cut)?;
+    check(unplugged.is_complete(), format!("until the cable is pulled {}", unplugged.losses()));
+    let error = files.text("cut.err")?;
+    check(error.contains("/dev/spidev0.0 is gone"), format!("unplugged: {error}"));
+    let saved = format!("ends after {} samples", unplugged.samples);
+    check(
+        error.contains(&saved) && files.text("cut.replay.err")?.is_empty(),
+        format!("its capture is whole: {saved}"),
+    );
+    let reads = seen.replug.summary.seen.rate_reads;
+    check(reads > 0, format!("plugged in again: {reads} reads"));
+    for (what, difference, limit) in calibration(files, seen)? {
+        check(difference.abs() <= limit, format!("{what}: {difference:+.5} within ±{limit:.5}"));
     }
+    Ok(checks)
 }
 
 /// Compares the readings of the kernel's driver with those that the part sent to it, and its scales with the facts.

@@ -30,13 +30,6 @@ const TOLERANCE_READINGS: f64 = 3.0;
 /// Smallest number of losses that shows that a capture counts losses: 4 of 50 readings are withheld.
 const ENOUGH_LOST: u64 = 4;
 
-/// The results about the HID gyroscope.
-pub struct Hid {
-    buffered: Vec<Stream>,
-    polled: HidSummary,
-    probe: Value,
-}
-
 struct HidReading {
     number: u32,
     codes: Vec<i64>,
@@ -59,74 +52,60 @@ struct Stream {
     miscounted: usize,
 }
 
-struct HidSummary {
-    samples: usize,
-    /// Number of axes on which every captured code was sent, and the codes are in the order of sending.
-    axes_in_order: usize,
+/// Checks the results about the HID gyroscope.
+pub fn check(files: &Files, check: &mut impl FnMut(bool, String)) -> Result<()> {
+    check_scales(files, check)?;
+    for (name, code) in
+        [("hid", 0), ("hidprobe", 0), ("hidpolled", 0), ("hidsilent", 1), ("hidbusy", 1), ("hidcut", 1)]
+    {
+        let (holds, statement) = files.ending(name, code)?;
+        check(holds, statement);
+    }
+    let text = files.text("hid.sent")?;
+    let sent = text.lines().skip(1).map(|line| HidReading::parse(line).with_context(|| format!("hid.sent: {line}")));
+    let sent: Vec<HidReading> = sent.collect::<Result<_>>()?;
+    let reports: Vec<&HidReading> = sent.iter().filter(|sent| !sent.asked).collect();
+    let buffered = BUFFERED.iter().map(|name| Ok(Stream::new(name, &files.rows(name)?, &reports)));
+    let buffered: Vec<Stream> = buffered.collect::<Result<_>>()?;
+    for stream in &buffered {
+        stream.check(check);
+    }
+    let polled = files.rows("hidpolled")?;
+    let is_polled = polled.len() >= 50 && axes_in_order(&polled, &sent) == 3;
+    check(is_polled, format!("polled: {} samples of 3 axes are of those it had", polled.len()));
+    let probe: Value = serde_json::from_str(&files.text("hidprobe.json")?).context("hidprobe.json")?;
+    let axes: Vec<&Value> = probe["axes"].as_array().into_iter().flatten().map(|axis| &axis["name"]).collect();
+    let rdy_hz = probe["rdy_hz"].as_f64().context("rdy_hz")?;
+    let is_probed = axes == ["x", "y", "z"] && (rdy_hz / RATE_HZ - 1.0).abs() < TOLERANCE;
+    check(is_probed, format!("probed: {} axes, {rdy_hz:.2} Hz", axes.len()));
+    check_errors(files, &buffered, check)
 }
 
-impl Hid {
-    pub fn new(files: &Files) -> Result<Self> {
-        let text = files.text("hid.sent")?;
-        let sent =
-            text.lines().skip(1).map(|line| HidReading::parse(line).with_context(|| format!("hid.sent: {line}")));
-        let sent: Vec<HidReading> = sent.collect::<Result<_>>()?;
-        let reports: Vec<&HidReading> = sent.iter().filter(|sent| !sent.asked).collect();
-        let buffered = BUFFERED.iter().map(|name| Ok(Stream::new(name, &files.rows(name)?, &reports)));
-        Ok(Self {
-            buffered: buffered.collect::<Result<_>>()?,
-            polled: HidSummary::new(&files.rows("hidpolled")?, &sent),
-            probe: serde_json::from_str(&files.text("hidprobe.json")?).context("hidprobe.json")?,
-        })
+fn check_scales(files: &Files, check: &mut impl FnMut(bool, String)) -> Result<()> {
+    for (name, expected) in ATTRIBUTES {
+        let is = files.text(&format!("hid.{name}"))?;
+        check(is == expected, format!("the HID gyroscope's driver states {name} = {is}"));
     }
+    for axis in ["x", "y", "z"] {
+        let key = format!("axis.{axis}.lsb_per_unit");
+        let lsb: f64 = files.said("hid", &key)?.parse()?;
+        check((lsb / LSB_PER_DPS - 1.0).abs() < 1e-12, format!("its {key} is that scale: {lsb}"));
+    }
+    let part = files.said("hidpolled", "part")?;
+    check(part == "GYRO_3D", format!("with a file of the part it is called {part}, as there"));
+    Ok(())
+}
 
-    pub fn check(&self, files: &Files, check: &mut impl FnMut(bool, String)) -> Result<()> {
-        Self::check_scales(files, check)?;
-        for (name, code) in
-            [("hid", 0), ("hidprobe", 0), ("hidpolled", 0), ("hidsilent", 1), ("hidbusy", 1), ("hidcut", 1)]
-        {
-            let (holds, statement) = files.ending(name, code)?;
-            check(holds, statement);
-        }
-        for stream in &self.buffered {
-            stream.check(check);
-        }
-        let HidSummary { samples, axes_in_order } = self.polled;
-        check(samples >= 50 && axes_in_order == 3, format!("polled: {samples} samples of 3 axes are of those it had"));
-        let axes: Vec<&Value> =
-            self.probe["axes"].as_array().into_iter().flatten().map(|axis| &axis["name"]).collect();
-        let rdy_hz = self.probe["rdy_hz"].as_f64().context("rdy_hz")?;
-        let is_probed = axes == ["x", "y", "z"] && (rdy_hz / RATE_HZ - 1.0).abs() < TOLERANCE;
-        check(is_probed, format!("probed: {} axes, {rdy_hz:.2} Hz", axes.len()));
-        self.check_errors(files, check)
+fn check_errors(files: &Files, buffered: &[Stream], check: &mut impl FnMut(bool, String)) -> Result<()> {
+    let busy = files.text("hidbusy.err")?;
+    check(busy.contains("another program reads it"), format!("hidbusy: {busy}"));
+    for (name, said) in [("hidsilent", "no scan came for 1 s"), ("hidcut", "the device is gone")] {
+        let error = files.text(&format!("{name}.err"))?;
+        let samples = buffered.iter().find(|stream| stream.name == name).map_or(0, |stream| stream.samples);
+        let whole = error.contains(&format!("ends after {samples} samples"));
+        check(whole && error.contains(said), format!("{name}: {error}"));
     }
-
-    fn check_scales(files: &Files, check: &mut impl FnMut(bool, String)) -> Result<()> {
-        for (name, expected) in ATTRIBUTES {
-            let is = files.text(&format!("hid.{name}"))?;
-            check(is == expected, format!("the HID gyroscope's driver states {name} = {is}"));
-        }
-        for axis in ["x", "y", "z"] {
-            let key = format!("axis.{axis}.lsb_per_unit");
-            let lsb: f64 = files.said("hid", &key)?.parse()?;
-            check((lsb / LSB_PER_DPS - 1.0).abs() < 1e-12, format!("its {key} is that scale: {lsb}"));
-        }
-        let part = files.said("hidpolled", "part")?;
-        check(part == "GYRO_3D", format!("with a file of the part it is called {part}, as there"));
-        Ok(())
-    }
-
-    fn check_errors(&self, files: &Files, check: &mut impl FnMut(bool, String)) -> Result<()> {
-        let busy = files.text("hidbusy.err")?;
-        check(busy.contains("another program reads it"), format!("hidbusy: {busy}"));
-        for (name, said) in [("hidsilent", "no scan came for 1 s"), ("hidcut", "the device is gone")] {
-            let error = files.text(&format!("{name}.err"))?;
-            let samples = self.buffered.iter().find(|stream| stream.name == name).map_or(0, |stream| stream.samples);
-            let whole = error.contains(&format!("ends after {samples} samples"));
-            check(whole && error.contains(said), format!("{name}: {error}"));
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 impl HidReading {
@@ -183,17 +162,15 @@ impl Stream {
     }
 }
 
-impl HidSummary {
-    fn new(rows: &[GuestRow], sent: &[HidReading]) -> Self {
-        let in_order = |axis: &usize| {
-            // each code belongs to a single reading (`gyro.rs`)
-            let number: HashMap<i64, u32> = sent.iter().map(|sent| (sent.codes[*axis], sent.number)).collect();
-            let numbers: Option<Vec<u32>> =
-                rows.iter().map(|row| number.get(row.codes.get(*axis)?).copied()).collect();
-            numbers.is_some_and(|numbers| numbers.is_sorted())
-        };
-        Self { samples: rows.len(), axes_in_order: (0..3).filter(in_order).count() }
-    }
+/// Number of axes on which every captured code was sent, and the codes are in the order of sending.
+fn axes_in_order(rows: &[GuestRow], sent: &[HidReading]) -> usize {
+    let in_order = |axis: &usize| {
+        // each code belongs to a single reading (`gyro.rs`)
+        let number: HashMap<i64, u32> = sent.iter().map(|sent| (sent.codes[*axis], sent.number)).collect();
+        let numbers: Option<Vec<u32>> = rows.iter().map(|row| number.get(row.codes.get(*axis)?).copied()).collect();
+        numbers.is_some_and(|numbers| numbers.is_sorted())
+    };
+    (0..3).filter(in_order).count()
 }
 
 #[cfg(test)]
@@ -240,10 +217,10 @@ mod tests {
     #[test]
     fn polls_must_not_go_back() {
         let (sent, mut rows) = seen();
-        assert_eq!(HidSummary::new(&rows, &sent).axes_in_order, 3);
+        assert_eq!(axes_in_order(&rows, &sent), 3);
         rows[2].codes[1] = 2;
-        assert_eq!(HidSummary::new(&rows, &sent).axes_in_order, 2);
+        assert_eq!(axes_in_order(&rows, &sent), 2);
         rows[2].codes[0] = 77;
-        assert_eq!(HidSummary::new(&rows, &sent).axes_in_order, 1);
+        assert_eq!(axes_in_order(&rows, &sent), 1);
     }
 }

@@ -18,7 +18,7 @@ mod part;
 use crate::app::{ProgramArgs, emptied, target_folder};
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result};
-use checks::{Findings, RigData};
+use checks::RigData;
 use kernel::Kernel;
 use machine::Machine;
 use part::{Record, UsbTwin};
@@ -66,9 +66,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     let kernel = Kernel::fetch(&folder)?;
     let started = Instant::now();
     let seen = experiment(args.seed, &program, &folder, &kernel)?;
-    let findings = Findings::new(args.seed, &seen, started.elapsed())?;
-    eprint!("{}", findings.text());
-    findings.verdict()
+    checks::run(args.seed, &seen, started.elapsed())
 }
 
 /// Boots the guest, plugs in one part after the other when the guest's script asks, and collects all data.
