@@ -18,11 +18,6 @@ pub struct Figure {
     pub goal: Option<u64>,
 }
 
-pub struct Versions {
-    pub rustc: String,
-    pub qemu: String,
-}
-
 pub fn missed_goals(figures: &[Figure]) -> Vec<String> {
     let missed = figures.iter().filter_map(|figure| {
         let goal = figure.goal.filter(|goal| figure.value > *goal)?;
@@ -62,13 +57,14 @@ pub fn read() -> Result<String> {
     fs::read_to_string(PAGE).context(PAGE)
 }
 
-pub fn write(figures: &[Figure], versions: &Versions) -> Result<()> {
+/// Writes the page, with the versions of compiler and emulator.
+pub fn write(figures: &[Figure], rustc: &str, qemu: &str) -> Result<()> {
     let page = include_str!("footprint.md.in");
     let entries = [
         ("@INSTRUCTIONS@", table(figures, "instructions")),
         ("@BYTES@", table(figures, "bytes")),
-        ("@RUSTC@", versions.rustc.clone()),
-        ("@QEMU@", versions.qemu.clone()),
+        ("@RUSTC@", rustc.to_owned()),
+        ("@QEMU@", qemu.to_owned()),
     ];
     let text = entries.iter().fold(page.to_owned(), |text, (key, value)| text.replace(key, value));
     ensure!(!text.contains('@'), "the template of {PAGE} has an unknown mark");

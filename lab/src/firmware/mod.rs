@@ -18,9 +18,10 @@ use crate::tools::available;
 use crate::venv::printed;
 use anyhow::{Context, Result, bail, ensure};
 use emulator::Report;
-use footprint::{Figure, Versions};
+use footprint::Figure;
 use image::{Image, Memory};
 use scenario::Reading;
+use std::fmt::Debug;
 use std::process::Command;
 use tracking::TrackerState;
 pub use xtask::images::QEMU;
@@ -37,33 +38,28 @@ pub struct FirmwareArgs {
     update: bool,
 }
 
-/// The results of `cargo xtask firmware`.
-struct Outcome {
-    /// Number of readings that agree between controller and host in every representation; `None` without the emulator.
-    readings_agreed: Option<usize>,
-    /// Number of means after which the tracker has the same state on controller and host; `None` without the emulator.
-    means_agreed: Option<usize>,
-    figures: Vec<Figure>,
-    versions: Versions,
-}
-
 pub fn run(args: &FirmwareArgs) -> Result<()> {
     targets::add_missing([TARGET].into_iter())?;
-    let mut outcome = Outcome {
-        readings_agreed: None,
-        means_agreed: None,
-        figures: alone()?,
-        versions: Versions { rustc: rustc_version()?, qemu: "none".to_owned() },
-    };
-    if available(&[QEMU], "the run in the emulator")? {
-        let report = Report::parse(&emulator::run(&build("release", "agreement")?, &[args.seed.to_string()])?)?;
-        outcome.versions.qemu = emulator::version()?;
-        outcome.readings_agreed = Some(compare(args.seed, &report.readings)?);
-        outcome.means_agreed = Some(compare_tracked(args.seed, &report.tracked)?);
-        outcome.figures.splice(0..0, counted(&report)?);
+    let mut figures = alone()?;
+    let has_emulator = available(&[QEMU], "the run in the emulator")?;
+    if has_emulator {
+        let seed = args.seed;
+        let report = Report::parse(&emulator::run(&build("release", "agreement")?, &[seed.to_string()])?)?;
+        let (readings, means) = (compare(seed, &report.readings)?, compare_tracked(seed, &report.tracked)?);
+        figures.splice(0..0, counted(&report)?);
+        println!("seed {seed}: {readings} readings, corrected in four ways, are the same on controller and host");
+        println!("seed {seed}: the tracker knows the same on controller and host after {means} means");
     }
-    show(args.seed, &outcome);
-    judge(args, &outcome)
+    println!("no panic is linked into driver and tracker");
+    for Figure { what, value, unit, goal } in &figures {
+        let goal = goal.map_or(String::new(), |goal| format!("(goal: at most {goal})"));
+        println!("{value:>6} {unit:13} {what} {goal}");
+    }
+    if args.update {
+        ensure!(has_emulator, "without the emulator the figures are not complete");
+        footprint::write(&figures, &rustc_version()?, &emulator::version()?)?;
+    }
+    judge(&figures)
 }
 
 /// The sizes of driver and tracker, from images with and without them. Returns an error if one of them can panic.
@@ -95,11 +91,7 @@ fn difference(profile: &str, name: &str) -> Result<Memory> {
 fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     let mut ours = Vec::new();
     scenario::run(seed, |reading| ours.push(reading)).context("the twin gave no readings on the host")?;
-    ensure!(theirs.len() == ours.len(), "{} readings on the controller, {} on the host", theirs.len(), ours.len());
-    for (index, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
-        ensure!(theirs == ours, "reading {index} differs: {theirs:?} on the controller, {ours:?} on the host");
-    }
-    Ok(ours.len())
+    same("readings", theirs, &ours, |index| format!("reading {index} differs"))
 }
 
 /// Compares the tracker's state after each mean with the host's. Returns the number of means, or an error if one
@@ -108,9 +100,14 @@ fn compare_tracked(seed: u64, theirs: &[TrackerState]) -> Result<usize> {
     let mut ours = Vec::new();
     let counts = tracking::run(seed, |known| ours.push(known)).context("the tracker refuses its own state")?;
     ensure!(counts.learned_s > 0 && counts.rolled_back > 0, "the series shows too little of the tracker: {counts:?}");
-    ensure!(theirs.len() == ours.len(), "{} means on the controller, {} on the host", theirs.len(), ours.len());
-    for (index, (theirs, ours)) in theirs.iter().zip(&ours).enumerate() {
-        ensure!(theirs == ours, "after mean {index}: {theirs:?} on the controller, {ours:?} on the host");
+    same("means", theirs, &ours, |index| format!("after mean {index}"))
+}
+
+fn same<T: Debug + PartialEq>(what: &str, theirs: &[T], ours: &[T], place: fn(usize) -> String) -> Result<usize> {
+    let counts = (theirs.len(), ours.len());
+    ensure!(counts.0 == counts.1, "{} {what} on the controller, {} on the host", counts.0, counts.1);
+    for (index, (theirs, ours)) in theirs.iter().zip(ours).enumerate() {
+        ensure!(theirs == ours, "{}: {theirs:?} on the controller, {ours:?} on the host", place(index));
     }
     Ok(ours.len())
 }
@@ -152,35 +149,17 @@ fn counted(report: &Report) -> Result<Vec<Figure>> {
     ])
 }
 
-fn show(seed: u64, outcome: &Outcome) {
-    if let Some(count) = outcome.readings_agreed {
-        println!("seed {seed}: {count} readings, corrected in four ways, are the same on controller and host");
-    }
-    if let Some(count) = outcome.means_agreed {
-        println!("seed {seed}: the tracker knows the same on controller and host after {count} means");
-    }
-    println!("no panic is linked into driver and tracker");
-    for Figure { what, value, unit, goal } in &outcome.figures {
-        let goal = goal.map_or(String::new(), |goal| format!("(goal: at most {goal})"));
-        println!("{value:>6} {unit:13} {what} {goal}");
-    }
-}
-
-/// Compares the figures with page and goals. Fails if one rose by more than 5 %, unless `--update` writes the page.
-fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
-    if args.update {
-        ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");
-        footprint::write(&outcome.figures, &outcome.versions)?;
-    }
-    for missed in footprint::missed_goals(&outcome.figures) {
+/// Compares the figures with page and goals. Fails if one rose by more than 5 %.
+fn judge(figures: &[Figure]) -> Result<()> {
+    for missed in footprint::missed_goals(figures) {
         eprintln!("GOAL MISSED: {missed}");
     }
     let page = footprint::read()?;
-    let risen = footprint::risen(&outcome.figures, &page);
+    let risen = footprint::risen(figures, &page);
     if !risen.is_empty() {
         bail!("figures rose by more than 5 %: {}; if that is meant, add --update", risen.join("; "));
     }
-    for change in footprint::changed(&outcome.figures, &page) {
+    for change in footprint::changed(figures, &page) {
         eprintln!("{}: {change}; --update writes it there", footprint::PAGE);
     }
     Ok(())
