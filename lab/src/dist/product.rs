@@ -194,16 +194,20 @@ fn checksums(lock: &Path) -> Result<BTreeMap<String, String>> {
         .collect())
 }
 
-/// Software inside a crate that is not a crate itself; `None` if the crate has none.
-fn beside(package: &Package) -> Result<Option<Component>> {
-    let other = |name: &str, version: &str, licence: &str, texts| Component {
+/// Software that is not a crate.
+fn other(name: &str, version: &str, licence: &str, texts: Vec<String>) -> Component {
+    Component {
         name: name.to_owned(),
         version: version.to_owned(),
         licence: licence.to_owned(),
         purl: format!("pkg:generic/{name}@{version}"),
         texts,
         ..Component::default()
-    };
+    }
+}
+
+/// Software inside a crate that is not a crate itself; `None` if the crate has none.
+fn beside(package: &Package) -> Result<Option<Component>> {
     Ok(match &*package.name {
         "zstd-sys" => {
             let version = package.version.split("+zstd.").nth(1).context("zstd-sys names its zstd")?;
@@ -226,28 +230,19 @@ fn beside(package: &Package) -> Result<Option<Component>> {
 /// Rust's standard library. Its licence texts are on a separate page.
 fn rust_library() -> Result<Component> {
     let version = printed(Command::new("rustc").arg("--version"))?;
-    let version = version.split_whitespace().nth(1).context("rustc names its version")?.to_owned();
-    Ok(Component {
-        name: "rust-std".to_owned(),
-        licence: "MIT OR Apache-2.0".to_owned(),
-        repository: Some("https://github.com/rust-lang/rust".to_owned()),
-        purl: format!("pkg:generic/rust-std@{version}"),
-        version,
-        ..Component::default()
-    })
+    let version = version.split_whitespace().nth(1).context("rustc names its version")?;
+    let repository = Some("https://github.com/rust-lang/rust".to_owned());
+    Ok(Component { repository, ..other("rust-std", version, "MIT OR Apache-2.0", Vec::new()) })
 }
 
 /// Debian's C library, which is linked into the program. Its licence requires that users can replace it. They can,
 /// since `cargo xtask dist program` builds the program from the sources.
 fn glibc() -> Result<Component> {
     let version = printed(Command::new("dpkg-query").args(["--show", "--showformat=${source:Version}", "libc6-dev"]))?;
+    let texts = vec![text(Path::new("/usr/share/common-licenses/LGPL-2.1"))?];
     Ok(Component {
-        name: "glibc".to_owned(),
-        licence: "LGPL-2.1-or-later".to_owned(),
         repository: Some("https://sources.debian.org/src/glibc/".to_owned()),
         purl: format!("pkg:deb/debian/glibc@{version}"),
-        version,
-        texts: vec![text(Path::new("/usr/share/common-licenses/LGPL-2.1"))?],
-        ..Component::default()
+        ..other("glibc", &version, "LGPL-2.1-or-later", texts)
     })
 }

@@ -10,17 +10,14 @@ const MAX_ORDER: usize = 3;
 const MEANS_PER_S: usize = (1.0 / MEAN_S) as usize;
 
 pub fn fit(recording: &Recording) -> Option<MethodResult> {
-    let outcome = record(recording).outcomes(&Part::ADIS16130, None, MAX_ORDER).ok()?.pop()?;
-    Some(outcome.curve.into())
-}
-
-fn record(recording: &Recording) -> Record {
     let seconds: Vec<_> = recording.averages(MEANS_PER_S).collect();
-    Record {
+    let record = Record {
         start_s: seconds.iter().map(|second| second.start_s).collect(),
         temp_c: seconds.iter().map(|second| second.temp_c).collect(),
         rates_dps: vec![seconds.iter().map(|second| second.rate_dps).collect()],
         at_rest: vec![true; seconds.len()],
         ..Record::default()
-    }
+    };
+    let outcome = record.outcomes(&Part::ADIS16130, None, MAX_ORDER).ok()?.pop()?;
+    Some(outcome.curve.into())
 }
