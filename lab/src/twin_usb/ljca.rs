@@ -306,8 +306,8 @@ pub mod tests {
     #[test]
     fn descriptors_are_whole_and_cut_to_what_is_asked_for() {
         let ask = |value, length| {
-            let (endpoint, request, request_type, index, data) = (0x80, 6, 0x80, 0, vec![]);
-            Ljca::default().control(&Control { endpoint, request, request_type, value, index, length, data })
+            let (endpoint, request, request_type, index) = (0x80, 6, 0x80, 0);
+            Ljca::default().control(&Control { endpoint, request, request_type, value, index, length })
         };
         assert_eq!(ask(0x0100, 8).map(|d| d.len()), Some(8));
         let configuration = ask(0x0200, 255).expect("a configuration");

@@ -80,7 +80,7 @@ pub enum Request {
     Other(u32),
 }
 
-/// A control transfer: USB's setup packet and the data sent with it.
+/// A control transfer: USB's setup packet. The adapter ignores the data of the host.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Control {
     pub endpoint: u8,
@@ -89,7 +89,6 @@ pub struct Control {
     pub value: u16,
     pub index: u16,
     pub length: u16,
-    pub data: Vec<u8>,
 }
 
 impl Control {
@@ -161,7 +160,6 @@ impl Connection {
                 value: le16(body, 4)?,
                 index: le16(body, 6)?,
                 length: le16(body, 8)?,
-                data: body.get(10..)?.to_vec(),
             }),
             BULK => self.bulk(body)?,
             other => Request::Other(other),
@@ -247,7 +245,7 @@ impl Connection {
 
     /// A packet with the result of a control transfer; `None` is a stall.
     pub fn control_result(&self, id: u64, control: &Control, data: Option<&[u8]>) -> Vec<u8> {
-        let Control { endpoint, request, request_type, value, index, length, .. } = control;
+        let Control { endpoint, request, request_type, value, index, length } = control;
         let (status, length) = match data {
             None => (Status::Stall, 0),
             Some(data) if control.is_in() => (Status::Success, data.len() as u16),
