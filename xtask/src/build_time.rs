@@ -25,10 +25,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let folder = emptied(target_folder()?.join("build-time"))?;
     println!("{}", machine()?);
     println!("{:44} {:>8} {:>14}", "", "wall, s", "processor, s");
-    timed(FIRST, &folder)?.print("first command, cold");
-    timed(SECOND, &folder)?.print("second command, cold, after it");
+    time("first command, cold", FIRST, &folder)?;
+    time("second command, cold, after it", SECOND, &folder)?;
     fs::File::options().append(true).open(TOUCHED)?.set_modified(std::time::SystemTime::now())?;
-    timed(FIRST, &folder)?.print("first command, after a change in the program");
+    time("first command, after a change in the program", FIRST, &folder)?;
     let program = folder.join("release/zerorate");
     println!("{:44} {:8.1} MB", "the program, profile release", program.metadata()?.len() as f64 / 1e6);
     for entry in fs::read_dir(target_folder()?.join("dist")).into_iter().flatten() {
@@ -41,19 +41,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(fs::remove_dir_all(&folder)?)
 }
 
-struct Time {
-    wall_s: f64,
-    processor_s: f64,
-}
-
-impl Time {
-    fn print(&self, what: &str) {
-        println!("{what:44} {:8.1} {:14.1}", self.wall_s, self.processor_s);
-    }
-}
-
-/// Runs a command of cargo that builds into `folder`. A shell measures the processor time of its children.
-fn timed(command: &str, folder: &Path) -> Result<Time> {
+/// Runs a command of cargo that builds into `folder`, and prints its times. A shell measures the processor time of its
+/// children.
+fn time(what: &str, command: &str, folder: &Path) -> Result<()> {
     let start = Instant::now();
     let line = format!("cargo {command} >&2 && times");
     let mut shell = Command::new("sh");
@@ -64,7 +54,8 @@ fn timed(command: &str, folder: &Path) -> Result<Time> {
     let text = String::from_utf8(output.stdout)?;
     let children = text.lines().nth(1).context("`times` prints two lines")?;
     let processor_s = children.split_whitespace().map(seconds).sum::<Option<f64>>().context("`times` prints times")?;
-    Ok(Time { wall_s, processor_s })
+    println!("{what:44} {wall_s:8.1} {processor_s:14.1}");
+    Ok(())
 }
 
 /// Parses a time such as `2m3.45s`.

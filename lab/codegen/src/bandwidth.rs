@@ -7,6 +7,10 @@ const BLUE: &str = "#0072b2";
 const RED: &str = "#c23b00";
 const GREY: &str = "#666";
 
+const HEAD: &str = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 720 388\" width=\"720\" height=\"388\" \
+    role=\"img\" font-family=\"sans-serif\" font-size=\"13\">\n<title>Bandwidth of the rate, and where the resonance \
+    folds to</title>\n<rect width=\"720\" height=\"388\" fill=\"#fff\"/>\n";
+
 /// The rows of the tables in `facts` whose first cell is `id`. Each row is split into its cells.
 fn rows<'a>(facts: &'a str, id: &'a str) -> impl Iterator<Item = Vec<&'a str>> {
     let cells = |line: &'a str| line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>();
@@ -24,14 +28,6 @@ fn value(facts: &str, id: &str, word: &str) -> Result<Vec<f64>> {
     let row = rows(facts, id).find(|cells| cells.get(1).is_some_and(|words| words.contains(word)));
     let row = row.with_context(|| format!("{id} says nothing of {word}"))?;
     Ok(numbers(row.get(2).context("a fact without a value")?))
-}
-
-fn svg(width: u32, height: u32, title: &str, body: &str) -> String {
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-         height=\"{height}\" role=\"img\" font-family=\"sans-serif\" font-size=\"13\">\n<title>{title}</title>\n<rect \
-         width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n{body}</svg>\n"
-    )
 }
 
 /// An SVG text element. `anchor` is its `text-anchor`: start, middle or end.
@@ -116,7 +112,7 @@ pub fn draw(facts: &str) -> Result<String> {
     let folded =
         "red: where the resonance (F-07) appears among the samples of a nominal part; grey: half of their rate";
     body += &text((380.0, 374.0), "middle", "#000", folded);
-    Ok(svg(720, 388, "Bandwidth of the rate, and where the resonance folds to", &body))
+    Ok(format!("{HEAD}{body}</svg>\n"))
 }
 
 /// The frequency, Hz, at which a tone of `hz` appears after aliasing, with samples at `rate_hz`.

@@ -113,12 +113,6 @@ fn off_u(other: &Value, result: &Value) -> Result<f64> {
     Ok(worst)
 }
 
-/// The saved state of an interrupted measurement, and its result if the state is not edited.
-struct InterruptedRun {
-    state: String,
-    result: Value,
-}
-
 /// The arguments of a measurement whose part is unplugged in the second step. A resumed measurement ends before the
 /// part is unplugged again.
 fn going_on<'a>(plan: &'a str, output: &'a str) -> [&'a str; 11] {
@@ -126,8 +120,9 @@ fn going_on<'a>(plan: &'a str, output: &'a str) -> [&'a str; 11] {
     ["chamber", plan, "--device", DEVICE, "--divider", "50", "--chamber", "sim:lag_s=15", "--json", "-o", output]
 }
 
-fn interrupted(bench: &Bench) -> Result<&'static InterruptedRun> {
-    static INTERRUPTED: OnceLock<InterruptedRun> = OnceLock::new();
+/// The saved state of an interrupted measurement, and its result if the state is not edited.
+fn interrupted(bench: &Bench) -> Result<&'static (String, Value)> {
+    static INTERRUPTED: OnceLock<(String, Value)> = OnceLock::new();
     if let Some(interrupted) = INTERRUPTED.get() {
         return Ok(interrupted);
     }
@@ -137,7 +132,7 @@ fn interrupted(bench: &Bench) -> Result<&'static InterruptedRun> {
     bench.run(&going_on(&plan, &output))?;
     let state = fs::read_to_string(format!("{output}.chamber")).context("finished steps")?;
     let result = bench.must(&going_on(&plan, &output))?.json()?;
-    Ok(INTERRUPTED.get_or_init(|| InterruptedRun { state, result }))
+    Ok(INTERRUPTED.get_or_init(|| (state, result)))
 }
 
 pub fn with_another_digit(text: &str, random: &mut StdRng) -> String {
@@ -149,7 +144,7 @@ pub fn with_another_digit(text: &str, random: &mut StdRng) -> String {
 }
 
 fn edited_steps(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
-    let InterruptedRun { state, result } = interrupted(bench)?;
+    let (state, result) = interrupted(bench)?;
     let folder = Folder::new(&format!("steps-{seed}"))?;
     let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
     fs::write(&plan, PLAN)?;
