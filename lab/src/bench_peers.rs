@@ -15,7 +15,6 @@ const LOGS: &str = "target/bench-peers";
 const PROGRAM: &str = "target/peers/dist/zerorate";
 const AXES: &str = "gx,gy,gz,ax,ay,az";
 
-/// Command line of `cargo xtask bench-peers`.
 #[derive(clap::Args)]
 pub struct BenchPeersArgs {
     /// Samples; the default is an hour at 5.7 kSPS

@@ -12,7 +12,6 @@ use zerorate::{Axis, Correction, Plan, Reading, Refusal, Uncertainty};
 /// Time for which the part is off before its second warm-up, s.
 const OFF_S: u64 = 3600;
 
-/// Command line of `cargo xtask coverage`.
 #[derive(clap::Args)]
 pub struct CoverageArgs {
     /// Units, by their seeds, both ends included

@@ -11,7 +11,6 @@ use std::ops::RangeInclusive;
 use std::time::Instant;
 use zerorate::temperature::curve::{AxisRecord, LagLikelihood, LogCurve, LogMeans, MeansBuilder};
 
-/// Command line of `cargo xtask coverage-tempcal`.
 #[derive(clap::Args)]
 pub struct CoverageTempcalArgs {
     /// Logs of each kind, by their seeds, both ends included

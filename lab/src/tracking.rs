@@ -23,7 +23,6 @@ const HEADING: &str = "\
 inside ±1.96 u | at the end | rest learned | rotations learned | other motion learned |
 |---|---|---|---|---|---|---|---|---|---|---|---|";
 
-/// Command line of `cargo xtask tracking`.
 #[derive(clap::Args)]
 pub struct TrackingArgs {
     /// Units by their seeds, both ends included

@@ -16,7 +16,6 @@ use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use tally::Tally;
 
-/// Command line of `cargo xtask attacks`.
 #[derive(clap::Args)]
 pub struct AttacksArgs {
     /// The parts [default: all]

@@ -28,7 +28,6 @@ const SECONDS: u64 = 60;
 const PAGES: usize = 20;
 const CLIENTS: usize = 4;
 
-/// Command line of `cargo xtask bench-serve`.
 #[derive(clap::Args)]
 pub struct BenchServeArgs {
     /// The program, instead of building it

@@ -14,7 +14,6 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use xtask::lab;
 
-/// Command line of `cargo xtask book`.
 #[derive(clap::Args)]
 pub struct BookArgs {
     /// Folder to write to; a folder that exists must hold a book, and is replaced

@@ -23,7 +23,6 @@ const NEWLIB: Tool = Tool { program: "arm-none-eabi-gcc", package: "libnewlib-ar
 const WARNINGS: [&str; 6] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion"];
 const EXAMPLES: [&str; 2] = ["main_loop", "interrupt"];
 
-/// Command line of `cargo xtask c`.
 #[derive(clap::Args)]
 pub struct CArgs {
     /// The unit of the twin

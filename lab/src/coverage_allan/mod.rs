@@ -18,7 +18,6 @@ use zerorate_allan::{
     AllanWarning, Coefficient, Deviation, Estimate, FitOptions, Input, Stat, Term, deviations, fit, octaves,
 };
 
-/// Command line of `cargo xtask coverage-allan`.
 #[derive(clap::Args)]
 pub struct CoverageAllanArgs {
     /// Records of each scenario

@@ -22,7 +22,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Command line of `cargo xtask dist`.
 #[derive(clap::Args)]
 pub struct DistArgs {
     /// Make only these parts; default: all

@@ -16,7 +16,6 @@ use gauge::Gauge;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Command line of `cargo xtask endurance`.
 #[derive(clap::Args)]
 pub struct EnduranceArgs {
     /// Length of the run in the sensor's time, h

@@ -27,7 +27,6 @@ use tracking::TrackerState;
 pub use xtask::images::QEMU;
 use xtask::images::{TARGET, build};
 
-/// Command line of `cargo xtask firmware`.
 #[derive(clap::Args)]
 pub struct FirmwareArgs {
     /// The unit of the twin that both read

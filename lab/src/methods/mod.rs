@@ -21,7 +21,6 @@ use campaign::Units;
 use std::ops::RangeInclusive;
 use unit::Kind;
 
-/// Command line of `cargo xtask methods`.
 #[derive(clap::Args)]
 pub struct MethodsArgs {
     /// Units of each kind, by their seeds, both ends included

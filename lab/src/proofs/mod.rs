@@ -13,7 +13,6 @@ use std::time::Instant;
 /// The folder for the builds and logs of this task. Each build has its own folder below it.
 const WORK: &str = "target/proofs";
 
-/// Command line of `cargo xtask proofs`.
 #[derive(clap::Args)]
 pub struct ProofsArgs {
     /// The parts [default: all]

@@ -24,7 +24,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 use verdict::{Count, Verdict};
 
-/// Command line of `cargo xtask trust`.
 #[derive(clap::Args)]
 pub struct TrustArgs {
     /// A few runs of each class, as in `cargo xtask night`

@@ -27,7 +27,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Command line of `cargo xtask twin-usb`.
 #[derive(clap::Args)]
 pub struct TwinUsbArgs {
     /// The unix socket that QEMU listens on (-chardev socket,…,server=on)
