@@ -100,7 +100,7 @@ fn checks(files: &Files, seen: &RigData, slow: &[Stream], fast: &Stream) -> Resu
 /// Compares the readings of the kernel's driver with those that the part sent to it, and its scales with the facts.
 fn check_kernel_driver(files: &Files, record: &Record, check: &mut impl FnMut(bool, String)) -> Result<()> {
     for (what, file, sent) in [("rates", "iio.rate", &record.rates), ("temperatures", "iio.temp", &record.temps)] {
-        let codes: Vec<u32> = files.numbers(file)?;
+        let codes = files.numbers(file)?;
         // the script's readings come first, then zerorate's readings through the same driver
         let are_sent = sent.iter().take(codes.len()).map(|reading| reading.code).eq(codes.iter().copied());
         let statement = format!("the kernel driver's {} {what} are those sent", codes.len());

@@ -3,7 +3,6 @@
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::Path;
-use std::str::FromStr;
 
 pub struct Files<'a>(pub &'a Path);
 
@@ -20,7 +19,7 @@ impl Files<'_> {
         Ok(fs::read_to_string(&path).with_context(|| format!("the guest left no {name}"))?.trim().to_owned())
     }
 
-    pub fn numbers<T: FromStr>(&self, name: &str) -> Result<Vec<T>> {
+    pub fn numbers(&self, name: &str) -> Result<Vec<u32>> {
         let text = self.text(name)?;
         let numbers = text.lines().map(|line| line.parse().ok());
         numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
