@@ -31,10 +31,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     }
     let program = program()?;
     let [short, long] = SAMPLES.map(|samples| counted(&program, samples));
-    let (short, long) = (short?, long?);
-    let per_sample = |of: fn(&Counts) -> f64| (of(&long) - of(&short)) / (SAMPLES[1] - SAMPLES[0]) as f64;
-    let deviations = per_sample(|counts| counts.deviations);
-    let rest = per_sample(|counts| counts.all) - deviations;
+    let ((all_short, deviations_short), (all, deviations)) = (short?, long?);
+    let per_sample = |long: f64, short: f64| (long - short) / (SAMPLES[1] - SAMPLES[0]) as f64;
+    let deviations = per_sample(deviations, deviations_short);
+    let rest = per_sample(all, all_short) - deviations;
     let share = rest / deviations;
     println!(
         "instructions per sample: deviations {deviations:.1}, all else {rest:.1}: {share:.2} of it (most: {MOST})"
@@ -43,12 +43,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-struct Counts {
-    all: f64,
-    deviations: f64,
-}
-
-fn counted(program: &Path, samples: usize) -> Result<Counts> {
+/// The instructions for a log of this length: all, and those of the deviations.
+fn counted(program: &Path, samples: usize) -> Result<(f64, f64)> {
     let folder = target_folder()?;
     let [log, counts] = ["instructions.f64", "instructions.callgrind"].map(|name| folder.join(name));
     fs::write(&log, noise(samples))?;
@@ -58,7 +54,7 @@ fn counted(program: &Path, samples: usize) -> Result<Counts> {
     valgrind.args(["--raw", "f64", "--rate", "200", "--unit", "dps"]).stdout(Stdio::null());
     // without the child process in which the program otherwise reads a log
     done(valgrind.env("ZERORATE_CONFINED", "1").env("RAYON_NUM_THREADS", "1"))?;
-    let found = Counts::of(&counts)?;
+    let found = read(&counts)?;
     [log, counts].iter().try_for_each(fs::remove_file)?;
     Ok(found)
 }
@@ -73,19 +69,17 @@ fn noise(samples: usize) -> Vec<u8> {
     (0..samples).flat_map(|_| (0..4).map(|_| uniform()).sum::<f64>().to_le_bytes()).collect()
 }
 
-impl Counts {
-    /// Reads the file that callgrind wrote. Each line of its table has a count and the name of a function.
-    fn of(path: &Path) -> Result<Self> {
-        let options = ["--inclusive=yes", "--threshold=100", "--auto=no"];
-        let table = printed(Command::new("callgrind_annotate").args(options).arg(path))?;
-        let all = table.lines().find(|line| line.contains("PROGRAM TOTALS")).and_then(instructions);
-        let of = |name: &str| {
-            let line = table.lines().find(|line| line.contains(&format!(":{name} [")));
-            line.and_then(instructions).with_context(|| format!("callgrind does not name {name}"))
-        };
-        let deviations = DEVIATIONS.into_iter().map(of).sum::<Result<f64>>()?;
-        Ok(Self { all: all.context("callgrind counted nothing")?, deviations })
-    }
+/// Reads the file that callgrind wrote. Each line of its table has a count and the name of a function.
+fn read(path: &Path) -> Result<(f64, f64)> {
+    let options = ["--inclusive=yes", "--threshold=100", "--auto=no"];
+    let table = printed(Command::new("callgrind_annotate").args(options).arg(path))?;
+    let all = table.lines().find(|line| line.contains("PROGRAM TOTALS")).and_then(instructions);
+    let of = |name: &str| {
+        let line = table.lines().find(|line| line.contains(&format!(":{name} [")));
+        line.and_then(instructions).with_context(|| format!("callgrind does not name {name}"))
+    };
+    let deviations = DEVIATIONS.into_iter().map(of).sum::<Result<f64>>()?;
+    Ok((all.context("callgrind counted nothing")?, deviations))
 }
 
 /// The count at the start of a line.
