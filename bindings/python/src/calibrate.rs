@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::device::{Device, DeviceOptions, Duration, argument, in_words, sink, text};
-use crate::imu::named;
+use crate::log::named;
 use crate::worker::{Reporter, supervised};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

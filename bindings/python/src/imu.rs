@@ -2,7 +2,7 @@
 
 use crate::allan::Model;
 use crate::error::{Refused, exception};
-use crate::log::{argument, label};
+use crate::log::{argument, label, named};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -97,11 +97,4 @@ fn no_file(why: NoNoiseFile) -> PyErr {
         }
         why => PyValueError::new_err(why.to_string()),
     }
-}
-
-/// Finds the item of `all` with this name. The error lists all names.
-pub fn named<T: Copy, const N: usize>(what: &str, name: &str, all: [T; N], of: fn(T) -> &'static str) -> PyResult<T> {
-    let names = || all.map(|one| format!("'{}'", of(one))).join(", ");
-    let found = all.into_iter().find(|one| of(*one) == name);
-    found.ok_or_else(|| PyValueError::new_err(format!("{what}='{name}': give {}", names())))
 }

@@ -8,6 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::Arc;
 use zerorate_allan::SettingName;
 use zerorate_imu::{Axes, ImuOptions, KindOptions};
@@ -16,7 +17,7 @@ use zerorate_jobs::output::Outputs;
 use zerorate_jobs::tempcal::UnitLog;
 use zerorate_jobs::{catalogue, temperature};
 use zerorate_logs::{
-    Column, ColumnOptions, ColumnSelection, Cut, CutTime, Decimal, LogWarning, Names, Quantity, Series, Setting,
+    Column, ColumnOptions, ColumnSelection, Cut, Decimal, LogWarning, Names, Quantity, Series, Setting,
     TEMPERATURE_NAMES, TimeUnit, Unit,
 };
 
@@ -210,20 +211,22 @@ impl Options {
                 "max_bad={share}: give a share from 0 to below 1, such as 0.05"
             )));
         }
+        let time_unit = |word: &str| named("time_unit", word, TimeUnit::ALL, TimeUnit::name);
+        let decimal = |word: &str| named("decimal", word, DECIMALS, |(word, _)| word).map(|(_, mark)| mark);
         Ok(ColumnOptions {
             column: None,
             topic: self.topic.clone(),
-            only: self.r#where.as_deref().map(str::parse).transpose().map_err(|why| refused("where", why))?,
+            only: parsed(&self.r#where, "where")?,
             time_column: self.time_column.clone(),
-            cut: Cut { from: cut_time(&self.skip, "skip")?, until: cut_time(&self.until, "until")? },
-            time_unit: chosen(&self.time_unit, "time_unit", &TIME_UNITS)?,
+            cut: Cut { from: parsed(&self.skip, "skip")?, until: parsed(&self.until, "until")? },
+            time_unit: self.time_unit.as_deref().map(time_unit).transpose()?,
             rate: positive(self.rate_hz)?,
             unit: self.unit()?,
             scale: positive(self.scale)?,
             increments: self.increments,
             force_unit: self.force_unit,
-            decimal: chosen(&self.decimal, "decimal", &DECIMALS)?,
-            raw: self.raw.as_deref().map(str::parse).transpose().map_err(|why| refused("raw", why))?,
+            decimal: self.decimal.as_deref().map(decimal).transpose()?,
+            raw: parsed(&self.raw, "raw")?,
             max_bad,
             described: Some(zerorate_record::open_described),
             names: Names(argument),
@@ -235,37 +238,22 @@ impl Options {
     }
 }
 
-/// Parses the time up to which, or from which on, a log is left out.
-fn cut_time(text: &Option<String>, name: &str) -> PyResult<Option<CutTime>> {
-    text.as_deref().map(str::parse).transpose().map_err(|why| refused(name, why))
-}
-
 fn refused(argument: &str, why: String) -> PyErr {
     PyValueError::new_err(format!("{argument}=: {why}"))
 }
 
-const TIME_UNITS: [(&str, TimeUnit); 6] = [
-    ("s", TimeUnit::S),
-    ("ms", TimeUnit::Ms),
-    ("us", TimeUnit::Us),
-    ("ns", TimeUnit::Ns),
-    ("min", TimeUnit::Min),
-    ("h", TimeUnit::H),
-];
 const DECIMALS: [(&str, Decimal); 4] =
     [(".", Decimal::Point), (",", Decimal::Comma), ("point", Decimal::Point), ("comma", Decimal::Comma)];
 
-/// Finds the value for a word. The error lists all words.
-fn chosen<T: Copy>(word: &Option<String>, name: &str, all: &[(&str, T)]) -> PyResult<Option<T>> {
-    let Some(word) = word else { return Ok(None) };
-    let found = all.iter().find(|(known, _)| known == word).map(|(_, value)| *value);
-    let words = || all.iter().map(|(known, _)| format!("'{known}'")).collect::<Vec<_>>().join(", ");
-    found.map(Some).ok_or_else(|| PyValueError::new_err(format!("{name}='{word}': give {}", words())))
+/// Finds the item of `all` with this name. The error lists all names.
+pub fn named<T: Copy, const N: usize>(what: &str, name: &str, all: [T; N], of: fn(T) -> &'static str) -> PyResult<T> {
+    let names = || all.map(|one| format!("'{}'", of(one))).join(", ");
+    let found = all.into_iter().find(|one| of(*one) == name);
+    found.ok_or_else(|| PyValueError::new_err(format!("{what}='{name}': give {}", names())))
 }
 
-fn parsed(unit: &Option<String>, name: &str) -> PyResult<Option<Unit>> {
-    let parse = |unit: &String| unit.parse().map_err(|why| PyValueError::new_err(format!("{name}=: {why}")));
-    unit.as_ref().map(parse).transpose()
+fn parsed<T: FromStr<Err = String>>(text: &Option<String>, name: &str) -> PyResult<Option<T>> {
+    text.as_deref().map(str::parse).transpose().map_err(|why| refused(name, why))
 }
 
 fn positive(number: Option<f64>) -> PyResult<Option<f64>> {
