@@ -78,20 +78,3 @@ export async function downloads(page) {
     assert.match(text, pattern, form);
   }
 }
-
-/** Returns the layout shift that the browser measures in some seconds of a live page. */
-export async function standsStill(page) {
-  await page.evaluate(() => {
-    window.shifts = 0;
-    new PerformanceObserver((list) => {
-      for (const entry of list.getEntries()) if (!entry.hadRecentInput) window.shifts += entry.value;
-    }).observe({ type: "layout-shift", buffered: true });
-  });
-  const frames = await page.$eval(".tile.ledger .value", (element) => element.textContent);
-  await page.waitForFunction(
-    (before) => document.querySelector(".tile.ledger .value").textContent !== before,
-    frames,
-  );
-  await page.waitForTimeout(2000);
-  return page.evaluate(() => window.shifts);
-}
