@@ -72,8 +72,7 @@ export class Bench implements Page {
       this.#wrote = now;
       this.#tiles.update(this.#axis);
     }
-    if (all) this.#strips.redraw();
-    this.#strips.update(changed.has("strips"));
+    this.#strips.update(changed.has("strips"), all);
     if (changed.has("statistics") || all) this.#statistics();
     if (changed.has("notices") || all) this.#notices.update(this.app.model.notices);
     if (now - this.#spoke > WORDS_MS) {

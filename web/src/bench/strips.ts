@@ -80,19 +80,15 @@ export class Strips {
     );
   }
 
-  update(isNew: boolean): void {
+  update(isNew: boolean, all: boolean): void {
     const levels = this.app.model.rings[this.axis] ?? [];
     const finest = levels[0];
     if (finest) this.#window.follow(finest.next * finest.bin_s);
-    if (!this.#stale && (!isNew || this.#window.held)) return;
+    if (!all && !this.#stale && (!isNew || this.#window.held)) return;
     this.#stale = false;
     const ring = levelFor(levels, this.#window.from, this.#window.to);
     for (const strip of this.#strips) strip.draw(ring);
     this.#tell();
-  }
-
-  redraw(): void {
-    this.#stale = true;
   }
 
   restyle(): void {

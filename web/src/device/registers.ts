@@ -7,20 +7,12 @@ export class Registers {
   readonly element = h("div", { class: "registers" });
   #shown = "";
 
-  constructor() {
-    this.#none();
-  }
-
   update(registers: Register[]): void {
     const text = JSON.stringify(registers);
     if (text === this.#shown) return;
     this.#shown = text;
-    if (registers.length === 0) this.#none();
-    else this.element.replaceChildren(...registers.map(panel));
-  }
-
-  #none(): void {
-    this.element.replaceChildren(h("p", { class: "none" }, "This device has no readable registers."));
+    const none = h("p", { class: "none" }, "This device has no readable registers.");
+    this.element.replaceChildren(...(registers.length > 0 ? registers.map(panel) : [none]));
   }
 }
 
