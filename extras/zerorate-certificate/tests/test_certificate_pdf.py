@@ -135,10 +135,6 @@ def test_the_same_input_gives_the_same_bytes_twice(measured: Path, lab_file: Pat
     assert contents[0] == contents[1]
 
 
-def test_another_laboratory_gives_other_bytes(measured: Path, lab: Lab, measured_pdf: bytes) -> None:
-    assert certificate_pdf(measured, replace(lab, number="2026-0002")) != measured_pdf
-
-
 def test_texts_of_the_laboratory_come_through(measured: Path, lab: Lab) -> None:
     name = 'Prüfstelle "Süd" \\ <b>Ähre & Söhne</b> </style>'
     texts = pages(certificate_pdf(measured, replace(lab, laboratory=replace(lab.laboratory, name=name))))
