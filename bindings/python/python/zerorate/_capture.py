@@ -87,7 +87,11 @@ class Capture:
     def rate_dps(self) -> NDArray[np.float64]:
         """Rate before any correction, °/s: (code − 2²³) / 23 488 for the 24-bit codes of an ADIS16130. NaN where
         `good` is false."""
-        rates = self._rates_dps(self.rate_code)
+        if self.rate_scales is None:
+            rates = _zerorate.rate_dps(np.asarray(self.rate_code, dtype=np.uint32), self.width_bits)
+        else:
+            lsb_per_dps, zero_code = np.array(self.rate_scales, dtype=np.float64).T
+            rates = np.asarray((self.rate_code - zero_code) / lsb_per_dps, dtype=np.float64)
         return np.where(self.good, rates, np.nan)
 
     @cached_property
@@ -114,12 +118,6 @@ class Capture:
         read = np.where(self._temp_read, np.arange(len(self)), -1)
         last = np.maximum.accumulate(read) if len(read) else read
         return np.where(last >= 0, self.temp_c[np.maximum(last, 0)], np.nan)
-
-    def _rates_dps(self, codes: NDArray[np.uint32] | NDArray[np.int64]) -> NDArray[np.float64]:
-        if self.rate_scales is None:
-            return _zerorate.rate_dps(np.asarray(codes, dtype=np.uint32), self.width_bits)
-        lsb_per_dps, zero_code = np.array(self.rate_scales, dtype=np.float64).T
-        return np.asarray((codes - zero_code) / lsb_per_dps, dtype=np.float64)
 
     def _dps_per_code(self, axis: int) -> float:
         if self.rate_scales is not None:

@@ -116,8 +116,7 @@ class Allan:
         ImportError
             If the library is not installed.
         """
-        names = ["tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n"]
-        names += list(_MODEL) if self.model is not None else []
+        names = [*_POINT, *(_MODEL if self.model is not None else ())]
         return _frame.frame({name: getattr(self, name) for name in names}, library)
 
     def plot(self, ax: Picture | None = None) -> Figure:
@@ -209,8 +208,8 @@ class AllanAxes(Mapping[str, Allan]):
         return _plot.curves(list(self.axes.values()), ax)
 
 
+_POINT = ("tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n")
 _MODEL = ("model", "model_lo", "model_hi", "predicted_lo", "predicted_hi")
-_COLUMNS = ("tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n", *_MODEL)
 
 
 def _long(axes: Mapping[str, Allan]) -> dict[str, Any]:
@@ -223,5 +222,5 @@ def _long(axes: Mapping[str, Allan]) -> dict[str, Any]:
     return {
         "name": [name for name, _ in rows],
         "unit": [unit for _, unit in rows],
-        **{name: column(name) for name in _COLUMNS},
+        **{name: column(name) for name in (*_POINT, *_MODEL)},
     }

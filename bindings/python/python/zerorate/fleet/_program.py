@@ -31,10 +31,10 @@ AS_CHILD = '[ "$PPID" = "$1" ] && shift && exec "$@"'
 # The environment variable with another program to run: a native `zerorate` starts 30 ms sooner.
 VARIABLE = "ZERORATE_PROGRAM"
 
-# Smallest memory limit that the program accepts, bytes.
+# How the program begins the warning that a recording was not closed.
 TORN = "warning: torn-tail: "
-"""How the program begins the warning that a recording was not closed."""
 
+# Smallest memory limit that the program accepts, bytes.
 LEAST_MEMORY = 256 << 20
 
 

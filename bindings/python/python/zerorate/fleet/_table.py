@@ -113,7 +113,5 @@ def _counts(rows: pa.Table) -> Counts:
         seen[state, code or ""] += 1
         example.setdefault((state, code or ""), (url, error or ""))
     reasons = [(*reason, count, *example[reason]) for reason, count in seen.most_common() if reason[0] != "ok"]
-    states: Counter[str] = Counter()
-    for (state, _), count in seen.items():
-        states[state] += count
+    states: Counter[str] = Counter(rows.column("state").to_pylist())
     return Counts(len(rows), dict(states.most_common()), reasons)
