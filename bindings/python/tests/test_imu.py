@@ -272,7 +272,6 @@ def test_a_log_that_does_not_say_enough_asks_for_arguments(log: Path, tmp_path: 
         (ValueError, "decimal=';'", log, {"column": 1, "rate_hz": 1.0, "decimal": ";"}),
         (ValueError, "max_bad=2", log, {"column": 1, "rate_hz": 1.0, "max_bad": 2}),
         (FileNotFoundError, "none.csv", tmp_path / "none.csv", {}),
-        (ValueError, "two-dimensional", log, {"columns": ["a"]}),
     ]
     for kind, match, path, options in wrong:
         with pytest.raises(kind, match=match) as error:

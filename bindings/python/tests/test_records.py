@@ -55,7 +55,6 @@ def test_an_array_of_columns_has_a_result_for_each() -> None:
         ("the array has no rows", np.zeros((0, 3)), {}),
         (r"shape \(4, 3, 2\)", np.zeros((4, 3, 2)), {}),
         ("one value of the type float", 1.0, {}),
-        ("one value of the type NoneType", None, {}),
         ("one value of the type generator", (x for x in (1.0, 2.0)), {}),
         ("the dict has no columns", {}, {}),
         ("2 names for an array of 3", np.zeros((9, 3)), {"columns": ["a", "b"]}),

@@ -168,8 +168,6 @@ def test_the_picture_has_a_panel_for_each_axis(found: zerorate.Tempcal) -> None:
         ('temp_column=: the dict has no column "tc"', ValueError, {}, {"temp_column": "tc"}),
         ("looks like kelvins.*temp_column=", ValueError, {"temp_c": np.linspace(280, 320, SAMPLES)}, {}),
         ("several temperatures.*temp_column=", ValueError, {"temp2_c": np.linspace(20, 30, SAMPLES)}, {}),
-        ("not both", ValueError, {}, {"gyro": [0], "column": [0]}),
-        ("is not a unit", ValueError, {}, {"gyro_unit": "furlong"}),
     ],
 )
 def test_errors_speak_of_arguments(

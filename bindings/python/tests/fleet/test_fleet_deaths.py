@@ -33,9 +33,6 @@ def by_loky() -> Executor:
     return pool
 
 
-ENGINES: list[Callable[[], Executor]] = [spawned, by_loky]
-
-
 def rows(out: Path) -> int:
     return len(_store.row_paths(str(out)))
 
@@ -77,7 +74,7 @@ def test_killed_workers_cost_nothing(
     assert fleet.table(str(out)).states == {"ok": UNITS}
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", [spawned, by_loky])
 def test_a_file_that_kills_its_worker_gets_a_row(
     engine: Callable[[], Executor], captures: Path, tmp_path: Path, wrapped: Wrap
 ) -> None:
