@@ -1,24 +1,16 @@
 // Logs in every form on the page: results, questions, and messages about damaged logs.
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { after, before, test } from "node:test";
+import { readFileSync } from "node:fs";
+import { before, test } from "node:test";
 import { fixture, giveLog, logIsDone, LOGS, SHORT, STATED, warming } from "./logs.mjs";
-import { serveFolder } from "./static.mjs";
-import { bars, becomes, launch, open, PAGE, recorded, without } from "./world.mjs";
+import { staticHome } from "./static.mjs";
+import { bars, becomes, open, recorded, without } from "./world.mjs";
 
-let browser, site, page, context, faults, folder;
+const home = staticHome();
+let page, context, faults;
 
 before(async () => {
-  browser = await launch();
-  site = await serveFolder(PAGE);
-  ({ page, context, faults } = await open(browser, `${site.url}#log`));
-  folder = mkdtempSync(`${tmpdir()}/zerorate-logs-`);
-});
-after(async () => {
-  await browser.close();
-  site.stop();
-  rmSync(folder, { recursive: true });
+  ({ page, context, faults } = await open(home.browser, `${home.site.url}#log`));
 });
 
 const give = (name, buffer) => giveLog(page, name, buffer);
@@ -137,7 +129,7 @@ function walkOf(csv) {
 }
 
 test("captures of this program, whole and cut off", { skip: without.program }, async () => {
-  const captured = (name) => readFileSync(recorded(`${folder}/${name}`, "seed=7", "--duration", "2m"));
+  const captured = (name) => readFileSync(recorded(`${home.folder}/${name}`, "seed=7", "--duration", "2m"));
   const csv = captured("twin.csv");
   const walk = walkOf(String(csv));
   for (const name of ["twin.csv", "twin.parquet", "twin.arrows"]) {
@@ -152,7 +144,7 @@ test("captures of this program, whole and cut off", { skip: without.program }, a
 });
 
 test("a log is dropped, cancelled, and never leaves the machine", async () => {
-  const before = site.asked.length;
+  const before = home.site.asked.length;
   const dataTransfer = await page.evaluateHandle((head) => {
     const data = new DataTransfer();
     data.items.add(new File([`${head}\n`, "0,1,2,3\n".repeat(10_000_000)], "long.csv"));
@@ -163,7 +155,7 @@ test("a log is dropped, cancelled, and never leaves the machine", async () => {
   await becomes(page, ".log .doing", /Cancelled/);
   await give("rest.csv", LOGS["rest.csv"].bytes());
   assert.ok(
-    site.asked.slice(before).every((path) => /\.(js|wasm)$/.test(path)),
+    home.site.asked.slice(before).every((path) => /\.(js|wasm)$/.test(path)),
     "something was asked of the server",
   );
   assert.match(await page.textContent(".intake"), /never leaves this machine/);
