@@ -76,23 +76,19 @@ impl SpiAddress {
 }
 
 impl Address for SpiAddress {
+    /// Opens the SPI and GPIO files. Nothing is sent to the part.
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
-        Ok(Box::new(open(self, name, setup, stop)?))
+        let sampling = setup.sampling.config(self.part.divided);
+        let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz, setup.part.as_ref())?;
+        let (clock, failed) = (Arc::new(AtomicU32::new(self.hz)), LastErrno::default());
+        let bus = SpiBus::open(self, Arc::clone(&clock), failed.clone(), setup.names)?;
+        let edges = GpioEdges::open(&self.chip, self.line, self.part.config.rdy_edge())?;
+        // the driver sends each command as one frame; if CS must rise between bytes, `SpiBus` splits the frame
+        let config = self.part.config.with_framing(Framing::Command);
+        let live = Live::new(bus, edges, config, sampling, self.mclk_hz, stop);
+        let wired = SpiConnection { address: self.clone(), clock, failed, notes: Notes::default() };
+        Ok(Box::new(ConnectedPart::new(wired, live, facts)))
     }
-}
-
-/// Opens the SPI and GPIO files. Nothing is sent to the part.
-fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<SpiConnection>> {
-    let sampling = setup.sampling.config(address.part.divided);
-    let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
-    let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
-    let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone(), setup.names)?;
-    let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
-    // the driver sends each command as one frame; if CS must rise between bytes, `SpiBus` splits the frame
-    let config = address.part.config.with_framing(Framing::Command);
-    let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
-    let wired = SpiConnection { address: address.clone(), clock, failed, notes: Notes::default() };
-    Ok(ConnectedPart::new(wired, live, facts))
 }
 
 #[derive(Clone)]

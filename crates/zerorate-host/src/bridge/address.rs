@@ -1,10 +1,6 @@
 //! Addresses of bridges, with the settings of the part behind the bridge.
 
-use super::open;
-use crate::Stop;
-use crate::address::Address;
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split};
-use crate::source::{Setup, Source};
 use crate::wire::Port;
 use adis16130::{MAX_SCLK_HZ, MCLK_HZ};
 use std::fmt;
@@ -74,11 +70,5 @@ impl BridgeAddress {
             }
         }
         Ok(address)
-    }
-}
-
-impl Address for BridgeAddress {
-    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
-        Ok(Box::new(open(self, name, setup, stop)?))
     }
 }

@@ -5,13 +5,14 @@ mod link;
 mod progress;
 
 use crate::Stop;
+use crate::address::Address;
 use crate::connected::{ConnectedPart, Connection};
 use crate::edges::Edges;
 use crate::error::{Cause, UserError};
 use crate::live::Live;
 use crate::pin::HalError;
 use crate::reader::{QUEUE, Reader, WhenFull};
-use crate::source::{DeviceInfo, Setup};
+use crate::source::{DeviceInfo, Setup, Source};
 use crate::wire::Wire;
 pub use address::BridgeAddress;
 use adis16130::bridge::{Answer, Command, Continuity, Event, GONE, PROTOCOL, Refusal, RequestError, SILENT, Settings};
@@ -25,15 +26,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
-/// Opens the port, stops a running measurement, checks the protocol, and sends the SPI clock and the part's settings.
-fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<BridgePart>> {
-    let sampling = setup.sampling.config(address.part.divided);
-    let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
-    let link = SharedLink(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
-    greet(&link, address, setup.names).map_err(|error| link.explain(error, address))?;
-    let edges = LastEdges { link: link.clone(), last: None };
-    let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
-    Ok(ConnectedPart::new(BridgePart { address: address.clone(), link }, live, facts))
+impl Address for BridgeAddress {
+    /// Opens the port, stops a running measurement, checks the protocol, and sends the SPI clock and the part's
+    /// settings.
+    fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
+        let sampling = setup.sampling.config(self.part.divided);
+        let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz, setup.part.as_ref())?;
+        let link = SharedLink(Arc::new(Mutex::new(Link::new(Wire::open(&self.port)?))));
+        greet(&link, self, setup.names).map_err(|error| link.explain(error, self))?;
+        let edges = LastEdges { link: link.clone(), last: None };
+        let live = Live::new(Transfers(link.clone()), edges, self.part.config, sampling, self.mclk_hz, stop);
+        Ok(Box::new(ConnectedPart::new(BridgePart { address: self.clone(), link }, live, facts)))
+    }
 }
 
 /// The part behind a bridge. Dropping this value stops the sampling.
