@@ -6,7 +6,7 @@
 use super::sysfs::read;
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
 use crate::options::PartOptions;
-use crate::source::{DeviceInfo, Sampling, Setup, Source};
+use crate::source::{DeviceInfo, Setup, Source};
 use adis16130::{MCLK_HZ, RATE_LSB_PER_DPS, RateCode, Sample, TEMP_LSB_PER_C, TempCode, Width, ZERO_CODE};
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
@@ -20,12 +20,10 @@ const SCALE_TOLERANCE: f64 = 0.005;
 pub struct Adis16130 {
     address: IioAddress,
     facts: DeviceInfo,
-    sampling: Sampling,
     /// Number to add to a raw rate to get a 24-bit code.
     rate_shift: i64,
     temp_shift: i64,
     polls: Polls,
-    taken: u64,
 }
 
 impl Adis16130 {
@@ -41,17 +39,15 @@ impl Adis16130 {
         // the kernel's unit is 0.001 °C, and its offset counts from 0 °C: 25 · 14093 codes below the zero code (F-41)
         let temp_zero = i64::from(ZERO_CODE) - 25 * i64::from(TEMP_LSB_PER_C);
         let temp_shift = shift(folder, TEMP, 1000.0 / f64::from(TEMP_LSB_PER_C), temp_zero)?;
-        let (address, sampling, polls) = (address.clone(), setup.sampling, Polls::new(hz));
-        Ok(Self { address, facts, sampling, rate_shift, temp_shift, polls, taken: 0 })
+        let (address, polls) = (address.clone(), Polls::new(hz, setup.sampling));
+        Ok(Self { address, facts, rate_shift, temp_shift, polls })
     }
 
     fn poll(&mut self) -> Result<Sample> {
-        let Poll { slot, lost, t_ns } = self.polls.wait();
+        let Poll { slot, lost, t_ns, with_temp } = self.polls.wait();
         let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);
-        let with_temp = self.taken.is_multiple_of(self.sampling.every_temp.unwrap_or(1).into());
         let temp = with_temp.then(|| self.code(TEMP, self.temp_shift)).transpose()?;
         let temp = temp.map(|code| TempCode::new(code, Width::Bits24));
-        self.taken += 1;
         Ok(Sample { t_ns, seq: slot, rate, status: None, temp, lost })
     }
 
@@ -88,6 +84,7 @@ fn shift(folder: &Path, channel: &str, expected_scale: f64, zero: i64) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::Sampling;
     use std::fs;
 
     /// A folder with the attributes that the driver of Linux 6.12 provides.

@@ -39,15 +39,12 @@ pub fn open(
     stop: &Stop,
 ) -> crate::Result<Box<dyn Source>> {
     let device = Device::find(address, name, driver, setup)?;
+    // the device file has the same name as the sysfs folder
+    let file = Path::new("/dev").join(address.folder.file_name().unwrap_or_default());
     match address.hz {
-        None if device.has_buffer() => Ok(Box::new(BufferedScans::open(device, &dev_file(&address.folder), stop)?)),
+        None if device.has_buffer() => Ok(Box::new(BufferedScans::open(device, &file, stop)?)),
         hz => Ok(Box::new(PolledChannels::new(device, hz.unwrap_or(DEFAULT_POLL_HZ), setup.sampling))),
     }
-}
-
-/// The device file in `/dev` has the same name as the sysfs folder.
-fn dev_file(folder: &Path) -> PathBuf {
-    Path::new("/dev").join(folder.file_name().unwrap_or_default())
 }
 
 struct Device {
@@ -119,23 +116,19 @@ fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, 
 struct PolledChannels {
     device: Device,
     polls: Polls,
-    sampling: Sampling,
-    taken: u64,
 }
 
 impl PolledChannels {
     fn new(mut device: Device, hz: u32, sampling: Sampling) -> Self {
         device.facts.rate_hz = Some(hz.into());
-        Self { device, polls: Polls::new(hz), sampling, taken: 0 }
+        Self { device, polls: Polls::new(hz, sampling) }
     }
 
     fn poll(&mut self) -> Result<Row> {
-        let Poll { slot, lost, t_ns } = self.polls.wait();
+        let Poll { slot, lost, t_ns, with_temp } = self.polls.wait();
         let Device { folder, rates, temp, .. } = &self.device;
         let codes = rates.iter().map(|channel| channel.poll(folder)).collect::<Result<Vec<_>>>()?;
-        let with_temp = self.taken.is_multiple_of(self.sampling.every_temp.unwrap_or(1).into());
         let temp = temp.as_ref().filter(|_| with_temp).map(|temp| temp.poll(folder)).transpose()?;
-        self.taken += 1;
         let row = Row::new(t_ns, slot, &codes).context("more axes than a row has room for")?;
         Ok(row.with_temp_code(temp).with_lost(lost))
     }

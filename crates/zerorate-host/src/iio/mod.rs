@@ -12,7 +12,7 @@ use crate::Stop;
 use crate::address::Address;
 use crate::error::{Cause, UserError};
 use crate::options::{bandwidth, number, split};
-use crate::source::{Setup, Source};
+use crate::source::{Sampling, Setup, Source};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -80,6 +80,8 @@ struct Polls {
     started: Instant,
     /// Index of the next poll.
     next: u32,
+    every_temp: u64,
+    taken: u64,
 }
 
 struct Poll {
@@ -87,11 +89,14 @@ struct Poll {
     /// Number of polls that were skipped because they were overdue.
     lost: u32,
     t_ns: u64,
+    /// Whether to read the temperature, too.
+    with_temp: bool,
 }
 
 impl Polls {
-    fn new(hz: u32) -> Self {
-        Self { period: Duration::from_secs(1) / hz, started: Instant::now(), next: 0 }
+    fn new(hz: u32, sampling: Sampling) -> Self {
+        let every_temp = sampling.every_temp.unwrap_or(1).into();
+        Self { period: Duration::from_secs(1) / hz, started: Instant::now(), next: 0, every_temp, taken: 0 }
     }
 
     /// Waits until the next poll is due, and skips polls that are overdue by a period or more.
@@ -106,6 +111,8 @@ impl Polls {
         };
         let lost = slot - self.next;
         self.next = slot + 1;
-        Poll { slot, lost, t_ns: self.started.elapsed().as_nanos() as u64 }
+        let with_temp = self.taken.is_multiple_of(self.every_temp);
+        self.taken += 1;
+        Poll { slot, lost, t_ns: self.started.elapsed().as_nanos() as u64, with_temp }
     }
 }
