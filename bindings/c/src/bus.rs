@@ -55,25 +55,23 @@ impl digital::Error for CallbackError {
 /// Length of the longest write that is not a transfer in place, bytes: the reset of F-23.
 const LONGEST_WRITE: usize = 5;
 
-pub struct Port(pub Bus);
-
-impl Port {
+impl Bus {
     fn exchange(&mut self, bytes: &mut [u8]) -> Result<(), CallbackError> {
-        let transfer = self.0.transfer.ok_or(CallbackError)?;
+        let transfer = self.transfer.ok_or(CallbackError)?;
         // SAFETY: the caller promised at set-up that this may be called with its context; bytes and length belong
         // together.
-        match unsafe { transfer(self.0.context, bytes.as_mut_ptr(), bytes.len()) } {
+        match unsafe { transfer(self.context, bytes.as_mut_ptr(), bytes.len()) } {
             0 => Ok(()),
             _ => Err(CallbackError),
         }
     }
 }
 
-impl spi::ErrorType for Port {
+impl spi::ErrorType for Bus {
     type Error = CallbackError;
 }
 
-impl SpiDevice for Port {
+impl SpiDevice for Bus {
     /// Accepts only the two kinds of transaction that the driver makes: one transfer in place, or one short write.
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), CallbackError> {
         match operations {
@@ -89,17 +87,15 @@ impl SpiDevice for Port {
     }
 }
 
-pub struct Line(pub Bus);
-
-impl digital::ErrorType for Line {
+impl digital::ErrorType for Bus {
     type Error = CallbackError;
 }
 
-impl InputPin for Line {
+impl InputPin for Bus {
     fn is_high(&mut self) -> Result<bool, CallbackError> {
-        let rdy = self.0.rdy.ok_or(CallbackError)?;
+        let rdy = self.rdy.ok_or(CallbackError)?;
         // SAFETY: as for `transfer`.
-        match unsafe { rdy(self.0.context) } {
+        match unsafe { rdy(self.context) } {
             ..0 => Err(CallbackError),
             level => Ok(level != 0),
         }
@@ -135,17 +131,15 @@ impl OutputPin for SelfTestPin {
     }
 }
 
-pub struct Delay(pub Bus);
-
-impl DelayNs for Delay {
+impl DelayNs for Bus {
     fn delay_ns(&mut self, ns: u32) {
         self.delay_us(ns.div_ceil(1000));
     }
 
     fn delay_us(&mut self, us: u32) {
-        if let Some(delay_us) = self.0.delay_us {
+        if let Some(delay_us) = self.delay_us {
             // SAFETY: as for `transfer`.
-            unsafe { delay_us(self.0.context, us) }
+            unsafe { delay_us(self.context, us) }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The gyroscope: set-up, initialisation, readings, samples and diagnosis.
 
 use crate::boundary::{self, Object};
-use crate::bus::{Bus, Delay, Line, Port};
+use crate::bus::Bus;
 use crate::status::{
     self, Status, StatusNumber, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_STATE,
     ZERORATE_E_TIMEOUT, ZERORATE_NOTHING, ZERORATE_OK,
@@ -23,7 +23,7 @@ pub struct Gyro {
 }
 
 pub struct State {
-    pub driver: Adis16130<Port, Line>,
+    pub driver: Adis16130<Bus, Bus>,
     sampler: Sampler,
     pub bus: Bus,
     /// True from the first initialisation on, even if that failed.
@@ -190,7 +190,7 @@ unsafe fn set_up(gyro: *mut Gyro, bus: *const Bus, settings: *const Settings) ->
     }
     let config = settings.config()?;
     let sampler = Sampler::new(settings.sampling(), &config, settings.mclk_hz);
-    let driver = Adis16130::new(Port(bus), Line(bus), config);
+    let driver = Adis16130::new(bus, bus, config);
     // SAFETY: by the contract.
     unsafe { boundary::set_up(gyro, State { driver, sampler, bus, is_begun: false }) }
 }
@@ -243,7 +243,7 @@ pub unsafe extern "C" fn zerorate_gyro_wait_ready(gyro: *mut Gyro, timeout_us: u
         if bus.delay_us.is_none() {
             return Err(ZERORATE_E_PIN);
         }
-        driver.wait_ready(&mut Delay(*bus), WaitBound::from_us(timeout_us)).map_err(|error| error.status())
+        driver.wait_ready(bus, WaitBound::from_us(timeout_us)).map_err(|error| error.status())
     };
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(gyro) }.and_then(wait))

@@ -1,7 +1,7 @@
 //! The self-test (F-11).
 
 use crate::boundary;
-use crate::bus::{Delay, SelfTestPin};
+use crate::bus::SelfTestPin;
 use crate::gyro::{Gyro, State};
 use crate::status::{self, Status, StatusNumber, ZERORATE_E_MISSING, ZERORATE_E_NULL};
 use adis16130::{SelfTestPlan as DriverPlan, WaitBound};
@@ -91,7 +91,7 @@ unsafe fn self_test(
     if bus.rdy.is_none() || bus.delay_us.is_none() || pin.set.is_none() {
         return Err(ZERORATE_E_MISSING);
     }
-    let seen = driver.self_test(&mut pin, &mut Delay(*bus), plan.to_driver()).map_err(|error| error.status())?;
+    let seen = driver.self_test(&mut pin, bus, plan.to_driver()).map_err(|error| error.status())?;
     let seen = SelfTest { shift_dps: seen.shift_dps, u_dps: seen.u_dps, n: seen.n };
     // SAFETY: by the contract.
     unsafe { boundary::output(result, seen) }
