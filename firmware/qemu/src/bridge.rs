@@ -39,21 +39,19 @@ pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Resu
         while let Some(byte) = port.read(!station.is_sampling())? {
             if let Some(Ok(request)) = requests.push(byte) {
                 // simulated time goes on also without sampling, so that the host sees edges of RDY
-                if let Some(message) = next_edge(twin, &mut station) {
-                    send(port, &message)?;
-                }
+                pass_edge(twin, &mut station, port)?;
                 send(port, &at_once(station.request(&request)))?;
             }
         }
-        if let Some(message) = next_edge(twin, &mut station) {
-            send(port, &message)?;
-        }
+        pass_edge(twin, &mut station, port)?;
     }
 }
 
-fn next_edge(twin: &Twin, station: &mut Station<TwinBus>) -> Option<Message<'static>> {
-    let edge = twin.next_falling_edge(LOOK_NS)?;
-    at_once(station.edge(Edge { t_ns: edge.t_ns, seq: edge.seq }))
+/// Passes the next edge of RDY to the bridge, and sends the message that it returns, if any.
+fn pass_edge<P: Port>(twin: &Twin, station: &mut Station<TwinBus>, port: &mut P) -> Result<(), P::Closed> {
+    let Some(edge) = twin.next_falling_edge(LOOK_NS) else { return Ok(()) };
+    let message = at_once(station.edge(Edge { t_ns: edge.t_ns, seq: edge.seq }));
+    message.map_or(Ok(()), |message| send(port, &message))
 }
 
 fn send<P: Port>(port: &mut P, message: &Message<'_>) -> Result<(), P::Closed> {

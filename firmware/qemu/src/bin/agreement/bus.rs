@@ -3,7 +3,6 @@
 use adis16130::registers::Address;
 use core::cell::Cell;
 use core::convert::Infallible;
-use embedded_hal::digital::{self, InputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
 
 /// The answer of each register, by address: the four bytes that the part sends while the host sends COM and zeros.
@@ -46,22 +45,5 @@ impl SpiDevice for Bus<'_> {
             *byte = answer;
         }
         Ok(())
-    }
-}
-
-/// A pin for RDY, which no counted operation reads.
-pub struct NoPin;
-
-impl digital::ErrorType for NoPin {
-    type Error = Infallible;
-}
-
-impl InputPin for NoPin {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(false)
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        Ok(true)
     }
 }

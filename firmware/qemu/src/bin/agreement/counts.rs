@@ -1,7 +1,7 @@
 //! Counts instructions by SysTick, which runs on virtual time. The emulator gives every instruction the same share of
 //! that time.
 
-use crate::bus::{Answers, Bus, NoPin};
+use crate::bus::{Answers, Bus};
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
 use adis16130::{Config, Edge, Framing, MCLK_HZ, RateCode, Sampler, SamplerConfig, TempCode, Width};
@@ -127,7 +127,7 @@ impl Operand {
 
 /// A driver whose bus has prepared answers, and the arguments of its sampler.
 struct Reader<'a> {
-    gyro: Adis16130<Bus<'a>, NoPin>,
+    gyro: Adis16130<Bus<'a>, ()>,
     sampler: Sampler,
     edge: Edge,
 }
@@ -156,7 +156,7 @@ impl Bench<'_> {
         let answers = Answers::new();
         READY.iter().for_each(|(register, value)| answers.set(*register, [*value, 0, 0]));
         let config = Config::new().with_framing(Framing::Command);
-        let mut gyro = Adis16130::new(Bus(&answers), NoPin, config);
+        let mut gyro = Adis16130::new(Bus(&answers), (), config);
         gyro.init().ok()?;
         let sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
         let mut reader = Reader { gyro, sampler, edge: Edge { t_ns: 0, seq: 0 } };
