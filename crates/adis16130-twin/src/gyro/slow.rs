@@ -67,7 +67,6 @@ impl Slow {
         };
         slow.right = slow.point(0.0);
         slow.step();
-        slow.left_ps = 0;
         slow
     }
 

@@ -4,17 +4,6 @@ use crate::bus::{Host, INIT, dps, quiet};
 use adis16130_twin::{Fault, Motion, Spec};
 use embedded_hal::digital::InputPin;
 
-fn with(fault: Fault) -> Spec {
-    Spec { fault, fault_at_s: Some(0.01), rotation_dps: 10.0, ..quiet() }
-}
-
-fn broken(fault: Fault) -> Host {
-    let mut host = Host::started(with(fault));
-    assert_eq!(host.pair().1, 8_623_488, "well before the fault");
-    host.twin.advance_ns(10_000_000);
-    host
-}
-
 #[test]
 fn bit_errors_come_at_their_rate() {
     let rate = 1e-3;
@@ -33,7 +22,10 @@ fn bit_errors_come_at_their_rate() {
 
 #[test]
 fn unplug_and_replug() {
-    let mut host = broken(Fault::Unplug);
+    let spec = Spec { fault: Fault::Unplug, fault_at_s: Some(0.01), rotation_dps: 10.0, ..quiet() };
+    let mut host = Host::started(spec);
+    assert_eq!(host.pair().1, 8_623_488, "well before the fault");
+    host.twin.advance_ns(10_000_000);
     assert_eq!(host.code24(0x08), 0xFF_FFFF);
     assert!(host.twin.rdy().is_high().unwrap());
     host.twin.power_on(); // has no effect without the cable
