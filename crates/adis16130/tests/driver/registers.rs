@@ -160,15 +160,6 @@ fn f31_conversion_times() {
 }
 
 #[test]
-fn f34_first_reads_after_reset() {
-    let mut sum = Checksum::RESET_VALUE;
-    for read in [0xE45E, 0x4691, 0x9AEB, 0xFE27] {
-        sum = sum.fed(&[0x45]);
-        assert_eq!(sum.bits(), read);
-    }
-}
-
-#[test]
 fn memory_is_what_the_readme_says() {
     let driver = size_of::<adis16130::blocking::Adis16130<(), ()>>();
     let sampler = size_of::<adis16130::Sampler>();
