@@ -1,11 +1,11 @@
 //! The interface that every kind of device implements.
 
-use crate::Result;
 use crate::chamber::AmbientProfile;
 use crate::clock;
 use crate::error::UserError;
 use crate::options::PartOptions;
 use crate::warning::SourceWarning;
+use crate::{DeviceError, Result};
 use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
@@ -81,8 +81,7 @@ pub trait Source {
     /// host drives them. Call it before the first sample. Error messages use `names` for the settings.
     fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let _ = gpio;
-        let option = names(Setting::SelfTest);
-        Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())
+        Err(no_self_test(names))
     }
 
     /// Losses between the part and this program since the device was opened.
@@ -99,6 +98,12 @@ pub trait Source {
     fn take_notes(&mut self) -> Vec<SourceWarning> {
         Vec::new()
     }
+}
+
+/// The error of a self-test of a device that has none.
+pub(crate) fn no_self_test(names: SettingNames) -> DeviceError {
+    let option = names(Setting::SelfTest);
+    UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into()
 }
 
 /// The facts about a device, which do not change while it is read.

@@ -6,7 +6,7 @@ use crate::edges::Edges;
 use crate::error::UserError;
 use crate::live::Live;
 use crate::options::PartOptions;
-use crate::source::{DeviceInfo, Registers, Setup, Source, part_of};
+use crate::source::{DeviceInfo, Registers, Setup, Source, no_self_test, part_of};
 use crate::warning::SourceWarning;
 use crate::{Result, Stop};
 use adis16130::{Edge, MCLK_HZ, RdyEdge, Sample, SelfTest, Width};
@@ -104,14 +104,14 @@ impl Address for TwinAddress {
         let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
         let follower = setup.ambient.clone().map(|profile| ProfileFollower::new(profile, stop));
+        let units = (0..axes).map(|axis| self.live(axis, setup, stop)).collect();
         if axes == 1 {
-            return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop), follower, notes }));
+            return Ok(Box::new(Twins { facts, units, follower, notes }));
         }
         let part = several(axes, self.part.config.width());
         let layout = Layout::of_part(&part).map_err(|error| UserError::request(error.to_string()))?;
         let info = CaptureInfo { converter: None, layout, ..facts.info };
         let part = part_of(&info, Some(setup.part.as_ref().unwrap_or(&part)))?;
-        let units = (0..axes).map(|axis| self.live(axis, setup, stop)).collect();
         Ok(Box::new(Twins { facts: DeviceInfo { info, part, ..facts }, units, follower, notes }))
     }
 }
@@ -126,7 +126,7 @@ fn several(axes: usize, width: Width) -> Part {
     Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
 }
 
-/// Several twins on one clock, as the axes of one part. The first twin gives the temperature and other common values.
+/// Twins on one clock, one for each axis of the part. The first twin gives the temperature and other common values.
 struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
@@ -147,34 +147,34 @@ impl Source for Twins {
         Ok(revision)
     }
 
-    /// Reads the next row. If one twin lost samples, the other twins' samples of the same time count as lost too.
+    #[inline]
     fn next(&mut self) -> Result<Option<Row>> {
         if let (Some(follower), Some((first, others))) = (&mut self.follower, self.units.split_first()) {
             follower.before_sample(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
         }
-        let mut samples = Vec::with_capacity(self.units.len());
-        for unit in &mut self.units {
-            samples.push(unit.next()?);
+        let row = match &mut self.units[..] {
+            [unit] => Some(Row::from(&unit.next()?)),
+            units => next_of_all(units)?,
+        };
+        if let (Some(follower), Some(row)) = (&mut self.follower, &row) {
+            follower.after_sample(row.t_ns);
         }
-        while let Some(latest_ns) = samples.iter().map(|sample| sample.t_ns).max()
-            && samples.iter().any(|sample| sample.t_ns < latest_ns)
-        {
-            for (unit, sample) in self.units.iter_mut().zip(&mut samples).filter(|(_, one)| one.t_ns < latest_ns) {
-                let next = unit.next()?;
-                *sample = Sample { lost: sample.lost.saturating_add(next.lost).saturating_add(1), ..next };
-            }
-        }
-        let codes: Vec<i64> = samples.iter().map(|sample| sample.rate.code().into()).collect();
-        let first = Row::from(&samples[0]);
-        if let Some(follower) = &mut self.follower {
-            follower.after_sample(first.t_ns);
-        }
-        let row = Row::new(first.t_ns, first.edge_seq, &codes);
-        Ok(row.map(|row| row.with_status(first.status).with_temp_code(first.temp_code).with_lost(first.lost)))
+        Ok(row)
     }
 
     fn registers(&mut self) -> Result<Option<Registers>> {
         Ok(self.units.first_mut().map(Live::registers).transpose()?)
+    }
+
+    fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
+        let [live] = &mut self.units[..] else { return Err(no_self_test(names)) };
+        if !gpio.is_empty() {
+            let why = "takes no GPIO with the twin, whose pins are its own";
+            let option = names(Setting::SelfTest);
+            return Err(UserError::request(format!("{option} {why}: leave `{gpio}` out")).into());
+        }
+        let mut pin = live.edges.twin.self_test_pin();
+        Ok(live.self_test(&mut pin)?)
     }
 
     fn truths(&self) -> Vec<Truth> {
@@ -186,55 +186,25 @@ impl Source for Twins {
     }
 }
 
-struct TwinPart {
-    facts: DeviceInfo,
-    live: Live<TwinSpi, TwinEdges>,
-    follower: Option<ProfileFollower>,
-    notes: Vec<SourceWarning>,
-}
-
-impl Source for TwinPart {
-    fn facts(&self) -> DeviceInfo {
-        self.facts.clone()
+/// Reads the next row of several twins. If one twin lost samples, the other twins' samples of the same time count as
+/// lost too.
+fn next_of_all(units: &mut [Live<TwinSpi, TwinEdges>]) -> Result<Option<Row>> {
+    let mut samples = Vec::with_capacity(units.len());
+    for unit in units.iter_mut() {
+        samples.push(unit.next()?);
     }
-
-    fn initialise(&mut self) -> Result<Option<u8>> {
-        Ok(self.live.initialise().map(Some)?)
-    }
-
-    #[inline]
-    fn next(&mut self) -> Result<Option<Row>> {
-        if let Some(follower) = &mut self.follower {
-            follower.before_sample(&self.live.edges.twin, std::iter::empty());
+    while let Some(latest_ns) = samples.iter().map(|sample| sample.t_ns).max()
+        && samples.iter().any(|sample| sample.t_ns < latest_ns)
+    {
+        for (unit, sample) in units.iter_mut().zip(&mut samples).filter(|(_, one)| one.t_ns < latest_ns) {
+            let next = unit.next()?;
+            *sample = Sample { lost: sample.lost.saturating_add(next.lost).saturating_add(1), ..next };
         }
-        let sample = self.live.next()?;
-        if let Some(follower) = &mut self.follower {
-            follower.after_sample(sample.t_ns);
-        }
-        Ok(Some(Row::from(&sample)))
     }
-
-    fn registers(&mut self) -> Result<Option<Registers>> {
-        Ok(Some(self.live.registers()?))
-    }
-
-    fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
-        if !gpio.is_empty() {
-            let why = "takes no GPIO with the twin, whose pins are its own";
-            let option = names(Setting::SelfTest);
-            return Err(UserError::request(format!("{option} {why}: leave `{gpio}` out")).into());
-        }
-        let mut pin = self.live.edges.twin.self_test_pin();
-        Ok(self.live.self_test(&mut pin)?)
-    }
-
-    fn truths(&self) -> Vec<Truth> {
-        vec![self.live.edges.twin.truth()]
-    }
-
-    fn take_notes(&mut self) -> Vec<SourceWarning> {
-        std::mem::take(&mut self.notes)
-    }
+    let codes: Vec<i64> = samples.iter().map(|sample| sample.rate.code().into()).collect();
+    let first = Row::from(&samples[0]);
+    let row = Row::new(first.t_ns, first.edge_seq, &codes);
+    Ok(row.map(|row| row.with_status(first.status).with_temp_code(first.temp_code).with_lost(first.lost)))
 }
 
 /// A warning if the ambient temperature is outside of the part's operating range. `None` for the oven's profile.
