@@ -84,7 +84,7 @@ macro_rules! with_cause {
     )*};
 }
 
-with_cause!(InvalidDeviceData, InputError, CaptureError);
+with_cause!(InvalidDeviceData, InputError, CaptureError, UserError);
 
 impl From<LogError> for DeviceError {
     fn from(error: LogError) -> Self {
@@ -114,8 +114,9 @@ impl UserError {
         Self::new(Cause::Request, words).into()
     }
 
-    pub fn of_system(error: &io::Error, words: impl Into<String>) -> Self {
-        Self::new(of_system(error), words)
+    pub fn of_system(error: io::Error, words: impl Into<String>) -> anyhow::Error {
+        let told = Self::new(of_system(&error), words);
+        anyhow::Error::new(error).context(told)
     }
 }
 

@@ -284,8 +284,7 @@ fn why_no_spi(path: &Path, error: io::Error, names: SettingNames) -> anyhow::Err
         io::ErrorKind::ResourceBusy => format!("{file} is busy: another driver or program holds it (fuser {file})"),
         _ => format!("cannot open {file}"),
     };
-    let told = UserError::of_system(&error, remedy);
-    anyhow::Error::new(error).context(told)
+    UserError::of_system(error, remedy)
 }
 
 /// The name of the kernel driver that is bound to the SPI device of `/dev/spidevB.C`, if there is one.

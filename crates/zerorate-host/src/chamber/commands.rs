@@ -125,15 +125,13 @@ impl CommandedChamber {
 
     fn lost(&self, why: &str) -> DeviceError {
         let retry_s = self.commands.retry.as_secs();
-        let words = format!("the chamber failed, and again for {retry_s} s: {why}");
-        anyhow::Error::from(UserError::new(Cause::Gone, words)).into()
+        UserError::new(Cause::Gone, format!("the chamber failed, and again for {retry_s} s: {why}")).into()
     }
 
     /// Returns an error if a stop was requested.
     fn heed(&self) -> Result<()> {
         if self.stops.iter().any(Stop::asked) {
-            let words = "stopped while the chamber was waited for";
-            return Err(anyhow::Error::from(UserError::new(Cause::Stopped, words)).into());
+            return Err(UserError::new(Cause::Stopped, "stopped while the chamber was waited for").into());
         }
         Ok(())
     }
@@ -157,7 +155,7 @@ impl Chamber for CommandedChamber {
         self.heed()?;
         read.map(drop).map_err(|why| {
             let words = format!("the chamber cannot be read: {why}; try the command by itself");
-            anyhow::Error::from(UserError::new(Cause::Silent, words)).into()
+            UserError::new(Cause::Silent, words).into()
         })
     }
 

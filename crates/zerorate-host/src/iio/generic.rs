@@ -266,8 +266,7 @@ fn why_not_open(file: &Path, error: io::Error) -> anyhow::Error {
         }
         _ => format!("cannot open {file}; ?hz=N polls it instead"),
     };
-    let told = UserError::of_system(&error, words);
-    anyhow::Error::new(error).context(told)
+    UserError::of_system(error, words)
 }
 
 fn gone() -> UserError {

@@ -66,7 +66,7 @@ impl Address for IioAddress {
         if !self.folder.is_dir() {
             let folder = self.folder.display();
             let words = format!("no {folder}: is its driver bound? see ls /sys/bus/iio/devices");
-            return Err(anyhow::Error::new(UserError::new(Cause::Missing, words)).into());
+            return Err(UserError::new(Cause::Missing, words).into());
         }
         match sysfs::read_text(&self.folder, "name")?.as_str() {
             "adis16130" => Ok(Box::new(adis16130::Adis16130::open(self, name, setup)?)),
