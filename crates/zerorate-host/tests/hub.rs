@@ -221,13 +221,13 @@ fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
     const SECOND_NS: u64 = 1_000_000_000;
     let sampling = Sampling { divider: Some(50), ..Sampling::default() };
     for seed in [4, 166, 169] {
-        let ambient = AmbientProfile::default();
-        let setup = Setup { sampling, ambient: Some(ambient.clone()), ..Setup::default() };
+        let (ambient, writer) = AmbientProfile::with_writer();
+        let setup = Setup { sampling, ambient: Some(ambient), ..Setup::default() };
         let spec: DeviceSpec = format!("twin:seed={seed}").parse().expect("a device");
         let hub = Hub::open(&spec, setup, &Stop::default()).expect("a hub");
         hub.with(|source| source.initialise()).expect("a part");
         // the writer is dropped before the hub: the hub waits for its thread, and the thread waits for the writer
-        let (everything, writer) = (hub.everything(), ambient.writer());
+        let (everything, writer) = (hub.everything(), writer);
         hub.read(Pace::Free, (0..=400).map(|second| second * SECOND_NS).collect()).expect("it begins");
         for second in 0..400 {
             let poll = everything.next_within(Duration::from_secs(60)).expect("samples");

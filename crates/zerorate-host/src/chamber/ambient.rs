@@ -2,8 +2,8 @@
 
 use crate::Stop;
 use adis16130_twin::Twin;
-use std::collections::VecDeque;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// The ambient temperature of a simulated part ([`Setup`](crate::Setup)). Clones share one profile. The
@@ -11,20 +11,8 @@ use std::time::Duration;
 /// for the next segment. So a measurement in a simulated chamber is reproducible, whatever the timing of the threads.
 ///
 /// The part reads its first sample without any segment, and pauses before its second sample.
-#[derive(Clone, Debug, Default)]
-pub struct AmbientProfile(Arc<SharedSegments>);
-
-#[derive(Debug, Default)]
-struct SharedSegments {
-    segments: Mutex<Segments>,
-    changed: Condvar,
-}
-
-#[derive(Debug, Default)]
-struct Segments {
-    next: VecDeque<Segment>,
-    ended: bool,
-}
+#[derive(Clone, Debug)]
+pub struct AmbientProfile(Arc<Mutex<Receiver<Segment>>>);
 
 /// A linear ramp from the current temperature.
 #[derive(Clone, Copy, Debug)]
@@ -35,50 +23,37 @@ struct Segment {
 
 /// Adds segments to the profile. After it is dropped, the part keeps the temperature of the last segment.
 #[derive(Debug)]
-pub struct ProfileWriter(AmbientProfile);
+pub struct ProfileWriter(Sender<Segment>);
 
 /// Longest delay until a stop is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
 impl AmbientProfile {
-    fn segments(&self) -> std::sync::MutexGuard<'_, Segments> {
-        self.0.segments.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Makes a profile that has no segment yet, and its writer.
+    #[must_use]
+    pub fn with_writer() -> (Self, ProfileWriter) {
+        let (writer, segments) = channel();
+        (Self(Arc::new(Mutex::new(segments))), ProfileWriter(writer))
     }
 
     /// Waits for the next segment. `None` if none is left and the profile is complete or a stop was requested.
     fn next(&self, stop: &Stop) -> Option<Segment> {
-        let mut segments = self.segments();
+        let segments = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
-            if let Some(segment) = segments.next.pop_front() {
-                return Some(segment);
+            match segments.recv_timeout(LONGEST_WAIT) {
+                Ok(segment) => return Some(segment),
+                Err(RecvTimeoutError::Timeout) if !stop.asked() => {}
+                Err(_) => return None,
             }
-            if segments.ended || stop.asked() {
-                return None;
-            }
-            let waited = self.0.changed.wait_timeout(segments, LONGEST_WAIT).unwrap_or_else(PoisonError::into_inner);
-            segments = waited.0;
         }
-    }
-
-    /// Returns a writer that adds segments to this profile.
-    #[must_use]
-    pub fn writer(&self) -> ProfileWriter {
-        ProfileWriter(self.clone())
     }
 }
 
 impl ProfileWriter {
     /// Adds a linear ramp that reaches `to_c`, °C, at the part's time `until_ns`.
     pub fn ramp_to(&self, to_c: f64, until_ns: u64) {
-        self.0.segments().next.push_back(Segment { to_c, until_ns });
-        self.0.0.changed.notify_all();
-    }
-}
-
-impl Drop for ProfileWriter {
-    fn drop(&mut self) {
-        self.0.segments().ended = true;
-        self.0.0.changed.notify_all();
+        // an error means that the part is gone
+        let _ = self.0.send(Segment { to_c, until_ns });
     }
 }
 
@@ -134,8 +109,7 @@ mod tests {
 
     #[test]
     fn a_part_reads_nothing_beyond_what_is_known() {
-        let (profile, stop) = (AmbientProfile::default(), Stop::default());
-        let writer = profile.writer();
+        let ((profile, writer), stop) = (AmbientProfile::with_writer(), Stop::default());
         let twin = Twin::new(Spec { noise: false, warmup_c: 0.0, ..Spec::from_seed(1) });
         let mut follower = ProfileFollower::new(profile, &stop);
         follower.before_sample(&twin, core::iter::empty());

@@ -217,8 +217,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     let (safe_c, stop) = (plan.plan.safe_c, interrupt::stop());
     let mut control = SetPointControl::new(chamber.as_ref(), is_simulated, safe_c, stop, Box::new(ExitMessage))?;
     control.start()?;
-    let ambient = is_simulated.then(AmbientProfile::default);
-    let writer = ambient.as_ref().map(AmbientProfile::writer);
+    let (ambient, writer) = is_simulated.then(AmbientProfile::with_writer).unzip();
     let acquisition = args.device.open(Setup { ambient, ..setup })?;
     let options = ChamberOptions {
         max_lost: args.max_lost,
