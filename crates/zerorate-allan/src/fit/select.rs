@@ -173,10 +173,6 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     if problem.restricted {
         best.found = problem.descend(best.found.form, &best.found.at, None, DESCENT);
     }
-    problem.restricted = best.found.form.drift.is_some();
-    if problem.restricted {
-        best.found = problem.descend(best.found.form, &best.found.at, None, DESCENT);
-    }
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, other })
 }
 
