@@ -177,11 +177,12 @@ pub fn imu_options(
     accel: OfKind,
     options: &Options,
 ) -> PyResult<ImuOptions> {
-    let said = |(columns, unit, scale): OfKind| {
-        let (unit, scale) = (parsed(&unit, "unit")?, positive(scale)?);
+    let said = |kind: &str, (columns, unit, scale): OfKind| {
+        let unit = parsed(&unit, &format!("{kind}_unit"))?;
+        let scale = positive(scale, &format!("{kind}_scale"))?;
         Ok::<_, PyErr>(KindOptions { columns, unit, scale, codes: None })
     };
-    let (gyro, accel, log) = (said(gyro)?, said(accel)?, options.checked()?);
+    let (gyro, accel, log) = (said("gyro", gyro)?, said("accel", accel)?, options.checked()?);
     Ok(ImuOptions { columns, gyro, accel, log, ..ImuOptions::default() })
 }
 
@@ -191,7 +192,7 @@ pub fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOp
         catalogue::named(Path::new(named), &mut Outputs::new(false)).map_err(|error| wrong(format!("{error:#}")))
     };
     let (text, range_dps) = part.as_ref().map(read).transpose()?.unzip();
-    let (gyro_range, range_dps) = (positive(gyro_range)?, range_dps.flatten());
+    let (gyro_range, range_dps) = (positive(gyro_range, "gyro_range")?, range_dps.flatten());
     if gyro_range.is_some() && range_dps.is_some() {
         return Err(wrong("it states the full scale, and so does gyro_range=".to_owned()));
     }
@@ -199,7 +200,7 @@ pub fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOp
     Ok(CodeOptions {
         part: text.map(scales).transpose()?,
         gyro_range_dps: gyro_range.or(range_dps),
-        accel_range_g: positive(accel_range)?,
+        accel_range_g: positive(accel_range, "accel_range")?,
     })
 }
 
@@ -220,9 +221,9 @@ impl Options {
             time_column: self.time_column.clone(),
             cut: Cut { from: parsed(&self.skip, "skip")?, until: parsed(&self.until, "until")? },
             time_unit: self.time_unit.as_deref().map(time_unit).transpose()?,
-            rate: positive(self.rate_hz)?,
+            rate: positive(self.rate_hz, "rate_hz")?,
             unit: self.unit()?,
-            scale: positive(self.scale)?,
+            scale: positive(self.scale, "scale")?,
             increments: self.increments,
             force_unit: self.force_unit,
             decimal: self.decimal.as_deref().map(decimal).transpose()?,
@@ -256,9 +257,9 @@ fn parsed<T: FromStr<Err = String>>(text: &Option<String>, name: &str) -> PyResu
     text.as_deref().map(str::parse).transpose().map_err(|why| refused(name, why))
 }
 
-fn positive(number: Option<f64>) -> PyResult<Option<f64>> {
+fn positive(number: Option<f64>, name: &str) -> PyResult<Option<f64>> {
     match number.filter(|number| !(*number > 0.0 && number.is_finite())) {
-        Some(number) => Err(PyValueError::new_err(format!("{number} as a rate or a scale: give a number above zero"))),
+        Some(number) => Err(refused(name, format!("{number} is not a number above zero"))),
         None => Ok(number),
     }
 }

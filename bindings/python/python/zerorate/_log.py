@@ -118,8 +118,8 @@ def read_log(
     rate_hz
         Samples per second; otherwise it comes from the time column or the stamps.
     time_column, time_unit
-        The column with the time of each row, and its unit: ``s``, ``ms``, ``us``, ``ns``; otherwise as its name
-        states.
+        The column with the time of each row, and its unit: ``s``, ``ms``, ``us``, ``ns``, ``min``, ``h``; otherwise
+        as its name states.
     unit
         Unit of the columns: ``°/s``, ``rad/s``, ``m/s²``, ``g`` …; otherwise as each column states.
     force_unit
