@@ -6,7 +6,7 @@ use crate::warning::{CodedWarning, JobWarning};
 use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};
 use serde::Serialize;
-use zerorate::{Axis, Checkup, Limits, NamedAxis, SettingNames};
+use zerorate::{Axis, Checkup, NamedAxis, SettingNames};
 use zerorate_host::Bus;
 use zerorate_view::Seconds;
 
@@ -124,7 +124,7 @@ impl Findings {
             .map(|((named, checkup), frozen)| AxisFindings::new(several, named, checkup, tally.rate_hz(), frozen))
             .collect();
         let first = checkups.first().zip(facts.part.axes.first());
-        let of_the_part = first.map(|(first, _)| first.warnings(&tally, facts.rate_hz, &Limits::default()));
+        let of_the_part = first.map(|(first, _)| first.warnings(&tally, facts.rate_hz));
         let of_the_part = of_the_part.into_iter().flatten().map(JobWarning::from);
         let of_the_noise: Vec<JobWarning> =
             axes.iter().zip(&*facts.part.axes).filter_map(|(found, named)| found.noise_warning(&named.axis)).collect();
@@ -173,7 +173,7 @@ impl AxisFindings {
     }
 
     fn noise_warning(&self, axis: &Axis) -> Option<JobWarning> {
-        let warning = Checkup::noise_warning(axis, self.white_dps_per_rt_hz?, &Limits::default())?;
+        let warning = Checkup::noise_warning(axis, self.white_dps_per_rt_hz?)?;
         Some(match &self.name {
             Some(name) => JobWarning::OfAxis(name.clone(), warning),
             None => warning.into(),

@@ -29,7 +29,7 @@ pub use correction::{
     CodeTable, Corrected, Correction, CorrectionF32, Corrector, CorrectorConfig, CurveError, CurveForm,
     IntegerCorrection, IntegerCurve, IntegerError, IntegerForm, RowIndex, TableError, TableRow, Validity,
 };
-pub use health::{Checkup, Limits, Tally};
+pub use health::{Checkup, Tally};
 pub use notice::{Deviation, Finding, Refusal, Remedy, Warning, standing_place};
 #[cfg(feature = "file")]
 pub use part::PartError;

@@ -3,7 +3,7 @@
 use super::axis::AxisState;
 use crate::message::CheckResult;
 use zerorate::health::Judged;
-use zerorate::{Checkup, Limits, Tally};
+use zerorate::{Checkup, Tally};
 use zerorate_record::{CaptureWarning, valid};
 
 const DURATION_S: f64 = 5.0;
@@ -37,7 +37,7 @@ impl Examination {
 
     fn samples(&self, axes: &[AxisState], tally: &Tally, start_ns: u64) -> CheckResult {
         let first = self.checkups.first();
-        let of_the_part = first.map(|first| first.warnings(tally, self.nominal_hz, &Limits::default()));
+        let of_the_part = first.map(|first| first.warnings(tally, self.nominal_hz));
         let coded = of_the_part.iter().flatten().map(|warning| format!("{}: {warning}", warning.code()));
         let healths = axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
         let wrong: Vec<String> =
@@ -58,7 +58,7 @@ fn noise(axis: &AxisState, checkup: &Checkup, several: bool, tally: &Tally) -> O
     let typical = axis.axis.noise.map(|noise| noise.white_dps_per_rt_hz);
     let typical = typical.map_or(String::new(), |typical| format!(" (typical {typical})"));
     let measured = format!("{white:.4} °/s/√Hz{typical}");
-    let warning = Checkup::noise_warning(&axis.axis, white, &Limits::default());
+    let warning = Checkup::noise_warning(&axis.axis, white);
     let text = warning.map_or(measured.clone(), |warning| format!("{measured}; {}: {warning}", warning.code()));
     let what = if several { format!("noise of {}", axis.name) } else { "noise".to_owned() };
     Some(CheckResult { what, ok: warning.is_none(), text })

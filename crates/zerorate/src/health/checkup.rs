@@ -7,30 +7,11 @@ use crate::part::{Axis, CodeSum};
 use alloc::vec::Vec;
 use zerorate_allan::{self as allan, Gap, Input, Stat};
 
-/// The limits of a healthy part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Least white noise, as a ratio to the typical one. A quieter part probably does not measure.
-    pub least_noise: f64,
-    /// Largest white noise, as a ratio to the typical one.
-    pub most_noise: f64,
-    /// Largest relative error of the sample rate.
-    pub rate_error: f64,
-}
-
-impl Default for Limits {
-    /// Allows a quarter to three times the typical noise, and a sample rate within 5 %, which covers an ADIS16130 with
-    /// a clock of 6.000 or 6.144 MHz (F-31).
-    fn default() -> Self {
-        Self { least_noise: 0.25, most_noise: 3.0, rate_error: 0.05 }
-    }
-}
-
 /// Collects the readings of some seconds at rest, and judges them.
 ///
 /// ```
 /// use zerorate::health::Health;
-/// use zerorate::{Axis, Checkup, Limits, Reading, Tally};
+/// use zerorate::{Axis, Checkup, Reading, Tally};
 /// let axis = Axis::ADIS16130;
 /// let (mut checkup, mut health, mut tally) = (Checkup::default(), Health::new(&axis), Tally::default());
 /// for i in 0..6000 {
@@ -40,10 +21,10 @@ impl Default for Limits {
 ///     tally.count(&reading);
 ///     health.push(&reading).map(|judged| checkup.push(&judged));
 /// }
-/// let (limits, white) = (Limits::default(), checkup.white_dps_per_rt_hz(&axis, tally.rate_hz()).unwrap());
-/// let noise = Checkup::noise_warning(&axis, white, &limits).map(|warning| warning.code());
+/// let white = checkup.white_dps_per_rt_hz(&axis, tally.rate_hz()).unwrap();
+/// let noise = Checkup::noise_warning(&axis, white).map(|warning| warning.code());
 /// assert_eq!(noise, Some("quiet")); // the mean over 50 ms hardly changes
-/// let warnings = checkup.warnings(&tally, Some(5692.6), &limits);
+/// let warnings = checkup.warnings(&tally, Some(5692.6));
 /// assert_eq!(warnings.iter().map(|warning| warning.code()).collect::<Vec<_>>(), ["no-temperature"]);
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -106,22 +87,23 @@ impl Checkup {
         Some(point.dev * scale * libm::sqrt(2.0 * m as f64 / rate_hz))
     }
 
-    /// Warns if the measured white noise of this axis does not fit a healthy part at rest.
+    /// Warns if the measured white noise of this axis is less than a quarter, or more than three times, the typical one.
     #[must_use]
-    pub fn noise_warning(axis: &Axis, white_dps_per_rt_hz: f64, limits: &Limits) -> Option<Warning> {
+    pub fn noise_warning(axis: &Axis, white_dps_per_rt_hz: f64) -> Option<Warning> {
         let ratio = white_dps_per_rt_hz / axis.noise?.white_dps_per_rt_hz;
         match ratio {
-            ratio if ratio > limits.most_noise => Some(Warning::Noisy { ratio }),
-            ratio if ratio < limits.least_noise => Some(Warning::Quiet { ratio }),
+            ratio if ratio > MOST_NOISE => Some(Warning::Noisy { ratio }),
+            ratio if ratio < LEAST_NOISE => Some(Warning::Quiet { ratio }),
             _ => None,
         }
     }
 
-    /// The warnings about losses, sample rate and temperature. `nominal_hz` is the expected rate, if it is known.
+    /// The warnings about losses, a sample rate that is more than 5 % off, and temperature. `nominal_hz` is the
+    /// expected rate, if it is known.
     #[must_use]
-    pub fn warnings(&self, tally: &Tally, nominal_hz: Option<f64>, limits: &Limits) -> Vec<Warning> {
+    pub fn warnings(&self, tally: &Tally, nominal_hz: Option<f64>) -> Vec<Warning> {
         let rate_hz = tally.rate_hz();
-        let is_off = |nominal_hz: &f64| (rate_hz / nominal_hz - 1.0).abs() > limits.rate_error;
+        let is_off = |nominal_hz: &f64| (rate_hz / nominal_hz - 1.0).abs() > RATE_ERROR;
         let found = [
             (tally.lost > 0 && !tally.data_ready_stutters()).then_some(Warning::Losing { lost: tally.lost }),
             nominal_hz.filter(is_off).map(|nominal_hz| Warning::RateOff { rate_hz, nominal_hz }),
@@ -133,6 +115,12 @@ impl Checkup {
 
 /// Averaging time for the white noise, s: long compared with the filter (F-03, F-04), short for flicker and drift.
 const WHITE_TAU_S: f64 = 0.05;
+/// Least white noise of a healthy part, as a ratio to the typical one. A quieter part probably does not measure.
+const LEAST_NOISE: f64 = 0.25;
+/// Largest white noise of a healthy part, as a ratio to the typical one.
+const MOST_NOISE: f64 = 3.0;
+/// Largest relative error of the sample rate. It covers an ADIS16130 with a clock of 6.000 or 6.144 MHz (F-31).
+const RATE_ERROR: f64 = 0.05;
 
 #[cfg(test)]
 mod tests {
@@ -174,7 +162,7 @@ mod tests {
             tally.count(&Reading { t_ns, seq, rate: 0, temp: None, out_of_range: false, lost: 0 });
         }
         let is_off = |nominal_hz: f64| {
-            let warnings = Checkup::default().warnings(&tally, Some(nominal_hz), &Limits::default());
+            let warnings = Checkup::default().warnings(&tally, Some(nominal_hz));
             warnings.iter().any(|warning| matches!(warning, Warning::RateOff { .. }))
         };
         assert_eq!([940.0, 960.0, 1_000.0, 1_040.0, 1_070.0].map(is_off), [true, false, false, false, true]);

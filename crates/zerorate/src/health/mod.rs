@@ -10,7 +10,7 @@ pub mod resonance;
 pub mod stationarity;
 mod tally;
 
-pub use checkup::{Checkup, Limits};
+pub use checkup::Checkup;
 pub use freeze::Frozen;
 pub use judge::{FaultCounts, Flags, Health, Judged};
 pub use tally::Tally;
