@@ -87,7 +87,7 @@ impl Checkup {
         Some(point.dev * scale * libm::sqrt(2.0 * m as f64 / rate_hz))
     }
 
-    /// Warns if the measured white noise of this axis is less than a quarter, or more than three times, the typical one.
+    /// Warns if the measured white noise of this axis is below a quarter of the typical one, or above three times it.
     #[must_use]
     pub fn noise_warning(axis: &Axis, white_dps_per_rt_hz: f64) -> Option<Warning> {
         let ratio = white_dps_per_rt_hz / axis.noise?.white_dps_per_rt_hz;

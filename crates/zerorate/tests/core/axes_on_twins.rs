@@ -55,31 +55,19 @@ fn measure(mut units: [Unit; 3]) -> Result<Measured, AxisRefusal> {
     let mut procedure = PartProcedure::new(&part(), SHORT).expect("a plan that makes sense");
     let mut alone = Procedure::new(&Axis::ADIS16130, SHORT).expect("a plan that makes sense");
     let mut truths = units.each_ref().map(|unit| unit.twin.truth());
-    loop {
-        match procedure.next() {
-            Action::Initialise => {
-                let t_ns = units[0].twin.now_ns();
-                procedure.handle(Event::Initialised { t_ns })?;
-                alone.handle(Event::Initialised { t_ns }).expect("the same");
-            }
-            Action::Read => {
-                let before = procedure.progress().state;
-                let scan = scan(&mut units);
-                procedure.handle(Event::Reading(&scan))?;
-                alone.handle(Event::Reading(&scan.reading(0).unwrap())).expect("the same");
-                if before == State::Offset {
-                    truths = units.each_ref().map(|unit| unit.twin.truth());
-                }
-            }
-            Action::Done => {
-                return Ok(Measured {
-                    outcomes: procedure.finish()?,
-                    truths,
-                    alone: alone.finish().expect("the same"),
-                });
-            }
+    let t_ns = units[0].twin.now_ns();
+    procedure.handle(Event::Initialised { t_ns })?;
+    alone.handle(Event::Initialised { t_ns }).expect("the same");
+    while procedure.next() == Action::Read {
+        let before = procedure.progress().state;
+        let scan = scan(&mut units);
+        procedure.handle(Event::Reading(&scan))?;
+        alone.handle(Event::Reading(&scan.reading(0).unwrap())).expect("the same");
+        if before == State::Offset {
+            truths = units.each_ref().map(|unit| unit.twin.truth());
         }
     }
+    Ok(Measured { outcomes: procedure.finish()?, truths, alone: alone.finish().expect("the same") })
 }
 
 #[test]

@@ -1,25 +1,21 @@
 //! Compares the readings that are judged faulty with what a twin without faults reads.
 
-use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig, Width};
-use adis16130_twin::{Fault, Motion, Spec, Twin};
+use crate::unit::Unit;
+use adis16130::{Config, SamplerConfig, Width};
+use adis16130_twin::{Fault, Motion, Spec};
 use zerorate::health::{Flags, Health, Judged};
-use zerorate::{Action, Axis, Event, Method, Outcome, Plan, Procedure, Reading, Refusal, Tally};
+use zerorate::{Action, Axis, Event, Outcome, Plan, Procedure, Reading, Refusal, Tally};
 
 const AXIS: Axis = Axis::ADIS16130;
 
 /// Reads a twin for a time, as a driver sees it. Samples that cannot be read are lost.
 fn readings(spec: Spec, config: Config, sampling: SamplerConfig, seconds: f64) -> Vec<Reading> {
-    let twin = Twin::new(spec);
-    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
-    let mut sampler = Sampler::new(sampling, &config, MCLK_HZ);
-    gyro.init().expect("initialisation");
-    let end_ns = twin.now_ns() + (seconds * 1e9) as u64;
+    let mut unit = Unit::new(spec, config, sampling);
+    let end_ns = unit.twin.now_ns() + (seconds * 1e9) as u64;
     let mut samples = Vec::new();
-    while twin.now_ns() < end_ns {
-        let Some(edge) = twin.next_falling_edge(1_000_000_000) else { break };
-        let sample = gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq });
-        samples.extend(sample.ok().flatten().map(|sample| Reading::from(&sample)));
+    while unit.twin.now_ns() < end_ns {
+        let Some(edge) = unit.twin.next_falling_edge(1_000_000_000) else { break };
+        samples.extend(unit.read_at(edge).ok().flatten());
     }
     samples
 }
@@ -113,36 +109,26 @@ fn a_stuttering_line_is_told_from_a_late_host() {
     let stuttering = Spec { fault: Fault::RdyStutter, ..Spec::from_seed(5) };
     let line = tally(&readings(stuttering, Config::default(), SamplerConfig::new(), 2.0));
     assert!(line.data_ready_stutters(), "{line:?}");
-    let twin = Twin::new(Spec::from_seed(5));
-    let config = Config::default();
-    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
-    let mut sampler = Sampler::new(SamplerConfig::new(), &config, MCLK_HZ);
-    gyro.init().expect("initialisation");
+    let mut unit = Unit::of(Spec::from_seed(5));
     let mut late = Vec::new();
     for k in 0..10_000u64 {
-        let edge = twin.next_falling_edge(1_000_000_000).expect("an edge");
+        let edge = unit.twin.next_falling_edge(1_000_000_000).expect("an edge");
         if k % 50 == 0 {
-            twin.advance_ns(200_000 + k * 37 % 900_000);
+            unit.twin.advance_ns(200_000 + k * 37 % 900_000);
         }
-        let sample = gyro.sample(&mut sampler, Edge { t_ns: edge.t_ns, seq: edge.seq }).ok().flatten();
-        late.extend(sample.map(|sample| Reading::from(&sample)));
+        late.extend(unit.read_at(edge).ok().flatten());
     }
     let host = tally(&late);
     assert!(host.gaps > 50 && !host.data_ready_stutters(), "{host:?}");
 }
 
 const SHORT: Plan = Plan {
-    method: Method::An1042,
-    target_dps: None,
-    average_s: 2.0,
     warmup_s: 30.0,
     settle_s: 30.0,
     offset_s: 10.0,
-    final_temp_s: 1.0,
     max_lost: 0.01,
     max_u_btc_dps_per_c: 0.2,
-    earth_dps: None,
-    assume_linear: true,
+    ..crate::unit::SHORT
 };
 
 fn measure(samples: &[Reading], plan: Plan) -> Result<Outcome, Refusal> {

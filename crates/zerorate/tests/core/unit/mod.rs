@@ -2,7 +2,8 @@
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
-use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
+use adis16130_twin::{Spec, Twin, TwinEdge, TwinRdy, TwinSpi};
+use std::fmt::Debug;
 use zerorate::{Method, Plan, Reading};
 
 /// A plan of 145 s. A part with a time constant of self-heating of 30 s warms enough within it to measure BTC.
@@ -42,10 +43,15 @@ impl Unit {
     pub fn read(&mut self) -> Reading {
         loop {
             let edge = self.twin.next_falling_edge(1_000_000_000).expect("data ready");
-            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
-            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).expect("a reading") {
-                return Reading::from(&sample);
+            if let Some(reading) = self.read_at(edge).expect("a reading") {
+                return reading;
             }
         }
+    }
+
+    /// Reads at an edge. `None` if the sampler skips this edge.
+    pub fn read_at(&mut self, TwinEdge { t_ns, seq }: TwinEdge) -> Result<Option<Reading>, impl Debug + use<>> {
+        let sample = self.gyro.sample(&mut self.sampler, Edge { t_ns, seq });
+        sample.map(|sample| sample.as_ref().map(Reading::from))
     }
 }
