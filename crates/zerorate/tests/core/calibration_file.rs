@@ -1,6 +1,7 @@
 //! The calibration file: a written calibration reads back the same, and a changed file is refused.
 
 use crate::outcome::outcome;
+use crate::track::world::Random;
 use zerorate::calibration::{CalibratedAxis, Calibration, FileError, Notes, Origin};
 use zerorate::track::TrackerConfig;
 use zerorate::{Axis, Correction, Part};
@@ -187,19 +188,6 @@ fn the_uncertainty_of_a_correction_is_propagated() {
     assert_eq!(CalibratedAxis { uncertainty: None, ..axis }.u_correction_dps(25.0), None);
 }
 
-/// Nearly normal numbers: each is a sum of 12 uniform numbers from a linear congruential generator, minus 6.
-struct Normal(u64);
-
-impl Normal {
-    fn draw(&mut self) -> f64 {
-        let mut uniform = || {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    }
-}
-
 /// Simulates many measurements of a bias that is a line over temperature. Mean rate, T3 and BTC have random errors.
 /// The error of BTC is correlated with that of the mean rate.
 #[test]
@@ -215,11 +203,11 @@ fn the_uncertainty_of_a_correction_is_the_scatter_of_many_measurements() {
     let stated_cov_pbc_t3 = u.cov_pbc_t3_dps_c;
     calibration.correction.t3_c = t3_c;
 
-    let mut normal = Normal(1);
+    let mut random = Random::new(1);
     let (mut squares, mut product) = ([0.0; 3], 0.0);
     let temps_c = [t3_c - 6.0, t3_c, t3_c + 4.0];
     for _ in 0..DRAWS {
-        let (rate, t3, own) = (normal.draw(), normal.draw(), normal.draw());
+        let (rate, t3, own) = (random.normal(), random.normal(), random.normal());
         let found = Correction::line(
             -(bias_dps + u_rate * rate),
             btc + u_btc * (shared * rate + (1.0 - shared * shared).sqrt() * own),
