@@ -281,21 +281,6 @@ mod tests {
         }
     }
 
-    /// A line gives the same codes in this form as by `to_integer`, or adjacent ones if the exact value is near the
-    /// middle between two.
-    #[test]
-    fn a_line_agrees_with_its_own_form() {
-        let line = Correction::line(-0.2537, -0.04, 31.5123);
-        let (integer, own) = (line.to_integer_curve(&RATE, &TEMP).unwrap(), line.to_integer(&RATE, &TEMP).unwrap());
-        let mut apart = 0_u32;
-        for (rate, temp) in words(100_000).map(|(rate, temp)| (rate >> 8, 7_000_000 + (temp >> 11))) {
-            let (of, by) = (integer.apply(rate, temp), own.apply(rate, temp));
-            assert!(of.abs_diff(by) <= 1, "{rate} at {temp}: {of}, {by}");
-            apart += u32::from(of != by);
-        }
-        assert!(apart < 1000, "{apart} of 100 000");
-    }
-
     #[test]
     fn the_bound_holds_on_any_scale() {
         for (rate, temp) in [

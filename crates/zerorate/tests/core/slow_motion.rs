@@ -3,7 +3,7 @@
 use crate::hours::measure;
 use adis16130_twin::{Motion, Spec, Truth};
 use std::collections::BTreeMap;
-use zerorate::{Method, Outcome, Warning};
+use zerorate::{Finding, Method, Outcome, Warning};
 
 /// Error in standard uncertainties above which a result counts as wrong. 1 of 16 000 correct results exceeds it.
 const WRONG_U: f64 = 4.0;
@@ -118,8 +118,9 @@ fn a_stated_uncertainty_holds_the_named_effect() {
             let Ok((outcome, truth)) = measure(&spec(seed), method) else { continue };
             assert!(worst_u(&outcome, &truth) < WRONG_U, "{code} {method:?} {seed}: {}", worst_u(&outcome, &truth));
             told += u32::from(outcome.warnings.iter().any(|warning| warning.code() == code));
-            let found = outcome.warnings.iter().filter(|warning| warning.code() == code);
-            for (pbc_dps, btc_dps_per_c) in found.filter_map(stated) {
+            for warning in outcome.warnings.iter().filter(|warning| warning.code() == code) {
+                // an effect that was removed has no error
+                let Warning::Found(Finding { pbc_dps, btc_dps_per_c, .. }) = *warning else { continue };
                 let undisturbed = || measure(&Spec::from_seed(seed), method).unwrap().0.uncertainty;
                 let before = *still.entry((method.name(), seed)).or_insert_with(undisturbed);
                 let u = outcome.uncertainty;
@@ -131,13 +132,5 @@ fn a_stated_uncertainty_holds_the_named_effect() {
             }
         }
         assert!(told > 0, "{code} {method:?} was never told");
-    }
-}
-
-/// The errors of PBC and BTC that a warning states. An effect that was removed has none.
-fn stated(warning: &Warning) -> Option<(f64, f64)> {
-    match warning {
-        Warning::Found(finding) => Some((finding.pbc_dps, finding.btc_dps_per_c)),
-        _ => None,
     }
 }
