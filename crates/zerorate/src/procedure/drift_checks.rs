@@ -256,7 +256,7 @@ impl<'a> Search<'a> {
                 && candidate.gain(&self.residual) > SUSPECT * SUSPECT
         };
         let errors = self.candidates.iter().filter(doubtful).map(|candidate| {
-            let finding = self.finding(&candidate.shape, candidate.size(&self.residual));
+            let finding = self.finding(&candidate.shape, candidate.sizes(&self.residual)[0]);
             (finding.pbc_dps.abs(), finding.btc_dps_per_c.abs())
         });
         errors.fold((0.0, 0.0), |worst: (f64, f64), error| (worst.0.max(error.0), worst.1.max(error.1)))
@@ -352,10 +352,6 @@ impl Candidate {
     fn gain(&self, residual: &[f64]) -> f64 {
         let sizes = self.sizes(residual);
         self.columns.iter().zip(sizes).map(|(column, size)| size * dot(column, residual)).sum()
-    }
-
-    fn size(&self, residual: &[f64]) -> f64 {
-        self.sizes(residual)[0]
     }
 
     fn phase(&self, residual: &[f64]) -> f64 {

@@ -123,7 +123,7 @@ pub(crate) fn span_suffices(seen: &Evidence<'_>) -> Result<(), Refusal> {
     let slope = Slope::new(seen)?;
     let u_noise = slope.u_noise(&seen.noise());
     // T3 will be no lower than T2 if the part goes on warming, so this is the least effect of curvature.
-    let u_curvature = slope.u_curvature(seen, slope.t2_c);
+    let u_curvature = slope.u_curvature(seen, slope.measured.t2_c);
     slope.accept(u_noise, u_curvature, seen.plan)
 }
 
@@ -196,7 +196,7 @@ fn outcome<W>(
     let warnings = complete(warnings(seen, &level, &uncertainty, &noise, hour));
     let (tally, (temp_min_c, temp_max_c)) = (seen.tally, temperature_range(seen));
     Ok(Outcome {
-        means: Some(Measured { b1_dps: slope.b1_dps, t1_c: slope.t1_c, b2_dps: slope.b2_dps, t2_c: slope.t2_c }),
+        means: Some(slope.measured),
         correction,
         uncertainty,
         noise,
@@ -238,11 +238,10 @@ fn accept(
     }
     let limit_dps = seen.axis.bias.largest_supply_step_dps();
     for finding in hour.iter().flat_map(|hour| &hour.found) {
-        match finding.deviation {
-            Deviation::BaseMotion { hz, size_dps } if size_dps > limit_dps => {
-                return Err(Refusal::BaseMotion { hz, size_dps, limit_dps });
-            }
-            _ => {}
+        if let Deviation::BaseMotion { hz, size_dps } = finding.deviation
+            && size_dps > limit_dps
+        {
+            return Err(Refusal::BaseMotion { hz, size_dps, limit_dps });
         }
     }
     match hour.and_then(Findings::worst_of_btc) {
@@ -256,10 +255,7 @@ fn accept(
 
 /// Steps 4 and 6: two means and the line through them.
 struct Slope {
-    b1_dps: f64,
-    t1_c: f64,
-    b2_dps: f64,
-    t2_c: f64,
+    measured: Measured,
     windows: [WeightedMean; 2],
     u_t_c: f64,
 }
@@ -269,16 +265,17 @@ impl Slope {
         let (b1_dps, t1_c) = means(seen, State::FirstAverage)?;
         let (b2_dps, t2_c) = means(seen, State::SecondAverage)?;
         let windows = [window(seen, State::FirstAverage, -1.0), window(seen, State::SecondAverage, 1.0)];
-        Ok(Self { b1_dps, t1_c, b2_dps, t2_c, windows, u_t_c: u_temp_c(seen, State::SecondAverage) })
+        let measured = Measured { b1_dps, t1_c, b2_dps, t2_c };
+        Ok(Self { measured, windows, u_t_c: u_temp_c(seen, State::SecondAverage) })
     }
 
     fn span_c(&self) -> f64 {
-        self.t2_c - self.t1_c
+        self.measured.t2_c - self.measured.t1_c
     }
 
     /// F-51 step 6: BTC = −(B2 − B1)/(T2 − T1).
     fn btc_dps_per_c(&self) -> f64 {
-        -(self.b2_dps - self.b1_dps) / self.span_c()
+        -(self.measured.b2_dps - self.measured.b1_dps) / self.span_c()
     }
 
     /// Uncertainty of BTC by noise of the two rates and of the two temperatures, °/s/°C.
@@ -293,7 +290,8 @@ impl Slope {
         if seen.plan.assume_linear {
             return 0.0;
         }
-        let curvature = seen.curvature_dps_per_c2() * (self.t1_c + self.t2_c - 2.0 * t3_c).abs();
+        let Measured { t1_c, t2_c, .. } = self.measured;
+        let curvature = seen.curvature_dps_per_c2() * (t1_c + t2_c - 2.0 * t3_c).abs();
         let branches = 2.0 * seen.axis.bias.hysteresis_dps.unwrap_or(0.0) / libm::sqrt(3.0) / self.span_c().abs();
         libm::hypot(curvature, branches)
     }
@@ -312,7 +310,8 @@ impl Slope {
         } else if u_curvature > u_noise {
             Err(Refusal::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c: u_curvature, wanted_dps_per_c })
         } else {
-            Err(Refusal::Span { t1_c: self.t1_c, t2_c: self.t2_c, u_btc_dps_per_c, wanted_dps_per_c })
+            let Measured { t1_c, t2_c, .. } = self.measured;
+            Err(Refusal::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c })
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::plan::{Check, Method, Plan, PlanError, State, Until, ns};
 const FIRST_LOOK_S: f64 = 2.0;
 
 /// Time from the start after which samples without any temperature are refused, ns. Longer waits would not help.
-pub(crate) const TEMPERATURE_NS: u64 = 30_000_000_000;
+const TEMPERATURE_NS: u64 = 30_000_000_000;
 
 /// The next task of the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -220,7 +220,8 @@ impl<S: WindowSums> Procedure<S> {
     }
 
     fn seen(&self) -> Evidence<'_> {
-        Evidence { axis: &self.axis, plan: &self.plan, windows: self.sums.summaries(), tally: &self.tally }
+        let windows = State::ALL.map(|state| self.sums.summary(state));
+        Evidence { axis: &self.axis, plan: &self.plan, windows, tally: &self.tally }
     }
 
     /// Ends the recording now. Call this if the source of the samples has ended. It returns false and does nothing

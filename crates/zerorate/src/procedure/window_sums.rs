@@ -4,7 +4,7 @@ use crate::health::Judged;
 use crate::health::block_means::Adjacent;
 use crate::health::stationarity::Verdict;
 use crate::part::Axis;
-use crate::plan::{STATES, State};
+use crate::plan::State;
 
 /// Sums over the windows of the procedure, one for each step. [`Blocks`](super::blocks::Blocks) keeps every block,
 /// and [`Running`](super::running::Running) needs only fixed memory. Times count from the start of the procedure.
@@ -22,10 +22,6 @@ pub trait WindowSums: Clone + core::fmt::Debug {
 
     /// Judges whether the part was at rest during the step that was closed last.
     fn verdict(&self, state: State) -> Verdict;
-
-    fn summaries(&self) -> [Summary; STATES] {
-        State::ALL.map(|state| self.summary(state))
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

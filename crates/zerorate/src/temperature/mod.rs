@@ -462,11 +462,10 @@ fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] 
 
 /// The base motion of the most likely model that has one, if base motion has a probability above one half.
 fn base_motion(models: &[Weighed]) -> Option<BaseMotion> {
-    let with = || models.iter().filter_map(|model| Some((model, model.hypothesis.motion_hz?)));
-    let weight: f64 = with().map(|(model, _)| model.weight).sum();
-    let (model, hz) = with().max_by(|a, b| a.0.weight.total_cmp(&b.0.weight))?;
+    let with = models.iter().filter_map(|model| Some((model, model.hypothesis.motion_hz?)));
+    let (model, hz) = with.max_by(|a, b| a.0.weight.total_cmp(&b.0.weight))?;
     let [sine_dps, cosine_dps] = model.posterior.motion_dps;
-    (weight > 0.5).then_some(BaseMotion { hz, sine_dps, cosine_dps })
+    (base_motion_probability(models) > 0.5).then_some(BaseMotion { hz, sine_dps, cosine_dps })
 }
 
 /// Standard uncertainty of a polynomial, °/s, at `distance_c` °C from its reference, from the covariance of its

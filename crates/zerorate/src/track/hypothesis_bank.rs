@@ -36,10 +36,6 @@ struct RestUpdate {
 }
 
 impl RestUpdate {
-    fn none(filter: &Filter) -> Self {
-        Self { filter: *filter, innovation_dps_s: 0.0 }
-    }
-
     fn take(&mut self, mean: &Mean, before: &Filter, drift: &Drift) {
         let &Mean { rate_dps, d_c, length_s } = mean;
         self.innovation_dps_s += before.innovation(rate_dps, length_s, d_c, drift).dps * length_s;
@@ -62,7 +58,7 @@ struct Hypothesis {
 
 impl Hypothesis {
     fn new(weight: f32, filter: &Filter) -> Self {
-        let lesson = RestUpdate::none(filter);
+        let lesson = RestUpdate { filter: *filter, innovation_dps_s: 0.0 };
         Self { weight, before: *filter, sure: lesson, now: lesson, rest: 0.0, rotation: weight }
     }
 }

@@ -57,7 +57,7 @@ pub(super) struct PriorSpreads {
     /// Standard deviation of the offset that changes sign with the direction of the temperature (hysteresis).
     direction: f64,
     /// Standard deviation of the offset of each log.
-    starts: f64,
+    pub(super) starts: f64,
     /// Whether a sensor that lags may begin out of balance with its thermometer.
     is_unsettled: bool,
 }
@@ -80,7 +80,6 @@ pub(super) struct Model {
     pub(super) coefficients: [f64; COEFFICIENTS],
     pub(super) covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
     pub(super) direction: f64,
-    pub(super) spread_of_starts: f64,
 }
 
 /// Sums of products of all whitened columns, the means first.
@@ -376,7 +375,6 @@ impl Record {
             coefficients,
             covariance: solved.covariance(),
             direction,
-            spread_of_starts: shape.starts,
             all,
         }
     }

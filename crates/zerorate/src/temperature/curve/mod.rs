@@ -371,7 +371,7 @@ fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, spa
         thermometer_late_s: record.logs.first().map_or(0.0, |log| log.thermometer().late_s),
         late_probability: mean(&|model| f64::from(u8::from(model.following.lag_s > 0.0))),
         hysteresis: None,
-        spread_of_starts: (record.logs.len() > 1).then(|| mean(&|model| model.spread_of_starts)),
+        spread_of_starts: (record.logs.len() > 1).then(|| mean(&|model| model.shape.starts)),
         rounding: record.logs.iter().map(|log| log.rounding).fold(0.0, f64::max),
         noise: NoiseModel {
             white_dps_per_rt_hz: record.white(),

@@ -187,7 +187,7 @@ impl<'a> Search<'a> {
     /// Refines lags and plays, and finds the relevant noises.
     fn refined(&mut self) -> Option<Refined> {
         let (mut lags, mut plays) = self.coarse();
-        let (mut place, mut following) = self.coarse_best(&(lags.clone(), plays.clone()))?;
+        let (mut place, mut following) = self.coarse_best(&lags, &plays)?;
         let mut places = vec![place];
         for _ in 0..ROUNDS {
             lags = values(self.finer(place, &following, lags, with_lag));
@@ -203,7 +203,7 @@ impl<'a> Search<'a> {
 
     /// Searches coarsely for the best noise, lag and play. A wrong lag looks like a strong random walk, so each
     /// lag is tried under weak walks too.
-    fn coarse_best(&mut self, (lags, plays): &(Vec<f64>, Vec<f64>)) -> Option<(Place, LagAndPlay)> {
+    fn coarse_best(&mut self, lags: &[f64], plays: &[f64]) -> Option<(Place, LagAndPlay)> {
         let decades = |(first, last): (i32, i32)| (first..=last).step_by(PER_DECADE as usize);
         let at_once = [LagAndPlay::default()];
         let all: Vec<Place> = decades(B_STEPS).flat_map(|b| decades(K_STEPS).map(move |k| (b, k))).collect();
