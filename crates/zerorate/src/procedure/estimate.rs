@@ -456,6 +456,7 @@ fn warnings(
     hour: Option<&Findings>,
 ) -> WindowWarnings {
     let (plan, model) = (seen.plan, &noise.model);
+    let &Level { btc_dps_per_c, drift_c, shift_dps, .. } = level;
     let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
     let faulty: u64 = seen.windows.iter().map(|window| window.faulty).sum();
     let bias = &seen.axis.bias;
@@ -463,7 +464,7 @@ fn warnings(
     let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
     // no warning about a small BTC if a finding may hide the temperature coefficient: the finding has its own warning
     let hidden = hour.map_or(0.0, |hour| hour.u_btc_dps_per_c);
-    let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() + hidden < least);
+    let flat = bias.least_tempco_dps_per_c().is_some_and(|least| btc_dps_per_c.abs() + hidden < least);
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     WindowWarnings([
         Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
@@ -472,8 +473,8 @@ fn warnings(
             Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c },
         ),
         when(
-            level.shift_dps.abs() > u_offset_noise(seen, model),
-            Warning::Drifting { drift_c: level.drift_c, shift_dps: level.shift_dps, u_pbc_dps: uncertainty.u_pbc_dps },
+            shift_dps.abs() > u_offset_noise(seen, model),
+            Warning::Drifting { drift_c, shift_dps, u_pbc_dps: uncertainty.u_pbc_dps },
         ),
         when(
             seen.axis.noise.is_some() && plan.offset_s < model.best_averaging_s() / 2.0,
@@ -489,13 +490,7 @@ fn warnings(
             },
         ),
         when(faulty > 0, Warning::Impossible { count: faulty, fraction: faulty as f64 / samples as f64 }),
-        when(
-            flat,
-            Warning::Flat {
-                btc_dps_per_c: level.btc_dps_per_c,
-                typical_dps_per_c: -bias.tempco_dps_per_c.unwrap_or(0.0),
-            },
-        ),
+        when(flat, Warning::Flat { btc_dps_per_c, typical_dps_per_c: -bias.tempco_dps_per_c.unwrap_or(0.0) }),
         turning(seen.axis, level.pbc_dps),
         when(hour.is_none(), Warning::HourUnchecked),
         when(!seen.axis.can_judge_rest(), Warning::RestUnjudged),

@@ -375,27 +375,21 @@ fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Re
 
 fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Option<&Findings>) -> Vec<Warning> {
     let (plan, axis, tally) = (seen.plan, seen.axis, seen.tally);
-    let (lost, samples, rate_hz) = (tally.lost, tally.samples, tally.rate_hz());
+    let (lost, samples, faulty, rate_hz) = (tally.lost, tally.samples, summary.faulty, tally.rate_hz());
     let needed_hz = axis.bandwidth_hz.map(|hz| 2.0 * hz);
-    let u_dps = rms_u_dps(curve);
+    let (u_dps, lag_s) = (rms_u_dps(curve), curve.following.lag_s);
     let when = |condition: bool, warning: Warning| condition.then_some(warning);
     let of_run = [
         Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
         needed_hz.filter(|needed_hz| rate_hz < *needed_hz).map(|needed_hz| Warning::Aliased { rate_hz, needed_hz }),
         when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
-        when(
-            summary.faulty > 0,
-            Warning::Impossible { count: summary.faulty, fraction: summary.faulty as f64 / samples as f64 },
-        ),
+        when(faulty > 0, Warning::Impossible { count: faulty, fraction: faulty as f64 / samples as f64 }),
         when(!axis.can_judge_rest(), Warning::RestUnjudged),
         turning(axis, curve.correction.pbc_dps),
         when(hour.is_none(), Warning::HourUnchecked),
         plan.target_dps.filter(|target| u_dps > *target).map(|target_dps| Warning::TargetMissed { u_dps, target_dps }),
         when(plan.method == Method::Warmup, Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }),
-        when(
-            curve.is_late && curve.following.lag_s > LAG_WORTH_SAYING_S,
-            Warning::Late { lag_s: curve.following.lag_s },
-        ),
+        when(curve.is_late && lag_s > LAG_WORTH_SAYING_S, Warning::Late { lag_s }),
         when(hour.is_some_and(|hour| hour.unexplained), Warning::Restless),
     ];
     of_run.into_iter().flatten().chain(taken_out(curve)).collect()
