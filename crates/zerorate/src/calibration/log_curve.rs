@@ -1,14 +1,12 @@
 //! Builds a calibration from curves of the bias over temperature that were fitted to logs.
 
-use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Notes, one_line};
+use super::{CalibratedAxis, Calibration, CurveRecord, MEASURED, NoiseRecord, Notes, one_line};
 use crate::correction::{Correction, Validity};
-use crate::noise::FLICKER_CUTOFF_HZ;
 use crate::part::UNKNOWN_MARGIN_C;
 use crate::temperature::curve::LogCurve;
 use crate::uncertainty::Uncertainty;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use zerorate_allan::FLOOR_PER_B;
 
 pub(super) const METHOD: &str = "tempcal";
 
@@ -60,18 +58,11 @@ impl Calibration {
 
 fn axis(name: &str, curve: &LogCurve, warnings: &[String], t3_c: f64) -> CalibratedAxis {
     let cubic = curve.cubic(t3_c);
-    let [pbc, btc, btc2, btc3] = cubic.terms.map(|term| 0.0 - term);
     CalibratedAxis {
         name: name.to_string(),
         warnings: warnings.iter().map(|line| one_line(line)).collect(),
         rate: None,
-        correction: Correction {
-            pbc_dps: pbc,
-            btc_dps_per_c: btc,
-            t3_c,
-            btc2_dps_per_c2: btc2,
-            btc3_dps_per_c3: btc3,
-        },
+        correction: Correction::against(cubic.terms, t3_c),
         measured: None,
         uncertainty: None,
         curve: Some(CurveRecord {
@@ -85,14 +76,6 @@ fn axis(name: &str, curve: &LogCurve, warnings: &[String], t3_c: f64) -> Calibra
             steps: curve.steps.iter().map(|step| [step.at_s, step.size]).collect(),
             sources: None,
         }),
-        noise: Some(NoiseRecord {
-            white_dps_per_rt_hz: curve.noise.white_dps_per_rt_hz,
-            white_source: "measured".to_string(),
-            flicker_floor_dps: FLOOR_PER_B * curve.noise.bias_instability_dps,
-            flicker_cutoff_hz: FLICKER_CUTOFF_HZ,
-            flicker_source: "measured".to_string(),
-            rate_random_walk_dps_per_rt_s: curve.noise.rate_random_walk_dps_per_rt_s,
-            rate_random_walk_source: "measured".to_string(),
-        }),
+        noise: Some(NoiseRecord::new(&curve.noise, MEASURED.into(), MEASURED.into())),
     }
 }

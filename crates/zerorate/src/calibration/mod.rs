@@ -20,7 +20,7 @@ pub use log_curve::LogUnit;
 
 use crate::check_lines::sha256_hex;
 use crate::correction::{Correction, Corrector, CorrectorConfig, Validity};
-use crate::noise::FLICKER_CUTOFF_HZ;
+use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
 use crate::notice::Warning;
 use crate::part::{NamedAxis, Part, Scale};
 use crate::plan::Wording as _;
@@ -377,6 +377,23 @@ impl CalibratedAxis {
     }
 }
 
+/// Source of a term of the noise model that the measurement itself showed.
+const MEASURED: &str = "measured";
+
+impl NoiseRecord {
+    fn new(model: &NoiseModel, flicker_source: String, rate_random_walk_source: String) -> Self {
+        Self {
+            white_dps_per_rt_hz: model.white_dps_per_rt_hz,
+            white_source: MEASURED.to_string(),
+            flicker_floor_dps: FLOOR_PER_B * model.bias_instability_dps,
+            flicker_cutoff_hz: FLICKER_CUTOFF_HZ,
+            flicker_source,
+            rate_random_walk_dps_per_rt_s: model.rate_random_walk_dps_per_rt_s,
+            rate_random_walk_source,
+        }
+    }
+}
+
 /// Rounds a probability to the four decimals that the file keeps.
 fn rounded(probability: f64) -> f64 {
     libm::round(1e4 * probability) / 1e4
@@ -476,16 +493,9 @@ fn noise_record(axis: &NamedAxis, noise: &Noise) -> NoiseRecord {
         (Some(_), None) => "typical".to_string(),
         (Some(_), Some(source)) => alloc::format!("typical ({source})"),
     };
-    let source = |measured, known| if measured { "measured".to_string() } else { typical(known) };
-    NoiseRecord {
-        white_dps_per_rt_hz: noise.model.white_dps_per_rt_hz,
-        white_source: "measured".to_string(),
-        flicker_floor_dps: FLOOR_PER_B * noise.model.bias_instability_dps,
-        flicker_cutoff_hz: FLICKER_CUTOFF_HZ,
-        flicker_source: source(noise.flicker_measured, &axis.sources.flicker),
-        rate_random_walk_dps_per_rt_s: noise.model.rate_random_walk_dps_per_rt_s,
-        rate_random_walk_source: source(noise.walk_measured, &axis.sources.rate_random_walk),
-    }
+    let source = |measured, known| if measured { MEASURED.to_string() } else { typical(known) };
+    let flicker_source = source(noise.flicker_measured, &axis.sources.flicker);
+    NoiseRecord::new(&noise.model, flicker_source, source(noise.walk_measured, &axis.sources.rate_random_walk))
 }
 
 fn run(outcome: &Outcome) -> Run {

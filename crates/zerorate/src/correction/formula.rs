@@ -45,6 +45,12 @@ impl Correction {
         Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2: 0.0, btc3_dps_per_c3: 0.0 }
     }
 
+    /// The correction of a bias that is the sum of `terms[k]` · (T − T3)ᵏ, °/s.
+    pub(crate) fn against(terms: [f64; 4], t3_c: f64) -> Self {
+        let [pbc_dps, btc_dps_per_c, btc2_dps_per_c2, btc3_dps_per_c3] = terms.map(|term| 0.0 - term);
+        Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
+    }
+
     /// Whether the correction is a line as in F-50, without a quadratic and a cubic term.
     #[must_use]
     pub const fn is_line(&self) -> bool {

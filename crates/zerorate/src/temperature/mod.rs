@@ -327,13 +327,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
     let noise = |of| libm::exp(mean_logarithm(models, of));
     let told = |of, before| libm::sqrt(variance_of_logarithm(models, of)) < TOLD * before;
     BiasCurve {
-        correction: Correction {
-            pbc_dps: 0.0 - bias[0],
-            btc_dps_per_c: 0.0 - bias[1],
-            t3_c: record.t3_c,
-            btc2_dps_per_c2: 0.0 - bias[2],
-            btc3_dps_per_c3: 0.0 - bias[3],
-        },
+        correction: Correction::against(bias, record.t3_c),
         covariance,
         sources: sources(models, variances, excess),
         order,
