@@ -52,9 +52,8 @@ impl Limits {
     fn of(rate: Option<Scale>, temp: Option<Scale>) -> Self {
         let span_dps = rate.map_or(FASTEST_DPS, |rate| rate.span() / rate.lsb_per_unit);
         let t3_c = temp.map_or(TEMPS_C, |temp| {
-            let (first, last) = temp.codes();
-            let value = |code| temp.value(code - temp.zero_code);
-            TEMPS_C.start().max(value(first))..=TEMPS_C.end().min(value(last))
+            let values = temp.values();
+            TEMPS_C.start().max(*values.start())..=TEMPS_C.end().min(*values.end())
         });
         Self { pbc_dps: span_dps, btc_dps_per_c: span_dps, t3_c }
     }

@@ -3,7 +3,7 @@
 use super::file::{MAX_STEPS, SET_POINTS_C};
 use super::record::{Record, Soak};
 use crate::check_lines::{self, Damage, sha256_hex};
-use crate::part::{NamedAxis, Part, Scale};
+use crate::part::{NamedAxis, Part};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
@@ -163,12 +163,6 @@ impl Saved {
     }
 }
 
-/// Returns the range of values that the codes of a scale express.
-fn values(scale: &Scale) -> RangeInclusive<f64> {
-    let (first, last) = scale.codes();
-    scale.value(first - scale.zero_code)..=scale.value(last - scale.zero_code)
-}
-
 fn all(range: &RangeInclusive<f64>, mut numbers: impl Iterator<Item = f64>) -> bool {
     numbers.all(|number| range.contains(&number))
 }
@@ -178,11 +172,11 @@ impl SavedForm {
     /// times and steps.
     fn is_possible(&self, part: &Part) -> Result<(), SavedError> {
         let Some(first) = part.axes.first() else { return Err(SavedError::Damaged) };
-        let (times_s, temps_c) = (0.0..=LONGEST_S, values(&first.axis.temp));
-        let rates_dps = || self.axis.iter().zip(part.axes.iter()).map(|(one, known)| (one, values(&known.axis.rate)));
+        let (times_s, temps_c) = (0.0..=LONGEST_S, first.axis.temp.values());
+        let rates_dps = || self.axis.iter().zip(part.axes.iter()).map(|(one, known)| (one, known.axis.rate.values()));
         let of_soaks = |number: fn(&Soak) -> f64| self.soak.iter().map(number);
         let soaks_dps = |soak: &Soak| {
-            soak.rates_dps.iter().zip(part.axes.iter()).all(|(dps, known)| values(&known.axis.rate).contains(dps))
+            soak.rates_dps.iter().zip(part.axes.iter()).all(|(dps, known)| known.axis.rate.values().contains(dps))
         };
         let steps = self.steps <= MAX_STEPS && self.soak.iter().all(|soak| soak.step < self.steps);
         let checks = [

@@ -6,6 +6,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
+use core::ops::RangeInclusive;
 use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError, PART_KEYS};
 
@@ -395,6 +396,12 @@ impl Scale {
             return Err(format!("zero_code is {zero_code}; no code of 32 bits is so large"));
         }
         Ok(Self { lsb_per_unit, zero_code, zero_value, width_bits, signed })
+    }
+
+    /// Returns the range of values that the codes express.
+    pub(crate) fn values(&self) -> RangeInclusive<f64> {
+        let (first, last) = self.codes();
+        self.value(first - self.zero_code)..=self.value(last - self.zero_code)
     }
 }
 
