@@ -3,6 +3,7 @@
 use super::form::CalibrationForm;
 use super::{Calibration, SCHEMA};
 use crate::check_lines::{self, Damage};
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
@@ -33,7 +34,7 @@ pub enum FileError {
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Syntax { line, axis, message } => write!(f, "line {line}{}: {message}", Of(axis)),
+            Self::Syntax { line, axis, message } => write!(f, "line {line}{}: {message}", of(axis.as_ref())),
             Self::Newer { line, schema } => write!(
                 f,
                 "line {line}: a newer zerorate wrote schema {schema}, and this one reads up to schema {SCHEMA}. \
@@ -47,18 +48,14 @@ impl fmt::Display for FileError {
             Self::Truncated { line } => {
                 write!(f, "the file is truncated: it ends at line {line}, but more was written. Take the original")
             }
-            Self::Value { line, axis, name, why } => write!(f, "line {line}{}: {name} {why}", Of(axis)),
+            Self::Value { line, axis, name, why } => write!(f, "line {line}{}: {name} {why}", of(axis.as_ref())),
         }
     }
 }
 
-/// Writes `, axis NAME` after a line number if the line belongs to an axis.
-struct Of<'a>(&'a Option<String>);
-
-impl fmt::Display for Of<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.as_ref().map_or(Ok(()), |axis| write!(f, ", axis {}", axis.escape_default()))
-    }
+/// Returns `, axis NAME`, which follows the number of a line that belongs to an axis.
+fn of(axis: Option<&String>) -> String {
+    axis.map_or_else(String::new, |axis| format!(", axis {}", axis.escape_default()))
 }
 
 impl core::error::Error for FileError {}

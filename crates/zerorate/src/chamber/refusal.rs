@@ -4,6 +4,8 @@ use super::plan::REACHED_C;
 use super::states::ChamberState;
 use crate::notice::{Refusal, because_of};
 use crate::temperature::ThermalError;
+use alloc::format;
+use alloc::string::String;
 use core::fmt;
 use zerorate_allan::rows;
 
@@ -88,7 +90,7 @@ rows!(match ChamberRefusal as Display {
         text: format_args!(
             "step {step}: the part has not settled at {set_c:.1} °C in time. It is at {temp_c:.2} °C and drifts by \
              {drift_c_per_min:+.3} °C/min (limit {most_c_per_min:.3}): {}",
-            Air(set_c, air_c)
+            advice(set_c, air_c)
         ),
     },
     Self::NotReached { step, set_c, air_c, after_s } => Row {
@@ -191,26 +193,19 @@ impl fmt::Display for Disturbance {
 }
 
 /// Advice for a part that does not settle, from the set point and the air of the chamber.
-struct Air(f64, Option<f64>);
-
-impl fmt::Display for Air {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self(set_c, Some(air_c)) if (air_c - set_c).abs() > REACHED_C => write!(
-                f,
-                "the chamber's air is only at {air_c:.1} °C, so close its door, and check that it is on and can reach \
-                 {set_c:.1} °C"
-            ),
-            Self(_, Some(air_c)) => write!(
-                f,
-                "the chamber's air is at {air_c:.1} °C, so shield the part from its fan, or allow more \
-                 (drift_c_per_min, settle_timeout_s in the plan)"
-            ),
-            Self(set_c, None) => write!(
-                f,
-                "check that the chamber is at {set_c:.1} °C and its door is closed, or allow more (drift_c_per_min, \
-                 settle_timeout_s in the plan)"
-            ),
-        }
+fn advice(set_c: f64, air_c: Option<f64>) -> String {
+    match air_c {
+        Some(air_c) if (air_c - set_c).abs() > REACHED_C => format!(
+            "the chamber's air is only at {air_c:.1} °C, so close its door, and check that it is on and can reach \
+             {set_c:.1} °C"
+        ),
+        Some(air_c) => format!(
+            "the chamber's air is at {air_c:.1} °C, so shield the part from its fan, or allow more \
+             (drift_c_per_min, settle_timeout_s in the plan)"
+        ),
+        None => format!(
+            "check that the chamber is at {set_c:.1} °C and its door is closed, or allow more (drift_c_per_min, \
+             settle_timeout_s in the plan)"
+        ),
     }
 }
