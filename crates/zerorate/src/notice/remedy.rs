@@ -3,48 +3,70 @@
 use crate::plan::{Setting, SettingNames};
 use core::fmt;
 
-/// A remedy: one thing that the user can do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-#[repr(u8)]
-#[expect(missing_docs, reason = "its text says it")]
-pub enum Remedy {
-    GiveEarth = 1,
-    AssumeLinear,
-    SettleLonger,
-    ShieldFromDraughts,
-    LinearSupply,
-    CheckNothingMoved,
-    CheckNothingMovedSlowly,
-    Chamber,
-    WarmMoreSlowly,
-    FixToStillPlatform,
-    CheckOverWiderRange,
-    RecordAndRecompute,
-    LongerOffset,
-    SmallerDivider,
-    LargerDivider,
-    SlowerClock,
-    ShorterCable,
-    OtherRate,
-    KeepStill,
-    RemoveVibration,
-    StartCold,
-    LongerWarmUp,
-    AcceptMoreUBtc,
-    ReadTemperatureLess,
-    ReadTemperatureMore,
-    AllowMoreLoss,
-    CheckSupplyAndWiring,
-    CheckDataReady,
-    ResetAndCheck,
-    LongerAverage,
-    CompletePart,
-    WiderSpan,
-    FasterClock,
-    HeatAndCool,
-    GiveUpTarget,
-    OtherEdge,
+/// Makes [`Remedy`] from a row for each remedy: its number, its variant, its text without the name of its setting and,
+/// if it changes a setting, that setting.
+macro_rules! remedies {
+    (@setting) => { None };
+    (@setting $setting:ident) => { Some(Setting::$setting) };
+    ($($code:literal $remedy:ident $text:literal $($setting:ident)?;)*) => {
+        /// A remedy: one thing that the user can do.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        #[repr(u8)]
+        #[expect(missing_docs, reason = "its text says it")]
+        pub enum Remedy { $($remedy = $code),* }
+
+        impl Remedy {
+            /// The setting that the remedy changes, if it changes one.
+            #[must_use]
+            pub const fn setting(self) -> Option<Setting> {
+                match self { $(Self::$remedy => remedies!(@setting $($setting)?)),* }
+            }
+
+            const fn text(self) -> &'static str {
+                match self { $(Self::$remedy => $text),* }
+            }
+        }
+    };
+}
+
+remedies! {
+    1 GiveEarth "give its component" Earth;
+    2 AssumeLinear "if linear, state it" AssumeLinear;
+    3 SettleLonger "settle longer" Settle;
+    4 ShieldFromDraughts "shield the part from draughts";
+    5 LinearSupply "use a linear supply";
+    6 CheckNothingMoved "check that nothing moved";
+    7 CheckNothingMovedSlowly "check that nothing moved slowly";
+    8 Chamber "measure in a chamber";
+    9 WarmMoreSlowly "warm and settle more slowly";
+    10 FixToStillPlatform "fix it to a still base";
+    11 CheckOverWiderRange "check it over a wider range";
+    12 RecordAndRecompute "calibrate from a recording";
+    13 LongerOffset "average the offset longer" Offset;
+    14 SmallerDivider "use a smaller divider" Divider;
+    15 LargerDivider "use a larger divider" Divider;
+    16 SlowerClock "lower the SPI clock";
+    17 ShorterCable "shorten or shield the cable";
+    18 OtherRate "change the rate" Divider;
+    19 KeepStill "keep the platform still";
+    20 RemoveVibration "remove the vibration";
+    21 StartCold "start with a part that was off for an hour";
+    22 LongerWarmUp "wait longer" WarmUp;
+    23 AcceptMoreUBtc "accept more" MaxUBtc;
+    24 ReadTemperatureLess "read the temperature less often" EveryTemp;
+    25 ReadTemperatureMore "read the temperature more often" EveryTemp;
+    26 AllowMoreLoss "allow more" MaxLost;
+    27 CheckSupplyAndWiring "check supply and wiring";
+    28 CheckDataReady "check the data-ready wire, its level and pull-up";
+    29 ResetAndCheck "reset the part, check its data wire and supply";
+    30 LongerAverage "average longer" Average;
+    31 CompletePart "complete the part's file";
+    32 WiderSpan "calibrate over a wider span";
+    33 FasterClock "raise the SPI clock";
+    34 HeatAndCool "heat and cool the part";
+    35 GiveUpTarget "relax the target" Target;
+    36 OtherEdge "use the other edge" Edge;
 }
 
 impl Remedy {
@@ -52,68 +74,6 @@ impl Remedy {
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8
-    }
-
-    /// The setting that the remedy changes, if it changes one.
-    #[must_use]
-    pub const fn setting(self) -> Option<Setting> {
-        Some(match self {
-            Self::GiveEarth => Setting::Earth,
-            Self::AssumeLinear => Setting::AssumeLinear,
-            Self::SettleLonger => Setting::Settle,
-            Self::LongerOffset => Setting::Offset,
-            Self::SmallerDivider | Self::LargerDivider | Self::OtherRate => Setting::Divider,
-            Self::LongerWarmUp => Setting::WarmUp,
-            Self::AcceptMoreUBtc => Setting::MaxUBtc,
-            Self::ReadTemperatureLess | Self::ReadTemperatureMore => Setting::EveryTemp,
-            Self::AllowMoreLoss => Setting::MaxLost,
-            Self::GiveUpTarget => Setting::Target,
-            Self::LongerAverage => Setting::Average,
-            Self::OtherEdge => Setting::Edge,
-            _ => return None,
-        })
-    }
-
-    /// The text of the remedy, without the name of its setting.
-    const fn text(self) -> &'static str {
-        match self {
-            Self::GiveEarth => "give its component",
-            Self::AssumeLinear => "if linear, state it",
-            Self::SettleLonger => "settle longer",
-            Self::ShieldFromDraughts => "shield the part from draughts",
-            Self::LinearSupply => "use a linear supply",
-            Self::CheckNothingMoved => "check that nothing moved",
-            Self::CheckNothingMovedSlowly => "check that nothing moved slowly",
-            Self::Chamber => "measure in a chamber",
-            Self::WarmMoreSlowly => "warm and settle more slowly",
-            Self::FixToStillPlatform => "fix it to a still base",
-            Self::CheckOverWiderRange => "check it over a wider range",
-            Self::RecordAndRecompute => "calibrate from a recording",
-            Self::LongerOffset => "average the offset longer",
-            Self::SmallerDivider => "use a smaller divider",
-            Self::LargerDivider => "use a larger divider",
-            Self::SlowerClock => "lower the SPI clock",
-            Self::ShorterCable => "shorten or shield the cable",
-            Self::OtherRate => "change the rate",
-            Self::KeepStill => "keep the platform still",
-            Self::RemoveVibration => "remove the vibration",
-            Self::StartCold => "start with a part that was off for an hour",
-            Self::LongerWarmUp => "wait longer",
-            Self::AcceptMoreUBtc => "accept more",
-            Self::ReadTemperatureLess => "read the temperature less often",
-            Self::ReadTemperatureMore => "read the temperature more often",
-            Self::AllowMoreLoss => "allow more",
-            Self::CheckSupplyAndWiring => "check supply and wiring",
-            Self::CheckDataReady => "check the data-ready wire, its level and pull-up",
-            Self::ResetAndCheck => "reset the part, check its data wire and supply",
-            Self::LongerAverage => "average longer",
-            Self::CompletePart => "complete the part's file",
-            Self::WiderSpan => "calibrate over a wider span",
-            Self::FasterClock => "raise the SPI clock",
-            Self::HeatAndCool => "heat and cool the part",
-            Self::GiveUpTarget => "relax the target",
-            Self::OtherEdge => "use the other edge",
-        }
     }
 }
 
