@@ -9,17 +9,14 @@ const MEAN_S: f64 = 0.1;
 /// duration, s.
 const CYCLE: [(u32, f64, f64); 2] = [(1200, -8.0, 480.0), (2400, 0.0, 480.0)];
 
-/// The plan of a method. A cycle takes 70 minutes, so that the part is in thermal equilibrium again at its end.
-pub fn plan(method: Method) -> Plan {
-    let settle_s = if method == Method::Cycle { 3429.0 } else { Plan::default().settle_s };
-    Plan { method, settle_s, ..Plan::default() }
-}
-
 /// The result of a procedure on this unit, and the truth at its end.
 pub fn measure(spec: &Spec, method: Method) -> Result<(Outcome, Truth), Refusal> {
     let axis = Axis::ADIS16130;
     let mut means = Means::new(spec, 1);
-    let mut procedure = Procedure::new(&axis, plan(method)).expect("a plan that makes sense");
+    // a cycle takes 70 minutes, so that the part is in thermal equilibrium again at its end
+    let settle_s = if method == Method::Cycle { 3429.0 } else { Plan::default().settle_s };
+    let plan = Plan { method, settle_s, ..Plan::default() };
+    let mut procedure = Procedure::new(&axis, plan).expect("a plan that makes sense");
     procedure.handle(Event::Initialised { t_ns: 0 })?;
     for seq in 0_u32.. {
         if procedure.next() == Action::Done {

@@ -5,7 +5,7 @@
 use adis16130_twin::{Means, Spec};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use zerorate::noise::{NoiseModel, WeightedMean};
+use zerorate::noise::WeightedMean;
 use zerorate::track::{BLOCK_S, Prior, Tracker, TrackerConfig};
 use zerorate::{Axis, Correction};
 
@@ -202,7 +202,8 @@ fn stated([t1_c, t2_c, t3_c]: [f64; 3], drift_dps: f64) -> Prior {
     let window = |start_s, end_s, weight| WeightedMean { start_s, end_s, weight };
     let change = [window(0.0, 10.0, -1.0), window(610.0, 620.0, 1.0)];
     let level = noise.without_random_walk().sd(&[window(0.0, 150.0, 1.0)]);
-    let walk = walked(&noise, 150.0);
+    // from the mean of step 8 to its end
+    let walk = noise.rate_random_walk_dps_per_rt_s * (150.0_f64 / 3.0).sqrt();
     let (curvature, hysteresis) = (bias.curvature_dps_per_c2.unwrap(), bias.hysteresis_dps.unwrap());
     let span_c = t2_c - t1_c;
     let parts =
@@ -269,9 +270,4 @@ pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
     day.covered = covered as f64 / blocks as f64;
     (day.static_dps, day.tracked_dps) = (day.static_dps.sqrt(), day.tracked_dps.sqrt());
     day
-}
-
-/// Standard deviation of the change of the random walk from a mean to the end of its interval.
-fn walked(noise: &NoiseModel, length_s: f64) -> f64 {
-    noise.rate_random_walk_dps_per_rt_s * (length_s / 3.0).sqrt()
 }
