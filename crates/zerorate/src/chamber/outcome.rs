@@ -6,7 +6,7 @@ use crate::noise::WeightedMean;
 use crate::notice::Warning;
 use crate::part::{Axis, NamedAxis, Part};
 use crate::plan::Plan;
-use crate::procedure::{Searched, Second, motions_hz, steps_s, taken_out, turning};
+use crate::procedure::{Second, deviations, motions_hz, steps_s, taken_out, turning};
 use crate::temperature::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
@@ -149,8 +149,7 @@ impl Record {
         let seconds: Vec<Second> = (0..self.len()).filter(|k| self.at_rest[*k]).map(second).collect();
         let times_s = seconds.first().zip(seconds.last()).map(|(first, last)| (first.at_s, last.at_s + 1.0));
         let (Some(times_s), Some((low_c, high_c))) = (times_s, self.span_c()) else { return Default::default() };
-        let searched = Searched { axis, white_dps_per_rt_hz, times_s, span_c: high_c - low_c };
-        let found = searched.findings(&seconds);
+        let found = deviations(axis, white_dps_per_rt_hz, times_s, high_c - low_c, &seconds);
         (steps_s(found.as_ref()), motions_hz(times_s.1 - times_s.0, found.as_ref()))
     }
 

@@ -18,4 +18,4 @@ pub use recording::{Forecast, Reached};
 
 pub(crate) use blocks::{Block, Second};
 pub(crate) use estimate::turning;
-pub(crate) use recording::{Searched, motions_hz, steps_s, taken_out};
+pub(crate) use recording::{deviations, motions_hz, steps_s, taken_out};

@@ -138,13 +138,9 @@ pub(crate) fn outcome(seen: &Evidence<'_>, sums: &Blocks) -> Result<Outcome, Ref
     let summary = sums.summary(State::Recording);
     turned(seen.plan, &seconds)?;
     let (low_c, high_c) = summary.temp_range_c;
-    let searched = Searched {
-        axis: seen.axis,
-        white_dps_per_rt_hz: stationarity::white_density(summary.rates),
-        times_s: (summary.start_s, summary.end_s),
-        span_c: high_c - low_c,
-    };
-    let hour = searched.findings(&seconds);
+    let white_dps_per_rt_hz = stationarity::white_density(summary.rates);
+    let times_s = (summary.start_s, summary.end_s);
+    let hour = deviations(seen.axis, white_dps_per_rt_hz, times_s, high_c - low_c, &seconds);
     let mut curve = curve(seen, sums, &summary, &seconds, hour.as_ref())?;
     curve.correction.pbc_dps += seen.plan.earth_dps.unwrap_or(0.0);
     accept(seen, &curve, hour.as_ref())?;
@@ -185,34 +181,27 @@ fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
     Err(Refusal::OneWay { rise_c, fall_c })
 }
 
-/// A recording in which deviations of the rate are looked for, without its seconds.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Searched<'a> {
-    pub(crate) axis: &'a Axis,
-    pub(crate) white_dps_per_rt_hz: f64,
-    /// Beginning and end, s.
-    pub(crate) times_s: (f64, f64),
-    /// Highest less lowest temperature, °C.
-    pub(crate) span_c: f64,
-}
-
-impl Searched<'_> {
-    /// Returns the deviations. `None` if the part's noise is not known, or the seconds are too few for a search.
-    pub(crate) fn findings(&self, seconds: &[Second]) -> Option<Findings> {
-        let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
-        axis.noise?;
-        let tenth_s = (end_s - start_s) / 10.0;
-        let window = |start_s: f64| WeightedMean { start_s, end_s: start_s + tenth_s, weight: 1.0 };
-        let question = SearchInput {
-            averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
-            span_c: span_c.max(f64::MIN_POSITIVE),
-            t3_c: final_temp_c(seconds)?,
-            noise: NoiseModel { white_dps_per_rt_hz, ..axis.typical_noise() },
-            curvature_dps_per_c2: axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
-            supply_dps_per_mv: axis.bias.supply_dps_per_mv,
-        };
-        drift_checks::findings(seconds, &question)
-    }
+/// Looks for deviations of the rate in a recording with this beginning and end, s, whose highest temperature is
+/// `span_c` above its lowest. `None` if the part's noise is not known, or the seconds are too few for a search.
+pub(crate) fn deviations(
+    axis: &Axis,
+    white_dps_per_rt_hz: f64,
+    (start_s, end_s): (f64, f64),
+    span_c: f64,
+    seconds: &[Second],
+) -> Option<Findings> {
+    axis.noise?;
+    let tenth_s = (end_s - start_s) / 10.0;
+    let window = |start_s: f64| WeightedMean { start_s, end_s: start_s + tenth_s, weight: 1.0 };
+    let question = SearchInput {
+        averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
+        span_c: span_c.max(f64::MIN_POSITIVE),
+        t3_c: final_temp_c(seconds)?,
+        noise: NoiseModel { white_dps_per_rt_hz, ..axis.typical_noise() },
+        curvature_dps_per_c2: axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
+        supply_dps_per_mv: axis.bias.supply_dps_per_mv,
+    };
+    drift_checks::findings(seconds, &question)
 }
 
 /// Returns the times of suspected steps, s.
@@ -318,7 +307,7 @@ fn final_temp_c(seconds: &[Second]) -> Option<f64> {
 }
 
 /// Puts the seconds into blocks of one length. Blocks with less than half of their seconds are left out.
-pub(crate) fn blocks(seconds: &[Second]) -> Vec<Block> {
+fn blocks(seconds: &[Second]) -> Vec<Block> {
     let total_s = seconds.last().map_or(0.0, |second| second.at_s + 1.0);
     let length_s = libm::ceil(total_s / MOST_BLOCKS).max(SHORTEST_S);
     let index = |second: &Second| libm::floor((second.at_s + 0.5) / length_s);
