@@ -156,28 +156,26 @@ impl MeansBuilder {
         let means_c: Vec<f64> = self.parts.iter().map(|part| part.temp_c.unwrap_or(f64::NAN)).collect();
         let (last_c, means_c) = (without_failures(last_c), without_failures(means_c));
         let (parts_c, thermometer) = smooth(&last_c, &means_c, part_s);
-        let whole: Vec<(usize, &[Part])> = self.parts.chunks_exact(PARTS).enumerate().collect();
         let least = LEAST_SAMPLES * (PARTS * self.per_part) as f64;
         let is_full = |parts: &[Part]| f64::from(parts.iter().map(|part| part.count).sum::<u32>()) >= least;
         let is_known = |k: usize| parts_c[k * PARTS..(k + 1) * PARTS].iter().all(|temp_c| !temp_c.is_nan());
-        let full: Vec<(usize, &[Part])> =
-            whole.into_iter().filter(|(k, parts)| is_full(parts) && is_known(*k)).collect();
-        let variances: Vec<f64> = full.iter().map(|(_, parts)| variance(parts)).collect();
-        let usual = median(variances.clone());
-        let full = varying(full, &variances, usual);
-        let variances: Vec<f64> = full.iter().map(|(_, parts)| variance(parts)).collect();
-        let moves: Vec<bool> = variances.iter().map(|variance| *variance > MOVES * usual && usual > 0.0).collect();
-        let moving_s = spans(full.iter().zip(&moves).filter(|(_, moves)| **moves).map(|((k, _), _)| *k), length_s);
+        let full = self.parts.chunks_exact(PARTS).enumerate().filter(|(k, parts)| is_full(parts) && is_known(*k));
+        let mut full: Vec<(usize, &[Part], f64)> = full.map(|(k, parts)| (k, parts, variance(parts))).collect();
+        let usual = median(full.iter().map(|(.., variance)| *variance).collect());
+        // if most blocks vary, others are clipped or constant
+        full.retain(|(.., variance)| usual == 0.0 || *variance > STANDS * usual);
+        let moves = |variance: f64| variance > MOVES * usual && usual > 0.0;
+        let moving_s = spans(full.iter().filter(|(.., variance)| moves(*variance)).map(|(k, ..)| *k), length_s);
         let seen = full.len();
-        let still = || full.iter().zip(&moves).filter(|(_, moves)| !**moves).map(|(block, _)| block);
-        let white = libm::sqrt(2.0 * part_s * median(still().map(|(_, parts)| white_variance(parts)).collect()));
-        let block = |(k, parts): &(usize, &[Part])| Block {
+        let still = || full.iter().filter(|(.., variance)| !moves(*variance));
+        let white = libm::sqrt(2.0 * part_s * median(still().map(|(_, parts, _)| white_variance(parts)).collect()));
+        let block = |(k, parts, _): &(usize, &[Part], f64)| Block {
             start_s: *k as f64 * length_s,
             length_s,
             rate_dps: self.origin.unwrap_or(0.0) + mean(parts),
             temp_c: parts_c[k * PARTS..(k + 1) * PARTS].iter().sum::<f64>() / PARTS as f64,
         };
-        let (blocks, indices) = (still().map(block).collect(), still().map(|(k, _)| *k).collect());
+        let (blocks, indices) = (still().map(block).collect(), still().map(|(k, ..)| *k).collect());
         let temps_white = libm::sqrt(2.0 * part_s * median(white_temps(&parts_c)));
         let is_rounded = self.quantum < f64::MAX && self.quantum > ROUNDED * libm::sqrt(usual);
         let rounding = if is_rounded { self.quantum / libm::sqrt(12.0) } else { 0.0 };
@@ -208,12 +206,6 @@ fn variance(parts: &[Part]) -> f64 {
     let count = f64::from(parts.iter().map(|part| part.count).sum::<u32>());
     let mean = mean(parts);
     parts.iter().map(|part| part.squares).sum::<f64>() / count - mean * mean
-}
-
-/// Keeps the blocks whose samples vary, if most do. Others are clipped or constant.
-fn varying<'a>(full: Vec<(usize, &'a [Part])>, variances: &[f64], usual: f64) -> Vec<(usize, &'a [Part])> {
-    let varies = |(_, variance): &(_, &f64)| usual == 0.0 || **variance > STANDS * usual;
-    full.into_iter().zip(variances).filter(varies).map(|(block, _)| block).collect()
 }
 
 /// Ratio of the median to the expectation of the mean square of seven adjacent differences.
