@@ -5,7 +5,7 @@ mod states;
 
 pub use setting::{Bounds, Setting, SettingNames, Worded, Wording};
 pub use states::State;
-pub(crate) use states::{Check, STATES, Until};
+pub(crate) use states::{Check, STATES, TABLE, Until};
 
 use core::fmt;
 

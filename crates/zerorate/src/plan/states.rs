@@ -31,7 +31,7 @@ pub(crate) enum Until {
 
 /// One row of the table: `until` ends the state `from`, and `to` follows if `check` passes.
 pub(crate) struct StateRow {
-    from: State,
+    pub(crate) from: State,
     name: &'static str,
     pub(crate) until: Until,
     pub(crate) check: Check,
@@ -50,7 +50,7 @@ pub(crate) enum Check {
 /// Steps 3 to 9 of F-51, and the one recording of the other methods. Steps 1 and 2, the platform and the supply, are
 /// up to the user.
 #[rustfmt::skip]
-const TABLE: [StateRow; STATES] = [
+pub(crate) const TABLE: [StateRow; STATES] = [
     StateRow { from: State::Start, name: "initialisation (step 3)",
           until: Until::Initialised, check: Check::Nothing, to: State::FirstAverage },
     StateRow { from: State::FirstAverage, name: "the first average (step 4)",
@@ -81,16 +81,6 @@ const _: () = {
 };
 
 impl State {
-    pub(crate) const ALL: [Self; STATES] = {
-        let mut all = [Self::Start; STATES];
-        let mut index = 0;
-        while index < STATES {
-            all[index] = TABLE[index].from;
-            index += 1;
-        }
-        all
-    };
-
     pub(crate) fn row(self) -> &'static StateRow {
         &TABLE[self as usize]
     }

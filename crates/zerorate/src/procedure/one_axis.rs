@@ -11,7 +11,7 @@ use crate::health::stationarity::Verdict;
 use crate::health::{Frozen, Health, Judged, Tally};
 use crate::notice::Refusal;
 use crate::part::{Axis, Reading};
-use crate::plan::{Check, Method, Plan, PlanError, State, Until, ns};
+use crate::plan::{Check, Method, Plan, PlanError, State, TABLE, Until, ns};
 
 /// Time from the start of a step in which [`Procedure::pending_refusal`] returns `None`, s.
 const FIRST_LOOK_S: f64 = 2.0;
@@ -220,7 +220,7 @@ impl<S: WindowSums> Procedure<S> {
     }
 
     fn seen(&self) -> Evidence<'_> {
-        let windows = State::ALL.map(|state| self.sums.summary(state));
+        let windows = TABLE.each_ref().map(|row| self.sums.summary(row.from));
         Evidence { axis: &self.axis, plan: &self.plan, windows, tally: &self.tally }
     }
 
