@@ -258,12 +258,6 @@ impl TypicalBias {
         self.initial_dps.map(|initial_dps| 10.0 * initial_dps)
     }
 
-    /// The typical bias, °/s, if this bias is more than three times as large, as in one unit of 370.
-    #[must_use]
-    pub fn exceeded_by(&self, bias_dps: f64) -> Option<f64> {
-        self.initial_dps.filter(|typical_dps| bias_dps.abs() > 3.0 * typical_dps)
-    }
-
     /// The largest temperature coefficient that a unit may have, °/s/°C: six spreads above the typical one.
     #[must_use]
     pub fn largest_tempco_dps_per_c(&self) -> Option<f64> {
@@ -309,19 +303,15 @@ impl Tone {
         (turns - libm::round(turns)).abs() * rate_hz
     }
 
-    /// Frequency below which the folded tone counts as near zero, Hz, for means over `average_s`. It is the frequency
-    /// below which averaging leaves more of the tone than of white noise of this density, plus the tolerance. A
-    /// tolerance of more than an eighth of the rate counts as that eighth, because no such low rate is safe.
-    #[must_use]
-    pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
-        let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
-        averaged_hz + self.tolerance_hz.min(rate_hz / 8.0)
-    }
-
-    /// Whether the tone looks like a bias among samples at `rate_hz`, in means over `average_s`.
+    /// Whether the tone looks like a bias among samples at `rate_hz`, in means over `average_s`. It does if it appears
+    /// near zero: below the frequency at which averaging leaves more of the tone than of white noise of this density,
+    /// plus the tolerance. A tolerance of more than an eighth of the rate counts as that eighth, because no such low
+    /// rate is safe.
     #[must_use]
     pub fn looks_like_bias(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> bool {
-        rate_hz > 0.0 && self.folded_hz(rate_hz) < self.near_zero_hz(rate_hz, average_s, white_dps_per_rt_hz)
+        let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
+        let near_zero_hz = averaged_hz + self.tolerance_hz.min(rate_hz / 8.0);
+        rate_hz > 0.0 && self.folded_hz(rate_hz) < near_zero_hz
     }
 }
 

@@ -178,7 +178,7 @@ impl Health {
     /// Number of readings that are not returned yet: two at most.
     #[must_use]
     pub fn waiting(&self) -> u64 {
-        self.plausible.waiting()
+        self.plausible.waiting as u64
     }
 
     /// The time since which the part has been frozen. `None` if it is not frozen.

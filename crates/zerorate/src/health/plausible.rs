@@ -142,7 +142,7 @@ pub(crate) struct Plausible {
     /// Number of codes, up to the newest, that follow each other without a loss.
     run: usize,
     /// Number of the newest codes that are not judged yet.
-    waiting: usize,
+    pub(super) waiting: usize,
     readings: [Option<Reading>; AHEAD + 1],
     roughness: u32,
     shock: Shock,
@@ -204,10 +204,6 @@ impl Plausible {
         let later = [1, 2].map(|after| self.readings.get(place - JUDGED + after).copied().flatten());
         let temp_impossible = self.temps.is_impossible(&reading, later);
         Some((reading, Finding { rate, temp_impossible }))
-    }
-
-    pub(crate) fn waiting(&self) -> u64 {
-        self.waiting as u64
     }
 
     #[inline]

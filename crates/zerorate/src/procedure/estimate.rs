@@ -498,8 +498,9 @@ fn warnings(
     ])
 }
 
-/// Returns a warning if the bias is too large for a typical part, because it may be a rotation.
+/// Returns a warning if the bias is more than three times the spread over units, as in one unit of 370, because it may
+/// be a rotation.
 pub(crate) fn turning(axis: &Axis, pbc_dps: f64) -> Option<Warning> {
-    let typical_dps = axis.bias.exceeded_by(pbc_dps)?;
+    let typical_dps = axis.bias.initial_dps.filter(|typical_dps| pbc_dps.abs() > 3.0 * typical_dps)?;
     Some(Warning::Turning { rate_dps: -pbc_dps, typical_dps })
 }
