@@ -304,7 +304,6 @@ fn a_step_of_the_supply_is_named_and_taken_out() {
     }
 }
 
-/// A slow base motion was once taken for the bias, and PBC was up to 12 standard uncertainties off.
 #[test]
 fn a_slow_sway_is_named_and_taken_out() {
     for (seed, sway_dps, sway_hz) in

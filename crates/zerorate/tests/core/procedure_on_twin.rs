@@ -220,8 +220,7 @@ fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
     }
 }
 
-/// The procedure once refused this unit, because "the temperature hardly changed": the step looked like flicker and
-/// spoilt BTC.
+/// If the step counted as flicker, it would spoil BTC.
 #[test]
 fn a_step_inside_step_8_is_not_taken_for_a_lack_of_temperature() {
     let outcome = measure(stepped(300.0, 134.0), SHORT).unwrap().outcome;

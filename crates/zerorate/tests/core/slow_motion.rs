@@ -56,8 +56,8 @@ fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
     }
 }
 
-/// For these units at rest, the standard uncertainty of PBC is 0.0018 to 0.0037 °/s. An earlier version always treated
-/// the models with a base motion as separate peaks, and stated 0.0075 to 0.0123 °/s for the first four units.
+/// For these units at rest, the standard uncertainty of PBC is 0.0018 to 0.0037 °/s. If models with a base motion were
+/// always separate peaks, it would be 0.0075 to 0.0123 °/s for the first four units.
 #[test]
 fn a_platform_at_rest_has_one_uncertainty() {
     let (mut mean_square, seeds) = (0.0, [91040, 91044, 91076, 91100, 91041, 91043]);
