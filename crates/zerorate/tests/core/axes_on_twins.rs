@@ -110,9 +110,12 @@ fn an_axis_that_is_not_read_is_missed() {
 }
 
 #[test]
-fn the_refusal_of_a_single_axis_does_not_name_it() {
+fn a_single_axis_without_samples_is_refused_after_its_first_window_and_not_named() {
     let mut procedure = PartProcedure::new(&Part::ADIS16130, SHORT).unwrap();
-    procedure.handle(Event::Initialised { t_ns: 0 }).unwrap();
-    let refusal = procedure.handle(Event::Time { t_ns: 3_000_000_000 }).unwrap_err();
+    procedure.handle(Event::Initialised { t_ns: 5 }).unwrap();
+    assert_eq!(procedure.next(), Action::Read);
+    assert!(procedure.handle(Event::Time { t_ns: 2_000_000_004 }).is_ok());
+    let refusal = procedure.handle(Event::Time { t_ns: 2_000_000_005 }).unwrap_err();
+    assert!(matches!(refusal.refusal, Refusal::TooFew { window: State::FirstAverage, tenths: 0, .. }));
     assert_eq!(refusal.to_string(), refusal.refusal.to_string());
 }
