@@ -126,11 +126,10 @@ struct Process {
 
 impl Kernel {
     fn new(model: &NoiseModel) -> Self {
-        let flicker = flicker_processes(model.bias_instability_dps);
         Self {
             white: square(model.white_dps_per_rt_hz) / 4.0,
             walk: square(model.rate_random_walk_dps_per_rt_s) / 12.0,
-            flicker,
+            flicker: flicker_processes(model.bias_instability_dps),
         }
     }
 

@@ -238,8 +238,8 @@ impl<'a> Lattice<'a> {
 
     fn score(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> f64 {
         let columns = self.record.columns(filter, path.following, path.steps);
-        let motion = path.motion.map(|motion| self.record.motion(filter, motion.hz));
-        self.score_of(filter, noise, path, &columns, motion.as_ref().map_or(&[], |motion| &motion[..]))
+        let motion = path.motion.map(|motion| self.record.motion(filter, motion.hz)).unwrap_or_default();
+        self.score_of(filter, noise, path, &columns, &motion)
     }
 
     fn score_of(&self, filter: &Filter, noise: (i32, i32), path: &Path, columns: &Columns, motion: &[White]) -> f64 {
@@ -251,10 +251,9 @@ impl<'a> Lattice<'a> {
     /// Computes a model for each order of the polynomial. They have no weights yet.
     fn models(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> impl Iterator<Item = Weighed> + use<> {
         let columns = self.record.columns(filter, path.following, path.steps);
-        let motion = path.motion.map(|motion| self.record.motion(filter, motion.hz));
-        let motion = motion.as_ref().map_or(&[][..], |motion| &motion[..]);
+        let motion = path.motion.map(|motion| self.record.motion(filter, motion.hz)).unwrap_or_default();
         let hypothesis = self.hypothesis(noise, path);
-        let posteriors = self.record.posteriors(filter, &columns, motion).into_iter();
+        let posteriors = self.record.posteriors(filter, &columns, &motion).into_iter();
         posteriors.map(move |posterior| Weighed { weight: 0.0, hypothesis: hypothesis.clone(), posterior })
     }
 
