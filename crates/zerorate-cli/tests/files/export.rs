@@ -19,30 +19,6 @@ fn csv_is_the_table_of_the_note() {
     assert_eq!(bench.text("table.csv"), expected);
 }
 
-#[test]
-fn json_has_coefficients_and_table() {
-    let bench = Bench::new();
-    let correction = Correction::line(0.7312, 0.0387, 33.125);
-    bench.write("unit.toml", calibration(0.7312, 0.0387, 33.125));
-    let json = bench.zerorate("export unit.toml --format json --span-c 0.2").ended_with(0).json();
-    let integer = correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).unwrap();
-    assert_eq!(json["integer"]["offset_q"], integer.offset_q);
-    assert_eq!(json["integer"]["slope_q"], integer.slope_q);
-    assert_eq!(json["integer"]["t3_code"], integer.t3_code);
-    assert_eq!(json["integer"]["q"], 30);
-    assert_eq!(
-        (&json["pbc_dps"], &json["btc_dps_per_c"], &json["t3_c"]),
-        (&0.7312.into(), &0.0387.into(), &33.125.into())
-    );
-    let rows = json["table"]["rows"].as_array().unwrap();
-    let table = correction.table(0.02, 0.2).unwrap();
-    assert_eq!(rows.len(), table.len());
-    for (row, expected) in rows.iter().zip(table) {
-        assert!((row["delta_c"].as_f64().unwrap() - expected.delta_c).abs() < 1e-12);
-        assert!((row["correction_dps"].as_f64().unwrap() - expected.correction_dps).abs() < 1e-12);
-    }
-}
-
 /// In JSON, a curve has quadratic and cubic terms and an integer form of order 3, which a line lacks. The table
 /// follows the curve.
 #[test]
