@@ -52,22 +52,6 @@ impl HaltedRun {
 /// Number of rows of ten minutes at 50 Hz, without the last row, whose interval is incomplete.
 const ROWS: usize = 29_999;
 
-#[cfg(unix)]
-#[test]
-fn a_state_has_one_stream_at_a_time() {
-    let bench = bench();
-    let first = HaltedRun::start(&bench, "state.toml");
-    let begun = bench.text("state.toml");
-    track(&bench, "1s", "").ended_with(2).saying(&["state.toml is being written by another zerorate"]);
-    assert_eq!(bench.text("state.toml"), begun, "the second has left it");
-    let (_, code, said) = first.end();
-    assert_eq!(code, Some(0), "{said}");
-    let learned = bench.text("state.toml");
-    assert_ne!(learned, begun);
-    track(&bench, "1s", "").ended_with(0);
-    assert_eq!(bench.names().len(), 2, "nothing else is left");
-}
-
 /// The state of a killed stream is not locked, and its temporary file is removed.
 #[cfg(unix)]
 #[test]
