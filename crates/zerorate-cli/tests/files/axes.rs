@@ -114,16 +114,6 @@ fn another_part_is_calibrated_corrected_and_exported() {
     bench.zerorate("report unit.toml -o unit.html").ok();
 }
 
-/// Without the part file, the noise is unknown, so a warning says that the program cannot tell motion from rest.
-#[test]
-fn a_sensor_without_stated_noise_is_not_judged() {
-    let bench = Bench::new();
-    record(&bench.path("imu.arrows"));
-    bench.zerorate(&format!("recalibrate imu.arrows {PLAN} -o unit.toml")).ended_with(0).saying(&["rest-unjudged"]);
-    let (unit, _) = Calibration::parse(&bench.text("unit.toml")).unwrap();
-    assert_eq!(unit.axes[0].noise.as_ref().unwrap().flicker_source, "unknown");
-}
-
 #[test]
 fn the_wrong_part_is_named() {
     let bench = Bench::new();
