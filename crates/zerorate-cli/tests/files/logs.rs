@@ -5,7 +5,7 @@ use crate::harness::Run;
 use std::fs::{self, File};
 use std::path::Path;
 
-const FILES: [(&str, &[u8]); 10] = [
+const FILES: [(&str, &[u8]); 9] = [
     ("inf.csv", b"x\n1.5\n-inf\n"),
     ("short.csv", b"t,x\n0,1\n1\n2,3\n"),
     ("back.csv", b"t_s,x\n0,1\n1,2\n0.5,3\n"),
@@ -13,13 +13,12 @@ const FILES: [(&str, &[u8]); 10] = [
     ("twice.csv", b"x,x\n0,1\n1,2\n"),
     ("ros1.bag", b"#ROSBAG V1.2\n"),
     ("log.npz", b"PK\x03\x04rest"),
-    ("log.npy", b"\x93NUMPY\x01\x00\x05\x00{}   "),
     ("log.parquet", b"PAR1 and no more"),
     ("log.gz", b"\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x33"),
 ];
 
 /// The arguments of `allan`, the exit code, and the expected message.
-const CASES: [(&str, i32, &str); 13] = [
+const CASES: [(&str, i32, &str); 12] = [
     ("inf.csv --rate 9", 1, "inf.csv, line 3, column x: it is infinite"),
     (
         "back.csv --column x --time-column t_s",
@@ -34,7 +33,6 @@ const CASES: [(&str, i32, &str); 13] = [
     ("inf.csv --time-unit s", 2, "--time-column"),
     ("ros1.bag --rate 9", 1, "ros1.bag cannot be read as a log: it is a bag of ROS 1 in its old version 1; convert"),
     ("log.npz --rate 9", 1, "log.npz, as an archive"),
-    ("log.npy --rate 9", 1, "log.npy, as an NPY file"),
     ("log.parquet --rate 9", 1, "log.parquet, as a Parquet file"),
     ("log.gz --rate 9", 1, "log.gz, as Gzip: it cannot be unpacked"),
 ];
