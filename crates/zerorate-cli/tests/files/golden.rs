@@ -28,7 +28,7 @@ fn calibrations_do_not_change() {
         bench.zerorate(&format!("calibrate {options} -o unit.toml")).ok();
         let text = bench.text("unit.toml");
         let numbers = text.lines().filter(|line| !WORDS.iter().any(|word| line.starts_with(word)));
-        unchanged(&format!("{name}.toml"), &numbers.map(|line| format!("{line}\n")).collect::<String>());
+        unchanged(&format!("{name}.toml"), &numbers.map(|line| format!("{line}\n")).collect::<String>(), |_| true);
     }
 }
 
@@ -46,16 +46,12 @@ fn captures_do_not_change() {
         }
     }
     let is_built_in = |line: &str| FORMS.iter().any(|form| line.ends_with(form));
-    unchanged_lines("captures.sha256", &hashes, is_built_in);
+    unchanged("captures.sha256", &hashes, is_built_in);
 }
 
-/// Compares with the file of this name, or writes the file if the environment asks for it.
-fn unchanged(name: &str, now: &str) {
-    unchanged_lines(name, now, |_| true);
-}
-
-/// Compares the lines of the file for which `is_there` holds. Writes the file only if `is_there` holds for all lines.
-fn unchanged_lines(name: &str, now: &str, is_there: impl Fn(&str) -> bool) {
+/// Compares the lines of the file for which `is_there` holds. If the environment asks for it, writes the file first,
+/// but only if `is_there` holds for all lines.
+fn unchanged(name: &str, now: &str, is_there: impl Fn(&str) -> bool) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
     let before = fs::read_to_string(&path).unwrap_or_default();
     let is_all = before.lines().all(&is_there);
