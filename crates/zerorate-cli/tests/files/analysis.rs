@@ -1,6 +1,6 @@
 //! `zerorate allan` beyond the table: statistics, fit, pictures, pages, files for other programs.
 
-use super::{Bench, raw, white};
+use super::{Bench, number_of, raw, white};
 use serde_json::Value;
 use zerorate_allan::Stat;
 
@@ -128,13 +128,9 @@ fn kalibr_reads_n_and_k_in_radians() {
     let bench = bench();
     bench.zerorate(&format!("allan other.f64 {LOG} --unit rad/s --imu-yaml imu.yaml")).ok();
     let yaml = bench.text("imu.yaml");
-    let value = |key: &str| {
-        let line = yaml.lines().find_map(|line| line.strip_prefix(key)).unwrap();
-        line.trim_start_matches(": ").split(' ').next().unwrap().parse::<f64>().unwrap()
-    };
-    let n = value("gyroscope_noise_density");
+    let n = number_of(&yaml, "gyroscope_noise_density");
     assert!((0.98..1.3).contains(&(n / 0.012)), "the larger of the two, to cover its curve: {yaml}");
-    assert_eq!(value("update_rate"), 100.0);
+    assert_eq!(number_of(&yaml, "update_rate"), 100.0);
     bench.zerorate(&format!("allan {LOG} --imu-yaml other.yaml")).saying(&["imu.yaml needs rad/s"]);
     assert!(!bench.path("other.yaml").exists());
 }

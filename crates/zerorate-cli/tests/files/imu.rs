@@ -1,6 +1,6 @@
 //! `zerorate imu`: all axes of a log at once, and a file for each filter.
 
-use super::{Bench, white};
+use super::{Bench, number_of, white};
 use serde_json::Value;
 
 const RATE_HZ: f64 = 100.0;
@@ -416,11 +416,7 @@ fn each_series_and_each_part_of_a_log_is_a_result_of_its_own() {
         .zerorate(&format!("imu two.csv {line} -o imu.yaml --plot imu.svg"))
         .ended_with(0)
         .saying(&["imu-right.yaml"]);
-    let density = |name: &str| -> f64 {
-        let text = bench.text(name);
-        let line = text.lines().find(|line| line.starts_with("gyroscope_noise_density")).unwrap();
-        line.split(' ').nth(1).unwrap().parse().unwrap()
-    };
+    let density = |name: &str| number_of(&bench.text(name), "gyroscope_noise_density");
     let ratio = density("imu-right.yaml") / density("imu-left.yaml");
     assert!((ratio / 5.0 - 1.0).abs() < 0.2, "{ratio}");
     assert!(bench.path("imu-left.svg").exists() && bench.path("imu-right.svg").exists());

@@ -1,6 +1,6 @@
 //! Logs that look like rates of one sensor but are not: the result is correct, or the message states the cause.
 
-use super::{Bench, white};
+use super::{Bench, number_of, white};
 use serde_json::Value;
 
 const RATE_HZ: f64 = 100.0;
@@ -296,11 +296,7 @@ fn k_is_never_next_to_zero_where_n_covers_the_curve() {
         bench.write("log.csv", format!("t_s,gx_dps\n{rows}"));
         bench.zerorate("imu log.csv -o imu.yaml --force").ended_with(0);
         let yaml = bench.text("imu.yaml");
-        let value = |key: &str| -> f64 {
-            let line = yaml.lines().find_map(|line| line.strip_prefix(key)).unwrap();
-            line.trim_start_matches(':').split_whitespace().next().unwrap().parse().unwrap()
-        };
-        let (n, k) = (value("gyroscope_noise_density"), value("gyroscope_random_walk"));
+        let [n, k] = ["gyroscope_noise_density", "gyroscope_random_walk"].map(|key| number_of(&yaml, key));
         let horizon_s: f64 = 20.0;
         assert!(k * k * horizon_s / 3.0 > 0.09 * n * n / horizon_s, "{seed}: {yaml}");
     }

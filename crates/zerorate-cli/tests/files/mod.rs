@@ -81,6 +81,12 @@ fn raw(rate: &[f64]) -> Vec<u8> {
     rate.iter().flat_map(|rate| rate.to_le_bytes()).collect()
 }
 
+/// The number behind a key of a noise file.
+fn number_of(yaml: &str, key: &str) -> f64 {
+    let line = yaml.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+    line.trim_start_matches(':').split_whitespace().next().unwrap().parse().unwrap()
+}
+
 /// True if a program is installed. Otherwise prints that the test is skipped.
 fn installed(program: &str) -> bool {
     let found = Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
