@@ -105,9 +105,7 @@ impl Outlier {
             Differs::Rejected { error } => format!("has no model of its own (off by {:.0} %)", error * 100.0),
             Differs::Moves => "has no model of its own (the sensor moves)".to_owned(),
             Differs::White { ratio } => format!("has {ratio:.2} times the N of the others"),
-            Differs::Slow { gain } => {
-                format!("has other slow noise (−2 ln L differs by {gain:.0})")
-            }
+            Differs::Slow { gain } => format!("has other slow noise (−2 ln L differs by {gain:.0})"),
             _ => "differs".to_owned(),
         };
         Self { record: record.label(), why, is_left_out: outlier.is_left_out }

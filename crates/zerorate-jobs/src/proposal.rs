@@ -46,14 +46,11 @@ mod tests {
             (0.9, 60e-6, Some("every_temp 57 (F-55)")),
             (0.5, 80e-6, Some("divider 3 (F-56): 2846 samples a second")),
             (0.1, 450e-6, Some("divider 19 (F-56): 569 samples a second")),
+            (0.5, 1.0, Some("divider 42694 (F-56): 0 samples a second")),
+            (0.5, 2.0, None),
         ];
         for (taken, read_s, expected) in cases {
             assert_eq!(proposal(taken, read_s, MCLK_HZ, Setting::name).as_deref(), expected, "{taken}, {read_s}");
         }
-        assert_eq!(
-            proposal(0.5, 1.0, MCLK_HZ, Setting::name),
-            Some("divider 42694 (F-56): 0 samples a second".to_owned())
-        );
-        assert_eq!(proposal(0.5, 2.0, MCLK_HZ, Setting::name), None);
     }
 }

@@ -4,7 +4,7 @@ use crate::exit::Usage;
 use crate::output::{print_json, print_lines};
 use anyhow::Result;
 use clap::Args;
-use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use zerorate_jobs::codes::{self, Explanation};
 
@@ -22,15 +22,10 @@ pub struct ExplainArgs {
     json: bool,
 }
 
-#[derive(Serialize)]
-struct All {
-    codes: Vec<Explanation>,
-}
-
 pub fn run(args: &ExplainArgs) -> Result<()> {
     if args.code.is_empty() {
         return match args.json {
-            true => print_json(&All { codes: codes::all().collect() }),
+            true => print_json(&BTreeMap::from([("codes", codes::all().collect::<Vec<_>>())])),
             false => print_lines(&list()?),
         };
     }

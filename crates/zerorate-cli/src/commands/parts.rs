@@ -3,7 +3,8 @@
 use crate::output::{print, print_json, print_lines};
 use anyhow::{Context, Result};
 use clap::Args;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use toml::{Table, Value};
 use zerorate::Part;
@@ -24,11 +25,6 @@ pub struct PartsArgs {
     /// Print one JSON object with the parts as in their files.
     #[arg(long)]
     json: bool,
-}
-
-#[derive(Serialize)]
-struct All {
-    parts: Vec<Table>,
 }
 
 #[derive(Deserialize)]
@@ -57,8 +53,8 @@ pub fn run(args: &PartsArgs) -> Result<()> {
         None => FILES.iter().map(|(_, text)| *text).collect(),
     };
     if args.json {
-        let parts = texts.iter().map(|text| toml::from_str(text)).collect::<Result<_, _>>()?;
-        return print_json(&All { parts });
+        let parts: Vec<Table> = texts.iter().map(|text| toml::from_str(text)).collect::<Result<_, _>>()?;
+        return print_json(&BTreeMap::from([("parts", parts)]));
     }
     match args.name {
         Some(_) => print(texts[0]),

@@ -107,7 +107,9 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let opened = opener.open()?;
     ensure!(!stop.asked(), "interrupted");
     if let Some((calibration, cal)) = calibrations.first().zip(args.cals.first()) {
-        check_serial(calibration, cal, &opened.about)?;
+        let About { name, info, .. } = &opened.about;
+        let doubt = serial::check(calibration, cal, (name, info.serial.as_deref()))?;
+        warn(doubt.map(coded).as_slice());
     }
     let recordings = Recordings::new(args.output.clone(), outputs);
     let (mut session_thread, requests) =
@@ -156,12 +158,6 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
         Err(error) => return Err(error).with_context(|| format!("cannot listen at {address} (--iio)")),
     };
     Ok(Some(Libiio::new(listener, calibration, args.allow_write)))
-}
-
-fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
-    let doubt = serial::check(calibration, cal, (&about.name, about.info.serial.as_deref()))?;
-    warn(doubt.map(coded).as_slice());
-    Ok(())
 }
 
 /// Stores the calibrations of the folder and of the command line in the session, and applies the first `--cal`.

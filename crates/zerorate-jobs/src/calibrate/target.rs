@@ -19,7 +19,6 @@ pub fn marks_ns(plan: &Plan) -> impl Iterator<Item = u64> + use<> {
 pub struct Target {
     looked_s: f64,
     reached: Option<Reached>,
-    target_dps: f64,
 }
 
 impl Target {
@@ -31,9 +30,9 @@ impl Target {
 
     pub fn is_reached(&mut self, procedure: &PartProcedure) -> bool {
         self.looked_s = whole_minutes(procedure.progress().elapsed_s);
-        self.target_dps = procedure.plan().target_dps.unwrap_or(0.0);
         self.reached = procedure.reached().and_then(Result::ok);
-        self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
+        let target_dps = procedure.plan().target_dps.unwrap_or(0.0);
+        self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= target_dps)
     }
 
     /// The result of the last check; `None` before it, or if the samples up to then would be refused.
