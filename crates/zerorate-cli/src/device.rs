@@ -38,7 +38,9 @@ impl SourceArgs {
     /// `--device` calls this before it opens the device.
     pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
         self.file().map_or(Ok(()), |file| outputs.reads(file))?;
-        Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, ambient: None, names: flag })
+        let SamplingArgs { every_temp, divider } = sampling;
+        let sampling = Sampling { every_temp, divider };
+        Ok(Setup { sampling, part: self.part.named(outputs)?, ambient: None, names: flag })
     }
 
     pub fn file(&self) -> Option<&Path> {
@@ -83,10 +85,4 @@ pub struct SamplingArgs {
     /// counter divides the line itself, put divided=N into the address. A divider then counts the edges behind it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Sensor")]
     pub divider: Option<u16>,
-}
-
-impl SamplingArgs {
-    fn plain(self) -> Sampling {
-        Sampling { every_temp: self.every_temp, divider: self.divider }
-    }
 }

@@ -202,7 +202,7 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
 /// A token from a file is not printed, because the output of a service goes to a journal that others can read.
 fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) {
     if !serve::has_page() {
-        warn(&[serve::absent()]);
+        warn(&[NoticeText::from(SessionWarning::NoPage)]);
     }
     let ip = match address.ip() {
         IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),

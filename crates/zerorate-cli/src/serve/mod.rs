@@ -27,7 +27,7 @@ pub use device::Opener;
 pub use folder::Folder;
 pub use guard::{Guard, Token};
 pub use libiio::Libiio;
-pub use page::{absent, is_there as has_page};
+pub use page::is_there as has_page;
 pub use recordings::Recordings;
 pub use server::{EndsAll, run};
 pub use session_thread::SessionThread;

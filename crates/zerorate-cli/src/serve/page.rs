@@ -24,10 +24,6 @@ pub fn is_there() -> bool {
     !PAGE.is_empty()
 }
 
-pub fn absent() -> NoticeText {
-    SessionWarning::NoPage.into()
-}
-
 pub fn file(uri: &Uri, headers: &HeaderMap) -> Answer {
     let name = match uri.path().trim_start_matches('/') {
         "" => "index.html",
@@ -36,7 +32,7 @@ pub fn file(uri: &Uri, headers: &HeaderMap) -> Answer {
     match PAGE.iter().find(|asset| asset.name == name) {
         Some(asset) => asset.answer(headers),
         None if is_there() => answer::text(StatusCode::NOT_FOUND, "no such file\n"),
-        None => answer::text(StatusCode::NOT_FOUND, format!("{}\n", absent())),
+        None => answer::text(StatusCode::NOT_FOUND, format!("{}\n", NoticeText::from(SessionWarning::NoPage))),
     }
 }
 

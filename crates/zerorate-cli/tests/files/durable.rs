@@ -8,15 +8,7 @@ use std::process::Command;
 fn traced(bench: &Bench, line: &str) -> Option<Vec<String>> {
     let trace = bench.path("trace");
     let mut strace = Command::new("strace");
-    strace.args([
-        "-f",
-        "-y",
-        "-s",
-        "8",
-        "-e",
-        "trace=write,fsync,fdatasync,rename,renameat,renameat2,link,linkat",
-        "-o",
-    ]);
+    strace.args("-f -y -s 8 -e trace=write,fsync,fdatasync,rename,renameat,renameat2,link,linkat -o".split(' '));
     let run = strace.arg(&trace).arg(PROGRAM).args(line.split(' ')).current_dir(bench.dir.path());
     let Ok(output) = run.output() else {
         skip("it needs `strace`, which is not installed");

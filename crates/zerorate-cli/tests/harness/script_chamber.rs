@@ -78,15 +78,8 @@ impl ScriptChamber {
     pub fn arguments(&self, retry_s: u32) -> [String; 6] {
         let script = self.folder.join("chamber.sh");
         let command = |what: &str| format!("sh '{}' {what}", script.display());
-        let (set, read) = (command("set {temp_c}"), command("read"));
-        [
-            "--set-temperature".to_owned(),
-            set,
-            "--read-temperature".to_owned(),
-            read,
-            "--retry-s".to_owned(),
-            retry_s.to_string(),
-        ]
+        let (set, read, retry_s) = (command("set {temp_c}"), command("read"), retry_s.to_string());
+        ["--set-temperature", &set, "--read-temperature", &read, "--retry-s", &retry_s].map(str::to_owned)
     }
 
     fn text(&self, name: &str) -> String {
