@@ -79,7 +79,6 @@ pub struct TempcalArgs {
     reading: LogArgs,
 }
 
-/// The form of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Form {
     /// A calibration of the gyroscopes, which `zerorate correct`, `zerorate export` and Python take.

@@ -111,9 +111,7 @@ mod tests {
     /// The built-in plan `f57` has the corners of the twin's chamber profile (F-57), and lasts 210 minutes.
     #[test]
     fn the_plan_f57_has_the_corners_of_the_fact() {
-        let plan = PlanFile::read(Path::new("f57"), false, &mut Outputs::new(false), Setting::name)
-            .expect("it comes with the program")
-            .plan;
+        let plan = ChamberPlan::parse(shipped(Path::new("f57")).expect("a shipped plan")).expect("a plan");
         let (mut at_s, mut corners) = (0.0, vec![(0.0, 25.0)]);
         for (index, step) in plan.steps.iter().enumerate() {
             let StepEnd::Hold(hold_s) = step.end else { panic!("by the clock") };
@@ -129,9 +127,7 @@ mod tests {
 
     #[test]
     fn the_plan_two_point_spans_15_to_55_c() {
-        let plan = PlanFile::read(Path::new("two-point"), false, &mut Outputs::new(false), Setting::name)
-            .expect("it comes with the program")
-            .plan;
+        let plan = ChamberPlan::parse(shipped(Path::new("two-point")).expect("a shipped plan")).expect("a plan");
         assert_eq!(plan.span_c(), (15.0, 55.0));
     }
 }

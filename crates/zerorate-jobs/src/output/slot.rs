@@ -15,7 +15,6 @@ use zerorate_input::limits::Bytes;
 /// A claimed file. The claim ends on drop; the written content stays.
 #[derive(Debug)]
 pub struct Slot {
-    /// The path that the user gave.
     path: PathBuf,
     folder: PathBuf,
     name: OsString,

@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 /// A claimed output. If it is dropped before [`StagedOutput::publish`], a file of its name stays as it is.
 #[derive(Debug)]
 pub struct StagedOutput {
-    /// The path that the user gave.
     path: PathBuf,
     destination: Destination,
 }

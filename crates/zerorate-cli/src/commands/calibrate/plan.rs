@@ -58,7 +58,6 @@ pub struct PlanArgs {
     assume_linear: bool,
 }
 
-/// The methods of calibration.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum MethodArg {
     /// Two temperatures by self-heating and the line through them, as in AN-1042.
