@@ -115,6 +115,10 @@ fn requests_are_answered_and_calibrations_kept() {
     let kept = bench.path(&format!("shelf/calibration-{id}.toml"));
     assert!(wait_until(|| kept.exists()), "{}", kept.display());
     assert_eq!(page.ask(&json!({"id": 8, "do": "apply", "calibration": id}))["ok"], json!({}));
+    for wrong in [json!({"id": 9, "do": "fly"}), json!({"id": 9, "do": "apply", "calibration": "../../etc"})] {
+        let refused = page.ask(&wrong);
+        assert!(refused["id"] == 9 && refused["error"].is_string(), "{refused}");
+    }
     // the checks need five seconds of samples
     page.ask(&json!({"id": 10, "do": "speed", "factor": 20}));
     let checked = page.until(|frame| frame["device"]["checks"].as_array().is_some_and(|all| all.len() == 3));
