@@ -56,7 +56,7 @@ impl fmt::Display for SavedError {
             Self::Altered(damage) => damage.fmt(f),
             Self::Unchecked => f.write_str(check_lines::UNCHECKED),
             Self::Damaged => f.write_str("it is damaged: its lists have different lengths, or its times do not rise"),
-            Self::Impossible { what } => write!(f, "it is damaged: a measurement cannot give such {what}"),
+            Self::Impossible { what } => write!(f, "it is damaged: its {what} cannot come from a measurement"),
             Self::Other { what, saved, wanted } => {
                 write!(f, "it belongs to another {what}: {saved:?} there, {wanted:?} here")
             }
