@@ -77,7 +77,7 @@ pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQue
         is_first = false;
     }
     reading.append(&before)?;
-    let mut found = reading.finish(head, asked)?;
+    let mut found = reading.finish(&head, asked)?;
     found.warnings.extend(left_out);
     Ok(found)
 }
@@ -198,7 +198,7 @@ impl<'a> TextColumns<'a> {
         self.columns.first().map_or(0, SeriesBuilder::rows)
     }
 
-    fn finish(self, head: Head, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
+    fn finish(self, head: &Head, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         let rows = self.rows();
         let Self { cut, columns, times, numerals, broken, torn, sample, .. } = self;
         let (path, names) = (cut.path, asked.args.names);
@@ -211,7 +211,7 @@ impl<'a> TextColumns<'a> {
         if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
             return Err(LogError::File(at_line(path, line, &what)));
         }
-        let skipped = head.skipped.map(|(lines, first)| LogWarning::LinesSkipped {
+        let skipped = head.skipped.clone().map(|(lines, first)| LogWarning::LinesSkipped {
             path: path.display().to_string(),
             lines,
             first,

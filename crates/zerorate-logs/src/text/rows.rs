@@ -13,7 +13,6 @@ use std::mem::take;
 use std::path::Path;
 use zerorate_allan::SettingName;
 use zerorate_input::InputError;
-use zerorate_input::delimited::Delimiter;
 
 /// Number of characters of a byte in hexadecimal digits, as in `0x68`.
 const BYTE: usize = 4;
@@ -21,25 +20,13 @@ const BYTE: usize = 4;
 /// The places of the wanted cells in each line of a file.
 pub struct Cut<'a> {
     pub path: &'a Path,
-    pub delimiter: Delimiter,
-    /// The number of cells of a line.
-    pub width: usize,
+    head: &'a Head,
     /// The places of the wanted cells in a line, in order, each with its index among the wanted cells.
     pub wanted: Vec<(usize, usize)>,
     /// The index of the time among the wanted cells; `None` if no time is read.
     pub time: Option<usize>,
     pub format: DateFormat,
     pub names: Vec<String>,
-    /// Number of lines at the start that are not data.
-    pub head: u64,
-    /// The lines of the header, as in [`Head`].
-    header: Vec<(u64, String)>,
-    /// The type of the sentences that are read, as in [`Head`].
-    pub sentence: Option<String>,
-    /// Number of cells in front of the first column: 1 for an index without a name, otherwise 0.
-    shift: usize,
-    /// The names of all columns.
-    all: Vec<String>,
     /// The places of cells, and their values in the rows to read; empty reads all rows.
     pub only: Vec<(usize, String)>,
 }
@@ -107,11 +94,11 @@ impl Cut<'_> {
         let text = block.text();
         let has_quotes = memchr(b'"', text.as_bytes()).is_some();
         if is_first {
-            piece.sample = self.all.iter().map(|name| Sampled::new(name)).collect();
+            piece.sample = self.head.names.iter().map(|name| Sampled::new(name)).collect();
         }
         let mut reading = Reading {
             cut: self,
-            plain: self.delimiter.byte().filter(|_| !has_quotes),
+            plain: self.head.delimiter.byte().filter(|_| !has_quotes),
             cells: vec![""; self.names.len()],
             values: vec![Number::Missing; piece.columns.len()],
             piece,
@@ -140,8 +127,9 @@ impl<'t> Reading<'_, 't> {
     fn line(&mut self, line: &'t str, is_first: bool, ended: bool) {
         self.piece.lines += 1;
         let line = line.trim_ascii();
-        let is_head = is_first && self.piece.lines <= self.cut.head;
-        if is_head || line.is_empty() || is_comment(line) || sentence::is_other(line, self.cut.sentence.as_deref()) {
+        let Head { lines, delimiter, sentence, header, .. } = self.cut.head;
+        let is_head = is_first && self.piece.lines <= *lines;
+        if is_head || line.is_empty() || is_comment(line) || sentence::is_other(line, sentence.as_deref()) {
             return;
         }
         if self.is_left_out(line) {
@@ -153,8 +141,8 @@ impl<'t> Reading<'_, 't> {
             Ok(()) => return,
             Err(wrong) => (number, wrong),
         };
-        let (names, header) = (sentence::without_end(line), &self.cut.header);
-        if header::is_again(names, header, self.cut.delimiter) {
+        let names = sentence::without_end(line);
+        if header::is_again(names, header, *delimiter) {
             self.piece.rows -= 1;
             self.piece.again.get_or_insert(number);
             return;
@@ -164,7 +152,7 @@ impl<'t> Reading<'_, 't> {
             self.piece.cut = Some(wrong);
             return;
         }
-        if let Some(what) = header::other(names, header, self.cut.delimiter) {
+        if let Some(what) = header::other(names, header, *delimiter) {
             self.piece.fatal.get_or_insert((number, what));
         }
         self.piece.bad += 1;
@@ -177,15 +165,15 @@ impl<'t> Reading<'_, 't> {
     }
 
     fn row(&mut self, line: &'t str, number: u64) -> Result<(), String> {
-        let width = self.split(line);
+        let (width, expected) = (self.split(line), self.cut.head.width);
         let named = |at: usize, what: &str| format!("column {}: {what}", self.cut.names[at]);
         if let Some((_, at)) = self.cut.wanted.iter().find(|(place, _)| *place >= width) {
             return Err(named(*at, "the line ends before this cell"));
         }
         // if a line was cut off, its last cell may be cut as well
-        let is_half = width < self.cut.width && self.cut.wanted.last().is_some_and(|(place, _)| place + 1 == width);
-        if width > self.cut.width || is_half {
-            return Err(format!("it has {width} cells, and the others have {}", self.cut.width));
+        let is_half = width < expected && self.cut.wanted.last().is_some_and(|(place, _)| place + 1 == width);
+        if width > expected || is_half {
+            return Err(format!("it has {width} cells, and the others have {expected}"));
         }
         // in a table of several sensors side by side, another sensor may have more rows than this one
         if self.cut.time.is_some_and(|time| self.cells[time].is_empty())
@@ -230,7 +218,7 @@ impl<'t> Reading<'_, 't> {
     fn is_left_out(&self, line: &str) -> bool {
         let mut wanted = self.cut.only.iter();
         wanted.any(|(place, value)| {
-            self.cut.delimiter.cells(line).nth(*place).is_some_and(|cell| !self.cell(cell).is(value))
+            self.cut.head.delimiter.cells(line).nth(*place).is_some_and(|cell| !self.cell(cell).is(value))
         })
     }
 
@@ -250,7 +238,7 @@ impl<'t> Reading<'_, 't> {
         if self.piece.sample.first().is_none_or(|column| column.cells.len() >= ROWS) {
             return;
         }
-        let cells = self.cut.delimiter.cells(line).skip(self.cut.shift);
+        let cells = self.cut.head.delimiter.cells(line).skip(self.cut.head.index.into());
         let cells: Vec<Cell> = cells.take(self.piece.sample.len()).map(|cell| self.cell(cell)).collect();
         let cells = cells.into_iter().chain(std::iter::repeat(Cell::Missing));
         self.piece.sample.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
@@ -281,21 +269,21 @@ impl<'t> Reading<'_, 't> {
         let width = if is_whole { width } else { width + ends.count() + 1 };
         // a line that ends with a delimiter has no further cell
         let ends_empty = line.as_bytes().last() == Some(&delimiter);
-        if ends_empty && width == self.cut.width + 1 { width - 1 } else { width }
+        if ends_empty && width == self.cut.head.width + 1 { width - 1 } else { width }
     }
 
     fn split_quoted(&mut self, line: &'t str) -> usize {
         let mut wanted = self.cut.wanted.iter();
         let mut next = wanted.next();
         let (mut width, mut is_empty) = (0, false);
-        for cell in self.cut.delimiter.cells(line) {
+        for cell in self.cut.head.delimiter.cells(line) {
             if let Some((_, at)) = next.filter(|(place, _)| *place == width) {
                 self.cells[*at] = cell;
                 next = wanted.next();
             }
             (width, is_empty) = (width + 1, cell.is_empty());
         }
-        if is_empty && width == self.cut.width + 1 { width - 1 } else { width }
+        if is_empty && width == self.cut.head.width + 1 { width - 1 } else { width }
     }
 }
 
@@ -365,24 +353,18 @@ pub fn at_line(path: &Path, line: u64, what: &str) -> InputError {
     }
 }
 
-pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize>) -> Cut<'a> {
+pub fn cut<'a>(path: &'a Path, head: &'a Head, chosen: &[usize], time: Option<usize>) -> Cut<'a> {
     let shift = usize::from(head.index);
     let mut wanted: Vec<(usize, usize)> =
         chosen.iter().chain(&time).enumerate().map(|(at, index)| (index + shift, at)).collect();
     wanted.sort_unstable();
     Cut {
         path,
-        delimiter: head.delimiter,
-        width: head.width,
+        head,
         wanted,
         time: time.map(|_| chosen.len()),
         format: time.map(|index| head.dates[index].format).unwrap_or_default(),
         names: chosen.iter().chain(&time).map(|index| head.names[*index].clone()).collect(),
-        head: head.lines,
-        header: head.header.clone(),
-        sentence: head.sentence.clone(),
-        shift,
-        all: head.names.clone(),
         only: Vec::new(),
     }
 }
