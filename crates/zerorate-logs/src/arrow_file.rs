@@ -3,6 +3,7 @@
 //! The messages are split by [`Messages`], as in a capture, because the library's own file reader trusts the lengths
 //! and offsets in a file.
 
+use crate::open::BUFFER;
 use arrow_array::RecordBatch;
 use arrow_ipc::reader::StreamDecoder;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
@@ -23,8 +24,6 @@ const MAX_PADDING: u64 = 1024;
 const END: u64 = 4 + MARK.len() as u64;
 
 const MARK: &[u8] = b"ARROW1";
-
-const BUFFER: usize = 1 << 18;
 
 pub struct ArrowFile {
     path: PathBuf,

@@ -3,7 +3,7 @@
 
 use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
-use super::open::{ARDUPILOT, Log};
+use super::open::{ARDUPILOT, BUFFER, Log};
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
 use crate::choice::ColumnSelection;
@@ -23,7 +23,6 @@ const FMT: u8 = 128;
 const HEAD: usize = 3;
 /// Size of the fields of an FMT message in bytes.
 const FMT_BODY: usize = 86;
-const BUFFER: usize = 1 << 18;
 /// Number of messages between two checks of the memory limit.
 const PIECE: u64 = 1024;
 

@@ -6,7 +6,7 @@
 
 use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
-use super::open::{Log, MATLAB};
+use super::open::{BUFFER, Log, MATLAB};
 use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
 use crate::error::{Result, object_of_matlab};
@@ -19,8 +19,6 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{InputError, InputWarning};
-
-const BUFFER: usize = 1 << 18;
 
 /// Size of the file header in bytes: text, version, and the mark of the byte order.
 const HEAD: usize = 128;

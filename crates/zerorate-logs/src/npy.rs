@@ -5,7 +5,7 @@ mod header;
 
 use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
-use super::open::Log;
+use super::open::{BUFFER, Log};
 use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
 use crate::error::{Result, wrong};
@@ -18,8 +18,6 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning, TimeUnit};
-
-const BUFFER: usize = 1 << 18;
 
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, mut input, room, .. } = log;

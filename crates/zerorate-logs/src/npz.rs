@@ -2,7 +2,7 @@
 //! repeats the header of each member.
 
 use super::npy::{self, Array};
-use super::open::{Log, Unpacking};
+use super::open::{BUFFER, Log, Unpacking};
 use crate::error::Result;
 use crate::query::ColumnQuery;
 use crate::raw_columns::RawColumns;
@@ -13,8 +13,6 @@ use zerorate_input::limits::{MemoryBudget, OverBudget};
 use zerorate_input::{Input, InputError};
 use zip::ZipArchive;
 use zip::result::{ZipError, ZipResult};
-
-const BUFFER: usize = 1 << 18;
 
 /// Largest number of columns of all arrays together.
 const MAX_COLUMNS: usize = 1 << 16;

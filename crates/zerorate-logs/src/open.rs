@@ -9,7 +9,8 @@ use zerorate_input::{Input, InputError, NotBuiltIn};
 /// Number of bytes at the start of a file that are read to recognise its format.
 const MARK: u64 = 16;
 
-const BUFFER: usize = 1 << 18;
+/// Size of the buffer in front of a file, bytes.
+pub const BUFFER: usize = 1 << 18;
 
 pub struct Log<'a> {
     pub path: &'a Path,

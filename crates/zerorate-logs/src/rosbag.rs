@@ -3,7 +3,7 @@
 
 use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;
-use super::open::{Log, ROS_BAG};
+use super::open::{BUFFER, Log, ROS_BAG};
 use super::topics::Survey;
 use crate::error::Result;
 use crate::query::ColumnQuery;
@@ -14,8 +14,6 @@ use std::path::Path;
 use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 use zerorate_input::{Input, InputError, InputWarning};
-
-const BUFFER: usize = 1 << 18;
 
 /// Longest header of a record in bytes: a connection names a topic and a type.
 const MAX_HEAD: u32 = 1 << 16;

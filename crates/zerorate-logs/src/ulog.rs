@@ -3,7 +3,7 @@
 
 use super::binary::{BinaryNumber, Coding};
 use super::clock::Times;
-use super::open::{Log, ULOG};
+use super::open::{BUFFER, Log, ULOG};
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
 use crate::choice::{ColumnSelection, ColumnSpec, TEMPERATURE_COLUMN};
@@ -16,8 +16,6 @@ use std::collections::BTreeMap;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 use zerorate_input::{Input, InputError, InputWarning, Quantity, TimeUnit, Unit};
-
-const BUFFER: usize = 1 << 18;
 
 /// Size of the file header in bytes: the magic number, a version and a time.
 const HEAD: usize = 16;

@@ -1,5 +1,6 @@
 //! Reads the messages of an MCAP file.
 
+use crate::open::BUFFER;
 use mcap::io::MessageReader;
 use mcap::sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions};
 use mcap::{MAGIC, McapError, McapResult, Message, Summary};
@@ -8,8 +9,6 @@ use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use zerorate_input::Input;
 use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
-
-const BUFFER: usize = 1 << 18;
 
 /// Size of the head of a record in bytes: its kind and its length.
 const RECORD_HEAD: usize = 9;
