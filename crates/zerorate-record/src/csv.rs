@@ -150,8 +150,7 @@ impl CsvReader {
         };
         let place = format!("line {}", line.number);
         if let Some(comment) = line.text.strip_prefix('#') {
-            let entry = statement(comment);
-            return match entry {
+            return match statement(comment) {
                 Some(Entry::Check(_)) | None if !line.ended => Ok(Entry::Nothing),
                 Some(entry) => Ok(entry),
                 None => Err(InputError::damaged(&self.path, place, "what it states about the end is malformed")),

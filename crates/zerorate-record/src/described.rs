@@ -219,7 +219,7 @@ impl AxisValidation {
 
     /// The warnings about the readings. Complete once all are validated.
     fn warnings(&self) -> Vec<(&'static str, String)> {
-        let found = valid::warnings(&self.health, &self.tally, self.start_ns.unwrap_or_default());
+        let found = valid::of_axes([("", &self.health)], &self.tally, self.start_ns.unwrap_or_default());
         found.iter().map(coded).collect()
     }
 

@@ -253,12 +253,6 @@ impl CaptureInfo {
         }
         part
     }
-
-    /// The first recorded axis, with its settings.
-    #[must_use]
-    pub fn axis(&self) -> Axis {
-        self.part().axes.first().map_or(Axis::ADIS16130, |first| first.axis)
-    }
 }
 
 fn axis_names(part: &Part) -> String {
@@ -289,11 +283,6 @@ fn if_stated(
         value if value.is_finite() && can_be(value) => Ok(Some(value)),
         value => Err(CaptureError::damaged(path, "metadata", format!("{key} = {value}, which no part has"))),
     }
-}
-
-/// True if `metadata` has entries of a capture, of any version of the format.
-pub fn is_capture(metadata: &Metadata) -> bool {
-    metadata.iter().any(|(key, _)| key.starts_with("zerorate."))
 }
 
 /// Converts a value to a single trimmed line, which every format can hold.

@@ -39,7 +39,7 @@ pub use checked::Checked;
 pub use described::open_described;
 pub use error::CaptureError;
 pub use hash::SampleHash;
-pub use info::{CALIBRATION_ID, CaptureInfo, Converter, NotThePart, SCHEMA_VERSION, is_capture};
+pub use info::{CALIBRATION_ID, CaptureInfo, Converter, NotThePart, SCHEMA_VERSION};
 pub use layout::{CodedAxis, Layout, LayoutError};
 pub use row::Row;
 pub use table::Format;

@@ -32,7 +32,10 @@ impl Format {
     /// Returns an error if the ending is not that of a capture, or if the format is not in this build.
     pub fn choose(asked: Option<Self>, path: &Path) -> Result<Self, CaptureError> {
         let format = asked.map_or_else(|| Self::by_name(path), Ok)?;
-        format.missing().map_or(Ok(format), |missing| Err(InputError::not_built_in(path, missing).into()))
+        if cfg!(not(feature = "parquet")) && format == Self::Parquet {
+            return Err(InputError::not_built_in(path, NotBuiltIn::PARQUET).into());
+        }
+        Ok(format)
     }
 
     fn by_name(path: &Path) -> Result<Self, CaptureError> {
@@ -42,13 +45,6 @@ impl Format {
             "parquet" => Ok(Self::Parquet),
             "csv" => Ok(Self::Csv),
             _ => Err(CaptureError::UnknownEnding { path: path.to_owned() }),
-        }
-    }
-
-    const fn missing(self) -> Option<NotBuiltIn> {
-        match self {
-            Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),
-            _ => None,
         }
     }
 }

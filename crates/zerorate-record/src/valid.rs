@@ -4,12 +4,8 @@ use crate::warning::CaptureWarning;
 use zerorate::health::{Frozen, Health};
 use zerorate::{Tally, Warning};
 
-/// The warnings about the readings of one axis. `start_ns` is the time of the first sample.
-pub fn warnings(health: &Health, tally: &Tally, start_ns: u64) -> Vec<CaptureWarning> {
-    of_axes([("", health)], tally, start_ns)
-}
-
-/// The warnings about the readings of each axis. If there are several axes, each warning names its axis.
+/// The warnings about the readings of each axis. If there are several axes, each warning names its axis. `start_ns` is
+/// the time of the first sample.
 pub fn of_axes<'a>(
     axes: impl IntoIterator<Item = (&'a str, &'a Health)>,
     tally: &Tally,
