@@ -15,7 +15,7 @@ use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
-use zerorate_input::{Input, InputError, Quantity, TimeUnit, Unit};
+use zerorate_input::{Input, InputError, InputWarning, Quantity, TimeUnit, Unit};
 
 /// The type number of an FMT message.
 const FMT: u8 = 128;
@@ -40,7 +40,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     times.unit = Some(chosen.time.1);
     let mut values: Vec<_> = chosen.fields.iter().map(|_| SeriesBuilder::sharing(room, chosen.fields.len())).collect();
     let (mut row, mut full) = (0u64, None);
-    let mut again = Messages::new(path, messages.rewound()?);
+    let input = messages.file.get_ref().rewound().map_err(|error| InputError::io("read", path, error))?;
+    let mut again = Messages::new(path, input);
     again.all(|id, form, body| {
         if id != chosen.id || form.instance(body) != chosen.instance {
             return true;
@@ -61,14 +62,16 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     full.map_or(Ok(()), |why| Err(InputError::over_budget(path, why)))?;
     let lost = (again.skipped > 0).then(|| {
         let (path, bytes, places) = (path.display(), again.skipped, again.places);
-        format!("{path}: skipped {bytes} unreadable bytes in {places} place{}", if places == 1 { "" } else { "s" })
+        let plural = if places == 1 { "" } else { "s" };
+        let text = format!("{path}: skipped {bytes} unreadable bytes in {places} place{plural}");
+        LogWarning::File(InputWarning::Torn(text))
     });
     let columns = chosen.fields.iter().zip(values).map(|(field, values)| RawColumn {
         stated: stated(&field.name),
         ..RawColumn::new(format!("{}.{}", chosen.topic, field.name), values)
     });
     let time = (format!("{}.{}", chosen.topic, chosen.time.0.name), times);
-    Ok(RawColumns::new(columns, Some(time), LogWarning::torn(lost)))
+    Ok(RawColumns::new(columns, Some(time), lost))
 }
 
 /// The quantity of a field, and the size of its unit in the unit of results. Rates are in rad/s and accelerations in
@@ -140,10 +143,6 @@ impl<'a> Messages<'a> {
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
             Err(error) => Err(InputError::io("read", self.path, error)),
         }
-    }
-
-    fn rewound(&self) -> Result<Input, InputError> {
-        self.file.get_ref().rewound().map_err(|error| InputError::io("read", self.path, error))
     }
 }
 

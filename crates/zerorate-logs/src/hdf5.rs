@@ -78,7 +78,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     times.unit = time_unit.and_then(|unit| TimeUnit::of_column(&format!("time [{unit}]")));
     let time = time.map(|time| (columns[time].name.clone(), times));
     let name = |(column, values): (&&SetColumn<'_>, SeriesBuilder)| RawColumn::new(column.with_unit(), values);
-    let found = RawColumns::new(wanted.iter().zip(values).map(name), time, behind.map(LogWarning::from));
+    let found = RawColumns::new(wanted.iter().zip(values).map(name), time, behind.map(LogWarning::File));
     Ok(RawColumns { stated_rate: StatedRate::among(rates), ..found })
 }
 

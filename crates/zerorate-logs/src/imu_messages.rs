@@ -338,7 +338,7 @@ impl<'a> Collector<'a> {
             ..RawColumn::new(format!("{}.{quantity}", wanted.name), values)
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
-        let warnings = of_end.map(LogWarning::from).into_iter().chain(miscounted).chain(unstamped).collect();
+        let warnings = of_end.map(LogWarning::File).into_iter().chain(miscounted).chain(unstamped).collect();
         RawColumns { columns, clock, warnings, sample, stated_rate: None }
     }
 }

@@ -61,7 +61,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let time = time.map(|time| Ok::<_, InputError>((columns[time].name.clone(), columns[time].times(path)?)));
-    Ok(RawColumns { stated_rate, ..RawColumns::new(found, time.transpose()?, of_end.map(LogWarning::from)) })
+    Ok(RawColumns { stated_rate, ..RawColumns::new(found, time.transpose()?, of_end.map(LogWarning::File)) })
 }
 
 /// The unpacked variables of a file, and a warning if the file is torn or another file follows.

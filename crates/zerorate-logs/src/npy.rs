@@ -26,7 +26,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let behind = InputWarning::behind_end(path, &input, array.end)?;
     let mut input = Some(input);
     let mut found = read_arrays(path, room, &[array], asked, |_, is_wanted| Ok(input.take().filter(|_| is_wanted)))?;
-    found.warnings.extend(behind.map(LogWarning::from));
+    found.warnings.extend(behind.map(LogWarning::File));
     Ok(found)
 }
 

@@ -78,7 +78,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
         ..RawColumn::new(name, values)
     });
-    Ok(RawColumns::new(columns, Some((name, times)), of_end.map(LogWarning::from)))
+    Ok(RawColumns::new(columns, Some((name, times)), of_end.map(LogWarning::File)))
 }
 
 /// The quantity of an IMU's field, and the size of its unit in the unit of results, by PX4's definition.

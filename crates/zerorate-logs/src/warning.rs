@@ -179,10 +179,6 @@ impl LogWarning {
         Self::UnitsTaken { path: path.display().to_string(), what }
     }
 
-    pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
-        text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
-    }
-
     /// True if the warning is about the log as a whole, and not about one of its columns.
     #[must_use]
     pub fn is_of_log(&self) -> bool {
@@ -225,11 +221,5 @@ impl LogWarning {
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())
-    }
-}
-
-impl From<InputWarning> for LogWarning {
-    fn from(warning: InputWarning) -> Self {
-        Self::File(warning)
     }
 }

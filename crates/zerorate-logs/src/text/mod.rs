@@ -36,7 +36,7 @@ use std::borrow::Cow;
 use std::io::Seek;
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
-use zerorate_input::{Input, InputError, TimeUnit};
+use zerorate_input::{Input, InputError, InputWarning, TimeUnit};
 
 /// Number of blocks per thread. With one block each, all threads wait for the thread that also reads the next blocks.
 const AT_ONCE: usize = 2;
@@ -225,7 +225,8 @@ impl<'a> TextColumns<'a> {
         let unused = head.scales.unused.clone().filter(|_| asked.args.scale.is_none());
         let unused = unused.map(|line| LogWarning::ScaleUnused { path: path.display().to_string(), line });
         let warnings = skipped.into_iter().chain(unused).chain(broken).chain(restarted);
-        let warnings = warnings.chain(LogWarning::torn(torn)).collect();
+        let torn = torn.map(|text| LogWarning::File(InputWarning::Torn(text)));
+        let warnings = warnings.chain(torn).collect();
         let time = cut.time.map(|time| cut.names[time].clone());
         let clock = time.zip(times).map_or(Clock::Silent, |(name, mut times)| {
             if asked.args.time_unit.is_none() {
