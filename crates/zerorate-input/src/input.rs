@@ -127,6 +127,14 @@ impl Input {
         Ok(again)
     }
 
+    /// The first bytes, at most `length`. The read position is then the first byte.
+    pub fn start(&mut self, length: u64) -> io::Result<Vec<u8>> {
+        let mut start = Vec::new();
+        self.take(length).read_to_end(&mut start)?;
+        self.rewind()?;
+        Ok(start)
+    }
+
     /// Reads `length` bytes from `start` on. Returns an error if there are fewer. Moves the read position of a file.
     pub fn bytes_at(&self, start: u64, length: usize) -> io::Result<Bytes> {
         let outside = || io::Error::new(ErrorKind::UnexpectedEof, format!("{length} bytes at {start} are not there"));

@@ -2,7 +2,6 @@
 
 use crate::table::BatchSource;
 use crate::{Input, InputError, arrows};
-use std::io::{Read, Seek};
 use std::path::Path;
 
 /// The result of [`open_table`].
@@ -18,10 +17,7 @@ pub enum Opened {
 /// # Errors
 /// Returns an error if the file cannot be read, is damaged, or is Parquet and this build lacks Parquet.
 pub fn open_table(path: &Path, mut input: Input) -> Result<Opened, InputError> {
-    let failed = |error| InputError::io("read", path, error);
-    let mut start = Vec::new();
-    (&mut input).take(4).read_to_end(&mut start).map_err(failed)?;
-    input.rewind().map_err(failed)?;
+    let start = input.start(4).map_err(|error| InputError::io("read", path, error))?;
     match start.as_slice() {
         [0xFF, 0xFF, 0xFF, 0xFF] => Ok(Opened::Table(Box::new(arrows::StreamReader::open(path, input)?))),
         #[cfg(feature = "parquet")]

@@ -1,6 +1,6 @@
 //! Opens a log, recognises it by its content, and unpacks it.
 
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
@@ -20,21 +20,22 @@ pub struct Log<'a> {
     pub start: Vec<u8>,
 }
 
-pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
+pub fn open(path: &Path, mut input: Input) -> Result<Log<'_>, InputError> {
     let failed = |error| InputError::io("read", path, error);
     if input.is_directory().map_err(failed)? {
         return Err(InputError::not_a_log(path, "it is a directory and no bag of ROS 2; name the file"));
     }
     let room = MemoryBudget::of(input.stored().map_err(failed)?);
-    let (input, start) = marked(input).map_err(failed)?;
+    let start = input.start(MARK).map_err(failed)?;
     let Some(packing) = Packing::of(&start) else {
         return Ok(Log { path, input, room, start });
     };
     if let Some(missing) = packing.missing() {
         return Err(InputError::not_built_in(path, missing));
     }
-    let unpacked = packing.unpack(&input, room).map_err(|why| why.in_file(path, &format!("as {packing:?}")))?;
-    let (input, start) = marked(unpacked).map_err(failed)?;
+    let unpacked = packing.unpack(&input, room).map_err(|why| why.in_file(path, &format!("as {packing:?}")));
+    let mut input = unpacked?;
+    let start = input.start(MARK).map_err(failed)?;
     match Packing::of(&start) {
         Some(_) => Err(InputError::not_a_log(path, "it is packed twice; unpack it once")),
         None => Ok(Log { path, input, room, start }),
@@ -42,8 +43,8 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
 }
 
 /// Reads the first bytes of an input, without unpacking it.
-pub fn looked_at(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
-    let (input, start) = marked(input).map_err(|error| InputError::io("read", path, error))?;
+pub fn looked_at(path: &Path, mut input: Input) -> Result<Log<'_>, InputError> {
+    let start = input.start(MARK).map_err(|error| InputError::io("read", path, error))?;
     Ok(Log { path, input, room: MemoryBudget::of(0), start })
 }
 
@@ -243,11 +244,3 @@ impl From<io::Error> for Unpacking {
 /// Largest window of a compressor, KiB: twice the window of `xz -9`, and the default limit of the `zstd` decoder.
 #[cfg(feature = "packed")]
 const MAX_WINDOW_KB: u32 = 128 << 10;
-
-/// The input, and its first bytes.
-fn marked(mut input: Input) -> io::Result<(Input, Vec<u8>)> {
-    let mut start = Vec::new();
-    (&mut input).take(MARK).read_to_end(&mut start)?;
-    input.rewind()?;
-    Ok((input, start))
-}

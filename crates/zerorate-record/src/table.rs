@@ -9,7 +9,6 @@ use crate::parquet;
 use crate::{CaptureError, CaptureInfo, arrows, csv};
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
-use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use zerorate_input::{Input, InputError, NotBuiltIn, Opened, open_table};
 
@@ -112,9 +111,7 @@ pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> 
     if input.is_directory().map_err(failed)? {
         return Err(CaptureError::not_a_capture(path, "it is a directory; name the file"));
     }
-    let mut start = Vec::new();
-    (&mut input).take(csv::PREAMBLE.len() as u64).read_to_end(&mut start).map_err(failed)?;
-    input.rewind().map_err(failed)?;
+    let start = input.start(csv::PREAMBLE.len() as u64).map_err(failed)?;
     match start.as_slice() {
         [] => Err(CaptureError::not_a_capture(path, "it is empty")),
         [b'A', b'R', b'R', b'O', b'W', b'1', ..] => Err(CaptureError::not_a_capture(
