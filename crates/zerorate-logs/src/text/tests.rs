@@ -1,6 +1,6 @@
 //! Tests with texts such as users have: headers that do not fit, decimal commas, serial logs.
 
-use super::super::tests::{self, numbers, there};
+use super::super::tests::{self, fails, numbers, there};
 use crate::column::Column;
 use crate::series::Series;
 use crate::warning::LogWarning;
@@ -8,10 +8,6 @@ use zerorate_input::Quantity;
 
 fn read(text: &str, options: &str) -> Column {
     tests::read_file(text, options).unwrap_or_else(|error| panic!("{text:?}: {error}"))
-}
-
-fn fails(text: &str, options: &str) -> String {
-    tests::fails(text, options)
 }
 
 /// R's `write.table(data.frame(gx, gy), …)` names one column less than it writes.
@@ -26,7 +22,7 @@ fn a_header_with_one_name_too_few() {
         assert_eq!(numbers(&read(&text, "--column 0 --rate 10"))[4], 2.5, "{header}");
         // a column that does not count the rows is not an index
         let text = text.replacen("\n", "\n9", 1);
-        let said = fails(&text.replace("\n9\"1\"", "\n\"9\""), "--column gy --rate 10");
+        let said = fails(text.replace("\n9\"1\"", "\n\"9\""), "--column gy --rate 10");
         assert!(said.contains("the header has 2 names, and the rows below have 3 cells"), "{said}");
     }
     // a header with too many names, or with far too few
@@ -46,7 +42,7 @@ fn a_header_with_one_name_too_few() {
 #[test]
 fn a_binary_file_is_not_read_as_text() {
     let codes: Vec<u8> = (0..20_000u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    let said = tests::fails(codes, "--rate 10");
+    let said = fails(codes, "--rate 10");
     assert!(said.contains("is not UTF-8 text; raw numbers need their type (--raw)"), "{said}");
 }
 
@@ -79,7 +75,7 @@ fn decimal_commas_between_commas() {
     let cut = |number: f64, decimals: usize| format!("{number:.decimals$}").replace('.', ",");
     let row = |at: i32| format!("{},{},{}\n", cut(at.into(), 3), cut(-0.05 + 0.01 * f64::from(at), 3), cut(0.5, 1));
     let rows: String = (0..40).map(row).collect();
-    let said = fails(&format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10");
+    let said = fails(format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10");
     assert!(
         said.contains("the header has 3 names, and the rows below have 6 cells") && said.ends_with(clash),
         "{said}"
@@ -180,7 +176,7 @@ fn the_only_column_of_clock_times_is_the_time() {
         assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{before}: {}", column.rate_hz);
     }
     // a time that stands still, such as the start of the log, is not the time
-    let said = fails(&"12:00:00,0.5\n12:00:00,0.25\n".repeat(20), "--column 1");
+    let said = fails("12:00:00,0.5\n12:00:00,0.25\n".repeat(20), "--column 1");
     assert!(said.contains("does not say how fast"), "{said}");
 }
 
@@ -257,7 +253,7 @@ fn a_text_in_many_blocks() {
     let mixed = format!("{}0.5\n{}", "7\n".repeat(3000), "8\n".repeat(3000));
     assert_eq!(read(&mixed, "--rate 1").series.len(), 6001);
     assert!(
-        fails(&format!("{}1,5\n{}2.5\n", "7;\n".repeat(2000), "8\n".repeat(3000)), "--column 0 --rate 1").len() > 10
+        fails(format!("{}1,5\n{}2.5\n", "7;\n".repeat(2000), "8\n".repeat(3000)), "--column 0 --rate 1").len() > 10
     );
 }
 
@@ -443,7 +439,7 @@ fn a_header_may_come_again_but_not_another_one() {
         assert!(!said.contains("broken and skipped"), "{said}");
     }
     for other in ["t_ms,gy_dps,gx_dps", "t_ms,gx_rad_s,gy_rad_s"] {
-        let said = fails(&text(other), "--column gx_dps --max-bad 0.1");
+        let said = fails(text(other), "--column gx_dps --max-bad 0.1");
         let named = format!("line 42: the header `{other}` begins another log than `t_ms,gx_dps,gy_dps` in line 1");
         assert!(said.contains(&named), "{said}");
     }
