@@ -454,7 +454,7 @@ fn is_number(cell: &str) -> bool {
     Numerals::new(None).read(cell, 0).is_ok_and(Number::is_there)
 }
 
-fn is_word(cell: &str) -> bool {
+pub fn is_word(cell: &str) -> bool {
     Numerals::new(None).read(cell, 0).is_err()
 }
 

@@ -1,7 +1,6 @@
 //! Tells a header in the midst of a log from broken rows: the header of the log again, or another log's header.
 
-use super::super::number::Numerals;
-use super::head::shortened;
+use super::head::{is_word, shortened};
 use std::collections::HashSet;
 use zerorate_input::Unit;
 use zerorate_input::delimited::Delimiter;
@@ -21,7 +20,7 @@ pub fn other(line: &str, header: &Header, delimiter: Delimiter) -> Option<String
     let mut as_wide = header.iter().filter(|(_, known)| is_as_wide(known));
     let (number, known) = as_wide.find(|(_, known)| differ(&names, &cells(known, delimiter).collect::<Vec<_>>()))?;
     let mut seen = HashSet::new();
-    let are_names = names.iter().all(|name| is_word(name) && seen.insert(*name));
+    let are_names = names.iter().all(|name| !name.contains('\u{FFFD}') && is_word(name) && seen.insert(*name));
     let (line, known) = (shortened(line), shortened(known));
     let what = format!("the header `{line}` begins another log than `{known}` in line {number}; cut the log there");
     are_names.then_some(what)
@@ -41,10 +40,6 @@ fn differ(names: &[&str], known: &[&str]) -> bool {
 
 fn cells(line: &str, delimiter: Delimiter) -> impl Iterator<Item = &str> {
     delimiter.cells(line.trim_start_matches('\u{FEFF}'))
-}
-
-fn is_word(cell: &str) -> bool {
-    !cell.contains('\u{FFFD}') && Numerals::new(None).read(cell, 0).is_err()
 }
 
 #[cfg(test)]
