@@ -51,7 +51,26 @@ impl Resampled {
     /// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last
     /// digit. `None` if there are few such samples, or if chance may explain them.
     pub fn text(&self) -> Option<String> {
-        doubt(&self.0)
+        let samples = &*without_one_value(&self.0);
+        let first = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite());
+        let first: Vec<f64> = first.collect();
+        let step = first.iter().copied().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+        let repeats = share(&first, step, 0.0).or_else(|| coarse_share(samples, step));
+        let of_lines = || {
+            let second = samples.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
+            // tolerance for the rounding errors of two sums
+            let size = samples.iter().fold(0.0_f64, |most, sample| most.max(sample.abs()));
+            share(
+                &second.filter(|step| step.is_finite()).collect::<Vec<_>>(),
+                step,
+                2.0 * step + 8.0 * f64::EPSILON * size,
+            )
+        };
+        let (share, how) = match repeats {
+            Some(share) => (share, "repeat the one before"),
+            None => (of_lines()?, "lie on the line between neighbours"),
+        };
+        Some(format!("{:.0} % of the samples {how}; use the raw log", 100.0 * share))
     }
 }
 
@@ -63,29 +82,6 @@ fn without_one_value(samples: &[f64]) -> Vec<f64> {
     let most = repeats.chunk_by(|a, b| a == b).max_by_key(|same| same.len()).unwrap_or_default();
     let left_out = most.first().filter(|_| 2 * most.len() > repeats.len());
     samples.iter().map(|sample| if left_out == Some(sample) { f64::NAN } else { *sample }).collect()
-}
-
-fn doubt(samples: &[f64]) -> Option<String> {
-    let samples = &*without_one_value(samples);
-    let first = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite());
-    let first: Vec<f64> = first.collect();
-    let step = first.iter().copied().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    let repeats = share(&first, step, 0.0).or_else(|| coarse_share(samples, step));
-    let of_lines = || {
-        let second = samples.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
-        // tolerance for the rounding errors of two sums
-        let size = samples.iter().fold(0.0_f64, |most, sample| most.max(sample.abs()));
-        share(
-            &second.filter(|step| step.is_finite()).collect::<Vec<_>>(),
-            step,
-            2.0 * step + 8.0 * f64::EPSILON * size,
-        )
-    };
-    let (share, how) = match repeats {
-        Some(share) => (share, "repeat the one before"),
-        None => (of_lines()?, "lie on the line between neighbours"),
-    };
-    Some(format!("{:.0} % of the samples {how}; use the raw log", 100.0 * share))
 }
 
 /// Share of the differences that are at most `none`. Returns `None` if the share is below [`SAID`], or if the other
