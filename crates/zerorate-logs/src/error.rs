@@ -75,7 +75,3 @@ pub fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
         format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()),
     )
 }
-
-pub fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> InputError {
-    InputError::damaged(path, place.to_string(), what)
-}

@@ -7,7 +7,7 @@ use super::nested::{self, Place};
 use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
 use crate::choice::ColumnSelection;
-use crate::error::{LogError, Result, wrong};
+use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
@@ -288,7 +288,9 @@ impl<'a> Collector<'a> {
     /// Adds a message, which the bag recorded at `recorded_ns`, ns since 1970.
     pub fn push(&mut self, encoding: Encoding, message: &[u8], recorded_ns: i64) -> Result<(), InputError> {
         let number = self.messages;
-        let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.name), what);
+        let at = |what: String| {
+            InputError::damaged(self.path, format!("topic {}, message {number}", self.wanted.name), what)
+        };
         let room = self.values.first().map_or(Ok(()), |first| first.check_room(1));
         room.map_err(|why| InputError::over_budget(self.path, why))?;
         let message = unpacked(message).map_err(at)?;

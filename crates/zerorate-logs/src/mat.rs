@@ -356,6 +356,6 @@ impl Variable<'_> {
     }
 
     fn wrong(&self, path: &Path, row: usize, what: &str) -> InputError {
-        crate::error::wrong(path, format_args!("column {}, row {row}", self.name), what)
+        InputError::damaged(path, format!("column {}, row {row}", self.name), what)
     }
 }

@@ -8,7 +8,7 @@ use super::clock::Times;
 use super::open::{BUFFER, Log};
 use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
-use crate::error::{Result, wrong};
+use crate::error::Result;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
 use crate::stated_rate::{StatedRate, is_rate};
@@ -396,7 +396,7 @@ impl Data<'_> {
                 let offset = (field.offset - first) as usize;
                 let cells = Cells { bytes: &bytes[offset..], stride: stride as usize, size: field.size };
                 take(column, &cells).map_err(|(row, what)| {
-                    wrong(path, format_args!("column {}, row {}", field.name, from + row as u64), what)
+                    InputError::damaged(path, format!("column {}, row {}", field.name, from + row as u64), what)
                 })?;
             }
             if from + some < *rows {

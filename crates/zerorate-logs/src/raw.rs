@@ -4,7 +4,7 @@ use super::open::Log;
 use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
 use crate::clock::Times;
-use crate::error::{Result, wrong};
+use crate::error::Result;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
 use crate::raw_type::RawType;
@@ -42,7 +42,7 @@ pub fn read(log: Log<'_>, raw: RawType, asked: &ColumnQuery<'_>) -> Result<RawCo
     let mut block = Vec::new();
     while next(&mut input, BLOCK - BLOCK % raw.record(), &mut block).map_err(failed)? {
         let wrong = |channel: usize, row: usize, what: String| {
-            wrong(path, format_args!("column {}, row {}", names[channel], first + row as u64), what)
+            InputError::damaged(path, format!("column {}, row {}", names[channel], first + row as u64), what)
         };
         for (values, channel) in values.iter_mut().zip(&chosen) {
             let infinite = |row| wrong(*channel, row, format!("it is infinite: is {setting} right?"));

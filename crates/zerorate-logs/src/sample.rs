@@ -116,11 +116,6 @@ pub fn cells(column: &ArrayRef) -> Vec<Cell> {
     (0..column.len()).map(|row| word(row).unwrap_or(Cell::Missing)).collect()
 }
 
-/// True if values of a type are points in time, not durations.
-pub fn is_time(data_type: &DataType) -> bool {
-    matches!(data_type, DataType::Timestamp(..))
-}
-
 pub fn time_unit(data_type: &DataType) -> Option<TimeUnit> {
     let (DataType::Timestamp(unit, _) | DataType::Duration(unit)) = data_type else {
         return None;

@@ -4,7 +4,7 @@ use super::clock::Times;
 use super::sample::{self, Sampled};
 use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
-use crate::error::{LogError, Result, wrong};
+use crate::error::{LogError, Result};
 use crate::only::RowFilter;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
@@ -12,7 +12,7 @@ use crate::setting::Setting;
 use crate::warning::LogWarning;
 use arrow_array::types::{Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, BooleanArray, RecordBatch};
-use arrow_schema::Schema;
+use arrow_schema::{DataType, FieldRef, Schema};
 use arrow_select::filter::filter;
 use std::path::Path;
 use zerorate_allan::Gap;
@@ -80,7 +80,9 @@ impl<'a> TableColumns<'a> {
         }
         let default = described.map_or_else(Vec::new, |table| table.default_columns());
         let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
-        let clocks = schema.fields().iter().map(|field| sample::is_time(field.data_type())).collect();
+        // a duration is not a point in time
+        let is_time = |field: &FieldRef| matches!(field.data_type(), DataType::Timestamp(..));
+        let clocks = schema.fields().iter().map(is_time).collect();
         let all = Columns { path, names: names.clone(), numeric, clocks, settings: asked.args.names };
         let Choice { mut values, time, only } = all.choose(asked.wanted, asked.args, &default)?;
         let temperature = described.and_then(|table| table.temperature());
@@ -163,7 +165,7 @@ impl<'a> TableColumns<'a> {
             .iter()
             .map(rows)
             .collect::<Result<_, _>>()
-            .map_err(|error| wrong(self.path, format_args!("raw columns"), error.to_string()))
+            .map_err(|error| InputError::damaged(self.path, "raw columns", error.to_string()))
     }
 
     /// Adds the wanted rows of `columns`, which are the arrays of `self.columns` in their order.
@@ -174,13 +176,13 @@ impl<'a> TableColumns<'a> {
         self.values[0].values.check_room(more).map_err(|why| InputError::over_budget(self.path, why))?;
         if let (Some((name, times)), Some(column)) = (&mut self.time, columns.get(self.values.len())) {
             append_times(times, column).map_err(|(row, what)| {
-                wrong(self.path, format_args!("column {name}, row {}", first + row as u64), what)
+                InputError::damaged(self.path, format!("column {name}, row {}", first + row as u64), what)
             })?;
         }
         self.values.iter_mut().zip(columns).try_for_each(|(RawColumn { name, values, .. }, added)| {
             let first = values.rows();
             append_values(values, added).map_err(|(row, what)| {
-                wrong(self.path, format_args!("column {name}, row {}", first + row as u64), what)
+                InputError::damaged(self.path, format!("column {name}, row {}", first + row as u64), what)
             })
         })
     }
@@ -222,15 +224,17 @@ type Wrong = (usize, String);
 /// Adds values. Integers stay integers if they are small enough to be codes.
 fn append_values(values: &mut SeriesBuilder, column: &ArrayRef) -> Result<(), Wrong> {
     if column.data_type().is_integer() {
-        if let Ok(codes) = integers::<Int32Type>(column) {
-            match codes.null_count() {
-                0 => values.extend_codes(codes.values().iter().copied()),
-                _ => codes.iter().for_each(|code| push(values, code.map(i64::from))),
-            }
+        if let Ok(codes) = integers::<Int32Type>(column)
+            && codes.null_count() == 0
+        {
+            values.extend_codes(codes.values().iter().copied());
             return Ok(());
         }
         if let Ok(integers) = integers::<Int64Type>(column) {
-            integers.iter().for_each(|integer| push(values, integer));
+            integers.iter().for_each(|integer| match integer {
+                Some(integer) => values.push_integer(integer),
+                None => values.push_missing(),
+            });
             return Ok(());
         }
     }
@@ -242,13 +246,6 @@ fn append_values(values: &mut SeriesBuilder, column: &ArrayRef) -> Result<(), Wr
     match numbers.iter().position(|number| !values.push_number(number.unwrap_or(f64::NAN))) {
         Some(row) => Err(infinite(row)),
         None => Ok(()),
-    }
-}
-
-fn push(values: &mut SeriesBuilder, integer: Option<i64>) {
-    match integer {
-        Some(integer) => values.push_integer(integer),
-        None => values.push_missing(),
     }
 }
 

@@ -7,7 +7,7 @@ use super::open::{BUFFER, Log, ULOG};
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
 use crate::choice::{ColumnSelection, ColumnSpec, TEMPERATURE_COLUMN};
-use crate::error::{LogError, Result, wrong};
+use crate::error::{LogError, Result};
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
 use crate::setting::Setting;
@@ -314,7 +314,7 @@ impl Topics {
         let all = self.fields(id).unwrap_or_default();
         let named = |name: &str| all.iter().find(|field| field.name == name).cloned();
         let time = named("timestamp_sample").or_else(|| named("timestamp"));
-        let time = time.ok_or_else(|| wrong(path, format_args!("topic {topic}"), "it has no timestamp"))?;
+        let time = time.ok_or_else(|| InputError::damaged(path, format!("topic {topic}"), "it has no timestamp"))?;
         Ok(Chosen { id, topic: topic.to_owned(), time, fields })
     }
 

@@ -5,7 +5,6 @@ use super::blocks::Block;
 use super::dates::{self, DateFormat};
 use super::head::{Head, is_comment};
 use super::{header, sentence};
-use crate::error::wrong;
 use crate::options::MAX_BAD;
 use crate::sample::{Cell, ROWS, Sampled};
 use memchr::{memchr, memchr_iter};
@@ -348,8 +347,8 @@ impl Broken {
 /// An error in a line. If `what` names a column, the column becomes part of the place.
 pub fn at_line(path: &Path, line: u64, what: &str) -> InputError {
     match what.strip_prefix("column ").and_then(|rest| rest.split_once(": ")) {
-        Some((column, what)) => wrong(path, format_args!("line {line}, column {column}"), what),
-        None => wrong(path, format_args!("line {line}"), what),
+        Some((column, what)) => InputError::damaged(path, format!("line {line}, column {column}"), what),
+        None => InputError::damaged(path, format!("line {line}"), what),
     }
 }
 
