@@ -90,11 +90,4 @@ mod tests {
         let codes = noise(50_000).into_iter().map(|z| (0.3 * z).round() as i32);
         assert!(doubt(&Series::Codes(codes.collect())).is_some());
     }
-
-    #[test]
-    fn fine_numbers_and_none_have_no_steps() {
-        assert_eq!(doubt(&Series::Numbers(noise(10_000))), None);
-        assert_eq!(doubt(&Series::Numbers(vec![1.0; 10_000])), None);
-        assert_eq!(doubt(&Series::Numbers(vec![1.0, 2.0])), None);
-    }
 }

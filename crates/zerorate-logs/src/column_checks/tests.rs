@@ -9,7 +9,8 @@ fn checks(samples: &[f64]) -> ColumnChecks {
     ColumnChecks::of(&Input::Rate(samples))
 }
 
-/// Plain noise, noise with defects that the checks look for, and columns that are short, empty or all missing.
+/// Plain noise, noise with defects that the checks look for, and columns that are short, empty, constant or all
+/// missing.
 fn columns() -> Vec<Vec<f64>> {
     let with = |change: &dyn Fn(usize, f64) -> f64| -> Vec<f64> {
         noise(20_011).into_iter().enumerate().map(|(at, sample)| change(at, sample)).collect()
@@ -39,6 +40,8 @@ fn columns() -> Vec<Vec<f64>> {
         noise(513),
         noise(40),
         vec![f64::NAN; 2000],
+        vec![1.0; 10_000],
+        vec![1.0, 2.0],
         vec![],
     ]
 }
