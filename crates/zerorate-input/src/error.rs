@@ -78,13 +78,12 @@ impl InputError {
     /// An error of the Parquet library. An I/O error inside it stays an I/O error.
     #[cfg(feature = "parquet")]
     pub fn parquet(action: &'static str, path: &Path, error: ParquetError) -> Self {
-        let what = error.to_string();
+        let table = Self::Table { action, path: path.to_owned(), what: error.to_string() };
         match error {
-            ParquetError::External(source) => match source.downcast::<io::Error>() {
-                Ok(source) => Self::io(action, path, *source),
-                Err(_) => Self::Table { action, path: path.to_owned(), what },
-            },
-            _ => Self::Table { action, path: path.to_owned(), what },
+            ParquetError::External(source) => {
+                source.downcast::<io::Error>().map_or(table, |source| Self::io(action, path, *source))
+            }
+            _ => table,
         }
     }
 }

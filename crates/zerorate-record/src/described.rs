@@ -151,9 +151,9 @@ impl<'a> Validation<'a> {
     /// Returns the remaining values of each column, which are validated only at the end.
     fn rest(&mut self) -> Result<Vec<ArrayRef>, InputError> {
         let valid: Vec<Valid> = self.axes.iter_mut().map(AxisValidation::rest).collect();
-        let judged = |(_, readings): &mut (usize, Option<Readings>)| match readings {
-            Some(readings) => readings.rest(&valid),
-            None => Ok(arrow_array::new_empty_array(&arrow_schema::DataType::Int64)),
+        let empty = || Ok(arrow_array::new_empty_array(&arrow_schema::DataType::Int64));
+        let judged = |(_, readings): &mut (usize, Option<Readings>)| {
+            readings.as_mut().and_then(|readings| readings.rest(&valid)).unwrap_or_else(empty)
         };
         self.columns.iter_mut().map(judged).collect::<Result<_, _>>().map_err(|error| failed(self.path, &error))
     }
@@ -290,11 +290,9 @@ impl Readings {
         masked(&values.slice(0, valid.len()), valid)
     }
 
-    /// Returns the remaining values, which are validated only at the end.
-    fn rest(&mut self, valid: &[Valid]) -> Result<ArrayRef, ArrowError> {
-        let tail = self.tail.take();
-        let empty = || Ok(arrow_array::new_empty_array(&arrow_schema::DataType::Int64));
-        tail.map_or_else(empty, |values| masked(&values, self.of_channel(valid)))
+    /// Returns the remaining values, which are validated only at the end; `None` if there are none.
+    fn rest(&mut self, valid: &[Valid]) -> Option<Result<ArrayRef, ArrowError>> {
+        Some(masked(&self.tail.take()?, self.of_channel(valid)))
     }
 
     fn of_channel<'a>(&self, valid: &'a [Valid]) -> &'a [bool] {
