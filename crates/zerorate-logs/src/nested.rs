@@ -81,13 +81,13 @@ impl Definitions<'_> {
             let Some(plain) = plain(element) else {
                 let kind = self.resolve(element, &package)?;
                 match many {
-                    Many::One => {
+                    None => {
                         if is_imu(&kind) {
                             found.push(Place { path: path.clone(), before: before.clone() });
                         }
                         self.follow(&kind, &path, before, found, depth)?;
                     }
-                    many => {
+                    Some(many) => {
                         let mut inside = Vec::new();
                         self.follow(&kind, &path, &mut inside, &mut Vec::new(), depth)?;
                         before.push(many.of(inside));
@@ -96,8 +96,8 @@ impl Definitions<'_> {
                 continue;
             };
             before.push(match many {
-                Many::One => plain,
-                many => many.of(vec![plain]),
+                None => plain,
+                Some(many) => many.of(vec![plain]),
             });
         }
         Some(())
@@ -120,9 +120,8 @@ fn declaration(line: &str) -> Option<(&str, &str)> {
     (!is_constant).then_some((kind, name))
 }
 
-/// The number of elements of a field: one, a known number, or a number that the message states.
+/// The number of elements of an array: a known number, or a number that the message states.
 enum Many {
-    One,
     Known(usize),
     Stated,
 }
@@ -130,23 +129,20 @@ enum Many {
 impl Many {
     fn of(self, element: Vec<Field>) -> Field {
         match self {
-            Self::One => Field::Array(1, element),
             Self::Known(count) => Field::Array(count, element),
             Self::Stated => Field::Sequence(element),
         }
     }
 }
 
-/// Splits a type into the type of an element and their number: `float64`, `float64[9]`, `float64[]`, `float64[<=9]`.
-fn split_array(kind: &str) -> Option<(&str, Many)> {
+/// Splits a type into the type of an element and, in an array, their number: `float64`, `float64[9]`, `float64[]`,
+/// `float64[<=9]`.
+fn split_array(kind: &str) -> Option<(&str, Option<Many>)> {
     let Some((element, count)) = kind.strip_suffix(']').and_then(|kind| kind.rsplit_once('[')) else {
-        return Some((kind, Many::One));
+        return Some((kind, None));
     };
-    match count {
-        "" => Some((element, Many::Stated)),
-        _ if count.starts_with("<=") => Some((element, Many::Stated)),
-        _ => Some((element, Many::Known(count.parse().ok()?))),
-    }
+    let is_stated = count.is_empty() || count.starts_with("<=");
+    Some((element, Some(if is_stated { Many::Stated } else { Many::Known(count.parse().ok()?) })))
 }
 
 /// The field of a built-in type of the message language; `None` for other types.

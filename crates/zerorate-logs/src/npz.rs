@@ -9,7 +9,7 @@ use crate::raw_columns::RawColumns;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 use zerorate_input::catch_panic::catch_panic;
-use zerorate_input::limits::{MemoryBudget, OverBudget};
+use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError};
 use zip::ZipArchive;
 use zip::result::{ZipError, ZipResult};
@@ -106,6 +106,6 @@ impl Archive<'_> {
             io::copy(&mut file.take(room.bytes_on_disk().saturating_sub(*bytes).saturating_add(1)), out)
         });
         *bytes += copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
-        room.check_on_disk(*bytes).map_err(|why: OverBudget| Unpacking::OverBudget(why))
+        room.check_on_disk(*bytes).map_err(Unpacking::OverBudget)
     }
 }

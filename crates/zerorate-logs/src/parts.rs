@@ -49,8 +49,7 @@ pub fn read_parts(
     wanted: ColumnSelection<'_>,
     args: &ColumnOptions,
 ) -> Result<Vec<Column>> {
-    let (columns, no_rate) = read_without_rate(path, parts, wanted, args)?;
-    no_rate.map_or(Ok(columns), Err)
+    found(path, parts.into(), &ColumnQuery::of(wanted, args))?.finish(path, args)
 }
 
 /// Reads columns as [`read_parts`] does. If the log does not state the rate, also returns the question for it.

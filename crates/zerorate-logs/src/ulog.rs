@@ -231,6 +231,13 @@ impl Topics {
         Some(fields)
     }
 
+    /// The fields of a topic with readings of an IMU, each with its full name.
+    fn axes(&self, topic: &str, id: u16) -> Vec<(String, Field)> {
+        let fields = self.fields(id).unwrap_or_default().into_iter();
+        let axes = fields.filter(|field| stated(topic, &field.name).is_some());
+        axes.map(|field| (format!("{topic}.{}", field.name), field)).collect()
+    }
+
     fn expand(&self, format: &str, before: &str, at: &mut usize, depth: usize, fields: &mut Vec<Field>) -> Option<()> {
         let depth = depth.checked_sub(1)?;
         for (kind, name) in self.formats.get(format)? {
@@ -281,12 +288,7 @@ impl Topics {
                 return Err(ask("has several columns".to_owned()));
             }
             let topic = asked.args.topic.as_deref().unwrap_or("sensor_combined");
-            let fields = |id: &u16| {
-                let fields = self.fields(*id).unwrap_or_default().into_iter();
-                let fields = fields.filter(|field| stated(topic, &field.name).is_some());
-                fields.map(|field| (format!("{topic}.{}", field.name), field)).collect::<Vec<_>>()
-            };
-            let chosen = names.get(topic).map(|id| (*id, fields(id))).filter(|(_, fields)| !fields.is_empty());
+            let chosen = names.get(topic).map(|id| (*id, self.axes(topic, *id))).filter(|(_, axes)| !axes.is_empty());
             let Some((id, fields)) = chosen else { return Err(self.several(path, asked)) };
             return self.chosen(path, topic, id, fields);
         }
@@ -333,12 +335,8 @@ impl Topics {
 
     /// Lists the fields with readings of IMUs or, without any, the topics. A request may name any other field as well.
     fn offered(&self) -> String {
-        let of_topic = |(topic, id): (&String, &u16)| {
-            let fields = self.fields(*id).unwrap_or_default().into_iter();
-            let fields = fields.filter(|field| stated(topic, &field.name).is_some());
-            fields.map(|field| format!("{topic}.{}", field.name)).collect::<Vec<_>>()
-        };
-        let offered: Vec<String> = self.names().iter().flat_map(of_topic).collect();
+        let axes = |(topic, id): (&String, &u16)| self.axes(topic, *id).into_iter().map(|(name, _)| name);
+        let offered: Vec<String> = self.names().iter().flat_map(axes).collect();
         match offered.is_empty() {
             true => format!("TOPIC.FIELD of its topics {}", self.names().into_keys().collect::<Vec<_>>().join(", ")),
             false => offered.join(", "),
