@@ -54,15 +54,13 @@ impl Lines {
 
     /// The next line that is not blank; `None` at the end of the text.
     pub fn next_line(&mut self) -> Result<Option<Line<'_>>, InputError> {
-        loop {
-            if !self.read()? {
-                return Ok(None);
-            }
+        while self.read()? {
             if !self.text()?.is_empty() {
-                break;
+                let ended = self.bytes.ends_with(b"\n");
+                return Ok(Some(Line { number: self.number, text: self.text()?, ended }));
             }
         }
-        Ok(Some(Line { number: self.number, text: self.text()?, ended: self.bytes.ends_with(b"\n") }))
+        Ok(None)
     }
 
     fn read(&mut self) -> Result<bool, InputError> {

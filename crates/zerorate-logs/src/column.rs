@@ -41,11 +41,10 @@ pub struct Column {
 impl Column {
     /// Creates a column with neither gaps nor a unit. Its samples are not checked.
     pub fn new(name: &str, series: Series, rate_hz: f64) -> Self {
-        let (name, gaps, warnings) = (name.to_owned(), Vec::new(), Vec::new());
         Self {
-            name,
+            name: name.to_owned(),
             series,
-            gaps,
+            gaps: Vec::new(),
             skipped_s: 0.0,
             start_s: None,
             rate_hz,
@@ -53,7 +52,7 @@ impl Column {
             scale: 1.0,
             step: 1.0,
             is_scaled: false,
-            warnings,
+            warnings: Vec::new(),
             facts: None,
         }
     }

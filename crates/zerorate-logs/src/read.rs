@@ -88,15 +88,10 @@ fn found(mut log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     match form.map(|form| form.reader) {
         Some(Ok(read)) => read(log, asked),
         Some(Err(missing)) => Err(InputError::not_built_in(log.path, missing).into()),
-        None => read_table_or_text(log, asked),
-    }
-}
-
-fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
-    let path = log.path;
-    match open_table(path, log.input)? {
-        Opened::Table(source) => tabular::read(path, source, log.room, asked),
-        Opened::Other(input) => text::read(path, input, log.room, asked),
+        None => match open_table(log.path, log.input)? {
+            Opened::Table(source) => tabular::read(log.path, source, log.room, asked),
+            Opened::Other(input) => text::read(log.path, input, log.room, asked),
+        },
     }
 }
 

@@ -174,16 +174,15 @@ impl<'a> TableColumns<'a> {
         let Some(first) = self.values.first() else { return Ok(()) };
         let (first, more) = (first.values.rows(), columns.first().map_or(0, |column| column.len() as u64));
         self.values[0].values.check_room(more).map_err(|why| InputError::over_budget(self.path, why))?;
+        let path = self.path;
+        let wrong = |name: &str, (row, what): Wrong| {
+            InputError::damaged(path, format!("column {name}, row {}", first + row as u64), what)
+        };
         if let (Some((name, times)), Some(column)) = (&mut self.time, columns.get(self.values.len())) {
-            append_times(times, column).map_err(|(row, what)| {
-                InputError::damaged(self.path, format!("column {name}, row {}", first + row as u64), what)
-            })?;
+            append_times(times, column).map_err(|what| wrong(name, what))?;
         }
         self.values.iter_mut().zip(columns).try_for_each(|(RawColumn { name, values, .. }, added)| {
-            let first = values.rows();
-            append_values(values, added).map_err(|(row, what)| {
-                InputError::damaged(self.path, format!("column {name}, row {}", first + row as u64), what)
-            })
+            append_values(values, added).map_err(|what| wrong(name, what))
         })
     }
 
