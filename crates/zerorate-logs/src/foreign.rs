@@ -238,27 +238,6 @@ fn logs_of_ardupilot() {
 }
 
 #[test]
-fn a_file_that_is_not_a_log_gets_advice() {
-    for (start, said) in [
-        (&b"{\"t\":0,\n\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
-        (b"\xA3\x95\x80\x80\x59FMT", "a log of ArduPilot without messages IMU, GYR or ACC"),
-        (b"FMT, 128, 89, FMT, BBnNZ, Type,Length\n", "`mavlogdump.py --format csv --types IMU FILE > imu.csv`"),
-        (b"[{\"t\":0}]", "it is JSON"),
-        (b"# A zerorate calibration (docs", "`zerorate report` shows it"),
-        (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1....", "save the sheet as CSV"),
-        (b"\x80\x05\x95....", "a pickle of Python"),
-        (b"\xB5\x62\x10\x02....", "pyubx2"),
-        (b"TDSm\x0E\0\0\0", "nptdms"),
-        (b"RDX3\nX\n....", "`write.csv("),
-        (b"H Product:Blackbox flight data recorder by", "`blackbox_decode FILE`"),
-        (b"\xFA\xFF\x36....", "MT Manager"),
-    ] {
-        let fails = fails(start, "--rate 1");
-        assert!(fails.contains(said), "{fails}");
-    }
-}
-
-#[test]
 fn text_of_two_bytes_to_a_character() {
     let text = "t_ms;gz_°/s\r\n0;0,5\r\n10;-1,25\r\n20;3,0\r\n";
     let wide = |mark: &str, to_bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {

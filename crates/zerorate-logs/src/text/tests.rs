@@ -338,19 +338,31 @@ fn the_empty_comment_of_labview_is_dropped() {
 }
 
 #[test]
-fn messages_that_are_not_tables_are_named() {
-    for (text, named) in [
-        ("%RAWIMUSA,1815,407771.985;1815,1,77,1,2,3,4,5,6*69e4a62c\n", "messages of NovAtel"),
-        ("%RAWIMUSXA,1105,150000.000;00,11,1105,150000.0,00000077,1,2,3,4,5,6*1234abcd\n", "the manual of the IMU"),
-        ("%CORRIMUDATASA,1,2;1105,150000.0,1e-7,2e-7,3e-7,0.1,0.1,9.8*1234abcd\n", "in rad and m/s"),
-        ("#INSPVAXA,COM1,0,73.5,FINESTEERING,1695,309428.0;51.1,-114.0*e877c178\n", "without rates"),
-        ("header:\n  stamp:\n    sec: 1\n    nanosec: 0\n", "`ros2 topic echo --csv TOPIC"),
-        ("header: \n  seq: 0\nangular_velocity: \n  x: 0.1\n", "`rostopic echo -p TOPIC"),
-        (" can0  188   [2]  00 1F\n can0  188   [2]  01 1F\n", "cantools"),
-        ("{\n  \"rotations\": [\n    {\"x\": 0.1}\n", "it is JSON"),
+fn files_that_are_not_logs_get_advice() {
+    for (start, advice) in [
+        (&b"{\"t\":0,\n\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
+        (b"\xA3\x95\x80\x80\x59FMT", "a log of ArduPilot without messages IMU, GYR or ACC"),
+        (b"FMT, 128, 89, FMT, BBnNZ, Type,Length\n", "`mavlogdump.py --format csv --types IMU FILE > imu.csv`"),
+        (b"[{\"t\":0}]", "it is JSON"),
+        (b"# A zerorate calibration (docs", "`zerorate report` shows it"),
+        (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1....", "save the sheet as CSV"),
+        (b"\x80\x05\x95....", "a pickle of Python"),
+        (b"\xB5\x62\x10\x02....", "pyubx2"),
+        (b"TDSm\x0E\0\0\0", "nptdms"),
+        (b"RDX3\nX\n....", "`write.csv("),
+        (b"H Product:Blackbox flight data recorder by", "`blackbox_decode FILE`"),
+        (b"\xFA\xFF\x36....", "MT Manager"),
+        (b"%RAWIMUSA,1815,407771.985;1815,1,77,1,2,3,4,5,6*69e4a62c\n", "messages of NovAtel"),
+        (b"%RAWIMUSXA,1105,150000.000;00,11,1105,150000.0,00000077,1,2,3,4,5,6*1234abcd\n", "the manual of the IMU"),
+        (b"%CORRIMUDATASA,1,2;1105,150000.0,1e-7,2e-7,3e-7,0.1,0.1,9.8*1234abcd\n", "in rad and m/s"),
+        (b"#INSPVAXA,COM1,0,73.5,FINESTEERING,1695,309428.0;51.1,-114.0*e877c178\n", "without rates"),
+        (b"header:\n  stamp:\n    sec: 1\n    nanosec: 0\n", "`ros2 topic echo --csv TOPIC"),
+        (b"header: \n  seq: 0\nangular_velocity: \n  x: 0.1\n", "`rostopic echo -p TOPIC"),
+        (b" can0  188   [2]  00 1F\n can0  188   [2]  01 1F\n", "cantools"),
+        (b"{\n  \"rotations\": [\n    {\"x\": 0.1}\n", "it is JSON"),
     ] {
-        let why = fails(text, "--rate 10");
-        assert!(why.contains(named), "{why}");
+        let why = fails(start, "--rate 10");
+        assert!(why.contains(advice), "{why}");
     }
 }
 
