@@ -98,7 +98,7 @@ fn compare(input: &Input<'_>, tables: &[Table]) -> Tally {
     tally
 }
 
-/// Checks our limits against those of the row. Returns whether the row has any.
+/// Checks our limits against the limits of the row. Returns whether the row has any.
 fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> bool {
     if row.hi == 0.0 {
         return false;

@@ -197,7 +197,7 @@ fn the_speed_of_time_can_be_changed_while_it_passes() {
     }
 }
 
-/// The written values are those of F-30, typed again from docs/facts.md.
+/// The written values come from F-30, typed again from docs/facts.md.
 #[test]
 fn the_registers_of_the_twin_can_be_read_before_its_samples() {
     for device in ["twin:", "twin:axes=3"] {

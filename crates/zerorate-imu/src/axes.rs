@@ -246,7 +246,7 @@ fn is_temperature(column: &Column) -> bool {
     column.quantity.map_or_else(|| is_temperature_name(&column.name), |quantity| quantity == Quantity::Temperature)
 }
 
-/// True if a name is that of a temperature: `temp_c`, `imu_temp`, `Temperature`, `T`.
+/// True if a name says a temperature: `temp_c`, `imu_temp`, `Temperature`, `T`.
 fn is_temperature_name(name: &str) -> bool {
     let is_time = name == "t" || TimeUnit::of_column(name).is_some();
     let name = name.rsplit('.').next().unwrap_or_default().to_lowercase();

@@ -4,7 +4,7 @@ use super::Kind;
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogError, Names, Result, STANDARD_GRAVITY, Series, Setting, Unit};
 
-/// The user's statement that the columns of a kind hold integer codes. Unit and scale are then those of one code step.
+/// The user's statement that the columns of a kind hold integer codes. Unit and scale then belong to one code step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Codes {
     /// The option that says that the columns hold codes.

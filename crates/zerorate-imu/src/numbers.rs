@@ -21,7 +21,7 @@ pub enum Rule {
     /// `AsFitted`. `None` takes a third of the record, but at most the limit for the use in the program that reads the
     /// noise file.
     Covers(Option<f64>),
-    /// N and K are those of the model, or their upper limits if they are not identified.
+    /// N and K come from the model, or are their upper limits if they are not identified.
     AsFitted,
 }
 
@@ -160,7 +160,7 @@ impl Axis<'_> {
             let from = format!("{letter} of {axis}, covers the noise up to {horizon_s:.0} s; {fitted}");
             SourcedNumber { value: value * self.si(), from }
         };
-        // if N alone covers the noise, K is that of the fit
+        // if N alone covers the noise, K comes from the fit
         let of_n = n_covers * n_covers / horizon_s;
         let is_seen = k_covers * k_covers * horizon_s / 3.0 > SEEN * of_n;
         let k = if is_seen { covers("K", k_covers, &self.fit.k) } else { k };
@@ -253,9 +253,9 @@ impl Numbers {
     }
 }
 
-/// The correlation time that all axes share, s: the geometric mean of those of the largest Gauss–Markov term of each
-/// axis. Without such terms, that of a process whose Allan deviation peaks at the longest averaging time that all
-/// models cover. If there are gyroscopes, only they count: accelerometers often have other correlation times.
+/// The correlation time that all axes share, s: the geometric mean over the largest Gauss–Markov term of each axis.
+/// Without such terms, a process has it whose Allan deviation peaks at the longest averaging time that all models
+/// cover. If there are gyroscopes, only they count: accelerometers often have other correlation times.
 fn correlation_time(axes: &[Axis<'_>]) -> SourcedNumber {
     let kind = axes.iter().map(|axis| axis.kind).find(|kind| *kind == Kind::Gyroscope);
     let of_kind = || axes.iter().filter(|axis| kind.is_none_or(|kind| axis.kind == kind));

@@ -37,7 +37,7 @@ struct FitUpTo {
     /// Whether the shape follows the filter up to `top_hz`, the white noise shows in the spectrum, the model error is
     /// small, and N agrees with the other fair ends.
     is_fair: bool,
-    /// The fitted parameters without those of the shape.
+    /// The fitted parameters without the parameters of the shape.
     slow: Vec<f64>,
 }
 

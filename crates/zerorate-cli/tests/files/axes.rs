@@ -9,7 +9,7 @@ use std::path::Path;
 use zerorate::{Calibration, Part};
 use zerorate_record::{CaptureInfo, CaptureWriter, Format, Layout, Row};
 
-/// The part file. Its scales come from the data sheet. Its noise is about that of the real log in the last test.
+/// The part file. Its scales come from the data sheet. Its noise is about as large as the real log's in the last test.
 const PART: &str = r#"
 schema = 1
 name = "ADIS16405"

@@ -227,7 +227,7 @@ fn a_rejected_axis_writes_a_file_only_when_forced() {
     assert!(yaml.contains("# NOT A RESULT: gyro_y_dps: the noise model is off by "), "{yaml}");
 }
 
-/// Ctrl-C while a log is piped in without end: the exit code is that of a signal, and no file is left.
+/// Ctrl-C while a log is piped in without end: the exit code tells of a signal, and no file is left.
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_nothing_behind() {

@@ -36,7 +36,7 @@ pub struct ChamberProgress {
     pub state: ChamberState,
     /// Index of the present step, from 0. After the last step it is the number of steps.
     pub step: usize,
-    /// Number of steps of the plan, those of every cycle included.
+    /// Number of steps of the plan, with the steps of every cycle.
     pub steps: usize,
     /// Time since the first reading of this run, s.
     pub elapsed_s: f64,

@@ -95,7 +95,7 @@ struct File {
     axis: Vec<AxisForm>,
 }
 
-/// The tables of an axis, which replace those of the part.
+/// The tables of an axis, which replace the tables of the part.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AxisForm {

@@ -107,7 +107,7 @@ impl PartProcedure {
         Ok(ended)
     }
 
-    /// The uncertainties if the recording ended now ([`Procedure::reached`]). Each number is that of its worst axis.
+    /// The uncertainties if the recording ended now ([`Procedure::reached`]). Each number comes from its worst axis.
     pub fn reached(&self) -> Option<Result<Reached, AxisRefusal>> {
         let of = |(index, axis): (usize, &Procedure)| {
             Some(axis.reached()?.map_err(|refusal| AxisRefusal::new(&self.part, index, refusal)))

@@ -53,7 +53,7 @@ impl Reached {
         looked_s + (looked_s / 10.0).max(60.0)
     }
 
-    /// Combines two axes: each number is that of the worse axis.
+    /// Combines two axes: each number comes from the worse axis.
     pub(crate) fn or_worse(self, other: Self) -> Self {
         Self {
             u_dps: self.u_dps.max(other.u_dps),

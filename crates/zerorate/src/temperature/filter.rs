@@ -3,7 +3,7 @@
 //!
 //! The gains of a Kalman filter do not depend on the data, so it is a linear map of a series to its innovations, which
 //! are white. The innovations of all series give the normal equations of generalised least squares, in a time that is
-//! linear in the blocks. The method is that of Harvey, Forecasting, Structural Time Series Models and the Kalman
+//! linear in the blocks. The method comes from Harvey, Forecasting, Structural Time Series Models and the Kalman
 //! Filter, 1989, section 3.4.2. The random walk at the end is the part of the bias that no column describes.
 
 use super::{Block, Noise, gls};

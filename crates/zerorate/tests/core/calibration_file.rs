@@ -189,7 +189,7 @@ fn the_uncertainty_of_a_correction_is_propagated() {
 }
 
 /// Simulates many measurements of a bias that is a line over temperature. Mean rate, T3 and BTC have random errors.
-/// The error of BTC is correlated with that of the mean rate.
+/// The errors of BTC and of the mean rate are correlated.
 #[test]
 fn the_uncertainty_of_a_correction_is_the_scatter_of_many_measurements() {
     const DRAWS: u32 = 40_000;

@@ -98,7 +98,7 @@ const UNSETTLED: f64 = 3.0;
 const LEFT: (f64, f64) = (1.0, 0.01);
 
 impl LogCurve {
-    /// The warnings about the curve, which comes from these logs. `unit` is that of the samples.
+    /// The warnings about the curve, which comes from these logs. `unit` is the unit of the samples.
     #[must_use]
     pub fn warnings(&self, logs: &[LogMeans], unit: &'static str) -> Vec<CurveWarning> {
         let (low_c, high_c) = self.span_c();
