@@ -1,3 +1,4 @@
+import type { App } from "./app";
 import { h } from "./dom";
 
 export function droppable(words: string, accept: string, take: (files: File[]) => void): HTMLElement {
@@ -25,4 +26,10 @@ export function droppable(words: string, accept: string, take: (files: File[]) =
     take([...(event.dataTransfer?.files ?? [])]);
   });
   return zone;
+}
+
+/** The only file, or the first of several, which is then named. */
+export function only([file, another]: File[], app: App): File | undefined {
+  if (file && another) app.tell(`One file at a time: ${file.name}.`, "wrong");
+  return file;
 }

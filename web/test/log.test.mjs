@@ -1,16 +1,14 @@
 // Logs in every form on the page: results, questions, and messages about damaged logs.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { before, test } from "node:test";
+import { test } from "node:test";
 import { fixture, giveLog, logIsDone, LOGS, SHORT, STATED, warming } from "./logs.mjs";
 import { staticHome } from "./static.mjs";
 import { bars, becomes, open, recorded, without } from "./world.mjs";
 
-const home = staticHome();
 let page, context, faults;
-
-before(async () => {
-  ({ page, context, faults } = await open(home.browser, `${home.site.url}#log`));
+const home = staticHome(async ({ browser, site }) => {
+  ({ page, context, faults } = await open(browser, `${site.url}#log`));
 });
 
 const give = (name, buffer) => giveLog(page, name, buffer);
@@ -82,6 +80,17 @@ for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
     if (!name.endsWith(".csv")) await isSaid(name, bytes().subarray(0, Math.floor(damaged.length / 2)));
   });
 }
+
+test("of two logs the first is read, and named", async () => {
+  const two = await page.evaluateHandle(() => {
+    const transfer = new DataTransfer();
+    for (const name of ["one.csv", "two.csv"]) transfer.items.add(new File(["gx_dps\n1\n2\n"], name));
+    return transfer;
+  });
+  await page.dispatchEvent(".intake .drop", "drop", { dataTransfer: two });
+  await page.getByText("One file at a time: one.csv.").waitFor();
+  await logIsDone(page);
+});
 
 test("a picture opens large, and closes", async () => {
   await give("rest.csv", LOGS["rest.csv"].bytes());

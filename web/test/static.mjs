@@ -17,13 +17,14 @@ const TYPES = {
   webmanifest: "application/manifest+json",
 };
 
-/** A browser, the static page and a folder for all tests of a file. */
-export function staticHome() {
+/** A browser, the static page and a folder for all tests of a file. `begin` is called once they are there. */
+export function staticHome(begin = async () => {}) {
   const home = { browser: undefined, site: undefined, folder: undefined };
   before(async () => {
     home.folder = mkdtempSync(`${tmpdir()}/zerorate-page-`);
     home.browser = await launch();
     home.site = await serveFolder(PAGE);
+    await begin(home);
   });
   after(async () => {
     await home.browser?.close();

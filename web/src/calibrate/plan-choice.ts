@@ -1,6 +1,6 @@
 import type { App } from "../app";
 import { h, mark, say } from "../dom";
-import { droppable } from "../drop";
+import { droppable, only } from "../drop";
 
 /** A plan that comes with the software, in plain words. */
 interface Shipped {
@@ -37,7 +37,7 @@ export class PlanChoice {
   #text = "";
 
   constructor(readonly app: App) {
-    const drop = droppable("A plan of your own (TOML)", ".toml", ([file]) => void this.#take(file));
+    const drop = droppable("A plan of your own (TOML)", ".toml", (files) => void this.#take(only(files, app)));
     const [own, ownLabel] = this.#option(OWN, "Your own", "A file with a set point for each step. Drop it below.");
     this.#own = own;
     this.#own.disabled = true;

@@ -1,6 +1,6 @@
 import type { App } from "../app";
 import { button, h } from "../dom";
-import { droppable } from "../drop";
+import { droppable, only } from "../drop";
 import { storage } from "../storage";
 import type { Inside } from "../link/inside";
 import { connectChosen, release } from "../port";
@@ -74,7 +74,8 @@ export class Opener {
   }
 
   #capture(): HTMLElement {
-    const open = ([file]: File[]) => {
+    const open = (files: File[]) => {
+      const file = only(files, this.app);
       if (!file) return;
       void release(this.inside);
       this.inside.open({ is: "capture", file });

@@ -1,6 +1,6 @@
 import type { App, Page } from "../app";
 import { button, h, say } from "../dom";
-import { droppable } from "../drop";
+import { droppable, only } from "../drop";
 import { significant } from "../digits";
 import type { LogSettings, LogInspection } from "../protocol";
 import type { FromLog, ToLog } from "../worker/log-messages";
@@ -77,10 +77,8 @@ export class Log implements Page {
   }
 
   #take(files: File[]): void {
-    const [file] = files;
-    if (!file) return;
-    if (files.length > 1) this.app.tell(`This page reads one log at a time: ${file.name}.`, "wrong");
-    this.open(file);
+    const file = only(files, this.app);
+    if (file) this.open(file);
   }
 
   #look(settings: LogSettings): void {
