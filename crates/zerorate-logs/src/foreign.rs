@@ -58,6 +58,16 @@ fn bags_with_nested_imus() {
 }
 
 #[test]
+fn a_record_of_mcap_longer_than_any_file_ends_it() {
+    let mut bytes = include_bytes!("../fixtures/imu_zstd.mcap").to_vec();
+    let third = bytes.len() / 3;
+    bytes[third..].fill(0x5A);
+    let column = read_file(bytes, "--column z").unwrap();
+    assert!(column.warnings[0].to_string().contains("was not closed or is damaged"), "{:?}", column.warnings);
+    assert_eq!(column.series.len(), 9);
+}
+
+#[test]
 fn bags_of_several_files() {
     let path = Path::new("bag_of_two");
     let parts = || {

@@ -76,6 +76,7 @@ impl<R: Read> Messages<R> {
 
 /// Offset of the end of a file according to its records; `None` if the file was not closed.
 pub fn end(file: &Input) -> io::Result<Option<u64>> {
+    let file_length = file.length()?;
     let mut records = BufReader::with_capacity(BUFFER, file.try_clone()?);
     let mut at = MAGIC.len() as u64;
     records.seek(SeekFrom::Start(at))?;
@@ -93,8 +94,11 @@ pub fn end(file: &Input) -> io::Result<Option<u64>> {
         if kind == FOOTER {
             return Ok(Some(end.saturating_add(MAGIC.len() as u64)));
         }
-        let Ok(skip) = i64::try_from(length) else { return Ok(None) };
-        records.seek_relative(skip)?;
+        // some file systems refuse to seek far behind the end
+        if end > file_length {
+            return Ok(None);
+        }
+        records.seek_relative(length.cast_signed())?;
         at = end;
     }
 }
